@@ -1,0 +1,109 @@
+//! `tautline identify`.
+
+use super::outcome::Talk;
+use super::progress;
+use crate::identify::{CurveKind, Form, Settings, combination, identify, read_trials};
+use crate::log::Campaign;
+use crate::problem::Result;
+use crate::report::terminal::write_summary;
+use crate::report::{IDENTIFICATION_FILES, Output, identification, write_identification};
+use clap::ValueEnum;
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+#[derive(Debug, clap::Args)]
+#[command(after_help = "Examples:
+  tautline identify data/elbow -o out
+  tautline identify data/davinci_l4 -o out --estimate-backlash     no sweeps: fits whole series
+  tautline identify data/elbow -o out --refine --json | jq .friction")]
+pub struct Arguments {
+    /// Folder with a campaign.toml and its logs
+    campaign: PathBuf,
+    /// Folder to write: model.json, report.html, trials.csv, plots/
+    #[arg(short, long)]
+    output: PathBuf,
+    #[command(flatten)]
+    choices: Choices,
+    /// Polish all parameters together on the whole series, if trials that the fit did not see gain by it
+    #[arg(long)]
+    refine: bool,
+    /// Write the plots as PNG too
+    #[arg(long)]
+    png: bool,
+    /// Replace an existing output folder
+    #[arg(long)]
+    force: bool,
+}
+
+/// Choices of the protocol's last two steps.
+#[derive(Debug, Clone, Copy, clap::Args)]
+pub struct Choices {
+    /// Form of B(v) that the model takes
+    #[arg(long, value_enum, default_value_t = FormChoice::Two)]
+    pub form: FormChoice,
+    /// Curve of the combination [default: the one that the data support best]
+    #[arg(long, value_enum)]
+    pub combination: Option<CurveChoice>,
+    /// Find the clearance X_cl from the reversals instead of taking backlash_m
+    #[arg(long)]
+    pub estimate_backlash: bool,
+}
+
+#[derive(Debug, Clone, Copy, ValueEnum)]
+pub enum FormChoice {
+    /// Two exponentials: the paper's seven parameters
+    Two,
+    /// One exponential
+    One,
+    /// Whichever the data support
+    Supported,
+}
+
+#[derive(Debug, Clone, Copy, ValueEnum)]
+pub enum CurveChoice {
+    Sign,
+    Linear,
+    Arctan,
+    Power,
+}
+
+impl Choices {
+    pub fn settings(&self, refine: bool) -> Settings {
+        let form = match self.form {
+            FormChoice::Two => Form::Two,
+            FormChoice::One => Form::One,
+            FormChoice::Supported => Form::Supported,
+        };
+        let wanted = self.combination.map(|choice| match choice {
+            CurveChoice::Sign => CurveKind::Sign,
+            CurveChoice::Linear => CurveKind::Linear,
+            CurveChoice::Arctan => CurveKind::Arctan,
+            CurveChoice::Power => CurveKind::Power,
+        });
+        let combination = combination::Settings { wanted, estimate_backlash: self.estimate_backlash };
+        Settings { form, combination, refine }
+    }
+}
+
+pub fn run(arguments: &Arguments, talk: &Talk) -> Result<ExitCode> {
+    let campaign = Campaign::read(&arguments.campaign)?;
+    let output = Output::begin(&arguments.output, arguments.force, IDENTIFICATION_FILES)?;
+    let bar = progress::bar(talk, "reading", campaign.trials.len());
+    let readings = read_trials(&campaign, &|| bar.inc(1))?;
+    bar.finish_and_clear();
+    let found = identify(&campaign, readings, arguments.choices.settings(arguments.refine))?;
+    let name = campaign_name(&campaign);
+    write_identification(&found, &name, &output, arguments.png)?;
+    output.finish()?;
+    talk.result(
+        || identification::to_json(&found, &name),
+        |out| write_summary(out, &found, &name, Some(&arguments.output)),
+    );
+    Ok(ExitCode::SUCCESS)
+}
+
+/// What reports call the campaign: its folder's name, whatever the path that led there.
+fn campaign_name(campaign: &Campaign) -> String {
+    let folder = std::path::absolute(&campaign.folder).unwrap_or_else(|_| campaign.folder.clone());
+    folder.file_name().map_or_else(|| campaign.joint.name.clone(), |name| name.to_string_lossy().into_owned())
+}

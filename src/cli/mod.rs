@@ -1,0 +1,66 @@
+//! The command line: one file per subcommand, no mathematics in it.
+//!
+//! Exit status: 0 done, 1 a judgement that failed, 2 bad input or usage.
+
+mod completions;
+mod fit;
+mod identify;
+mod outcome;
+mod progress;
+mod simulate;
+mod validate;
+
+use clap::{Parser, Subcommand};
+use outcome::Talk;
+use std::process::ExitCode;
+
+/// Identify, judge and explain the models of cable-driven robot joints from recorded logs.
+#[derive(Debug, Parser)]
+#[command(name = "tautline", version, max_term_width = 100, after_help = EXAMPLES)]
+pub struct Arguments {
+    #[command(subcommand)]
+    command: Command,
+    #[command(flatten)]
+    talk: Talk,
+}
+
+const EXAMPLES: &str = "Examples:
+  tautline identify data/elbow -o out       identify a joint; then open out/report.html
+  tautline validate my-campaign             list everything that is wrong with a campaign
+  tautline simulate --model out/model.json -o simulated
+                                            record a campaign from a model
+
+Exit status: 0 done, 1 a judgement that failed, 2 bad input or usage.";
+
+#[derive(Debug, Subcommand)]
+enum Command {
+    /// Identify a joint from its campaign: all steps of the protocol
+    Identify(identify::Arguments),
+    /// Run one step of the protocol alone
+    Fit(fit::Arguments),
+    /// List every problem of a campaign
+    Validate(validate::Arguments),
+    /// Record a campaign from a model
+    Simulate(simulate::Arguments),
+    /// Print shell completions
+    Completions(completions::Arguments),
+}
+
+/// Parses the command line, runs the command, reports what failed.
+pub fn run() -> ExitCode {
+    let Arguments { command, talk } = Arguments::parse();
+    let done = match command {
+        Command::Identify(arguments) => identify::run(&arguments, &talk),
+        Command::Fit(arguments) => fit::run(&arguments, &talk),
+        Command::Validate(arguments) => validate::run(&arguments, &talk),
+        Command::Simulate(arguments) => simulate::run(&arguments, &talk),
+        Command::Completions(arguments) => completions::run(&arguments),
+    };
+    match done {
+        Ok(status) => status,
+        Err(problems) => {
+            outcome::complain(&problems);
+            ExitCode::from(outcome::BAD_INPUT)
+        }
+    }
+}

@@ -1,0 +1,15 @@
+//! A progress bar on standard error, on a terminal only.
+
+use super::outcome::Talk;
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+
+/// A bar over `length` steps called `what`; hidden when the command should not talk or nobody watches.
+pub fn bar(talk: &Talk, what: &'static str, length: usize) -> ProgressBar {
+    // indicatif itself hides a bar on standard error that is no terminal.
+    let target = if talk.shows_progress() { ProgressDrawTarget::stderr() } else { ProgressDrawTarget::hidden() };
+    let bar = ProgressBar::with_draw_target(Some(length as u64), target).with_message(what);
+    match ProgressStyle::with_template("{msg} {wide_bar} {pos}/{len}, {eta} left") {
+        Ok(style) => bar.with_style(style),
+        Err(_) => bar,
+    }
+}

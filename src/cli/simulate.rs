@@ -1,0 +1,150 @@
+//! `tautline simulate`.
+
+use super::outcome::Talk;
+use super::progress;
+use crate::log::Signal;
+use crate::model::Model;
+use crate::problem::{Problem, Problems, Result};
+use crate::report::Output;
+use crate::simulate::{Plan, Sensors};
+use clap::ValueEnum;
+use rayon::prelude::*;
+use serde_json::json;
+use std::io::Write;
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+#[derive(Debug, clap::Args)]
+#[command(after_help = "Examples:
+  tautline simulate --model data/elbow/truth/model.json -o simulated
+  tautline simulate --model out/model.json -o simulated --rate-hz 100 --format parquet --seed 3")]
+pub struct Arguments {
+    /// The model: a model.json
+    #[arg(long)]
+    model: PathBuf,
+    /// Folder to write: campaign.toml and one log per trial
+    #[arg(short, long)]
+    output: PathBuf,
+    /// Number of sweep speeds
+    #[arg(long, default_value_t = 20)]
+    speeds: usize,
+    /// Slowest sweep, rad/s
+    #[arg(long, default_value_t = 0.02)]
+    slowest_rad_s: f64,
+    /// Fastest sweep, rad/s
+    #[arg(long, default_value_t = 0.4)]
+    fastest_rad_s: f64,
+    /// Sweeps at each speed
+    #[arg(long, default_value_t = 3)]
+    repeats: u32,
+    /// Trials of the cosine cascade (265.6 s each)
+    #[arg(long, default_value_t = 3)]
+    cosines: u32,
+    /// Sample rate, Hz
+    #[arg(long, default_value_t = 1000.0)]
+    rate_hz: f64,
+    /// Standard deviation of the torque sensor's noise, N m
+    #[arg(long, default_value_t = 0.02)]
+    noise_nm: f64,
+    /// Encoder counts per revolution; 0 for an exact position
+    #[arg(long, default_value_t = 524_288.0)]
+    encoder_counts: f64,
+    /// Sign of the recorded torque: y = sign * recorded
+    #[arg(long, default_value_t = -1, allow_negative_numbers = true, value_parser = clap::value_parser!(i8).range(-1..=1))]
+    torque_sign: i8,
+    /// Low-pass that the campaign declares, Hz
+    #[arg(long, default_value_t = 5.0)]
+    lowpass_hz: f64,
+    /// Seed of the noise
+    #[arg(long, default_value_t = 1)]
+    seed: u64,
+    /// Format of the logs
+    #[arg(long, value_enum, default_value_t = Format::Csv)]
+    format: Format,
+    /// Replace an existing output folder
+    #[arg(long)]
+    force: bool,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, ValueEnum)]
+enum Format {
+    Csv,
+    Parquet,
+}
+
+impl Arguments {
+    /// Errors: every number that makes no sense.
+    fn plan(&self) -> Result<Plan> {
+        let mut problems = Vec::new();
+        let mut need = |fine: bool, name: &str, value: f64, expected: &str| {
+            if !fine {
+                let what = format!("--{name} is {value}");
+                problems.push(Problem::error("command line", what, format!("expected {expected}")));
+            }
+        };
+        let positive = |x: f64| x.is_finite() && x > 0.0;
+        need(positive(self.slowest_rad_s), "slowest-rad-s", self.slowest_rad_s, "a speed above 0");
+        need(
+            self.fastest_rad_s >= self.slowest_rad_s && self.fastest_rad_s <= 20.0,
+            "fastest-rad-s",
+            self.fastest_rad_s,
+            "from the slowest speed to 20",
+        );
+        need(positive(self.rate_hz) && self.rate_hz <= 1e5, "rate-hz", self.rate_hz, "a rate above 0, at most 100000");
+        need(self.noise_nm.is_finite() && self.noise_nm >= 0.0, "noise-nm", self.noise_nm, "0 or more");
+        need(
+            self.encoder_counts.is_finite() && self.encoder_counts >= 0.0,
+            "encoder-counts",
+            self.encoder_counts,
+            "0 or more",
+        );
+        need(
+            positive(self.lowpass_hz) && self.lowpass_hz < self.rate_hz / 2.0,
+            "lowpass-hz",
+            self.lowpass_hz,
+            "above 0, below half the rate",
+        );
+        need(self.torque_sign != 0, "torque-sign", 0.0, "1 or -1");
+        need(
+            self.speeds * self.repeats as usize + self.cosines as usize > 0,
+            "speeds",
+            self.speeds as f64,
+            "at least one trial",
+        );
+        let plan = Plan {
+            speeds: self.speeds,
+            slowest_rad_s: self.slowest_rad_s,
+            fastest_rad_s: self.fastest_rad_s,
+            repeats: self.repeats,
+            cosines: self.cosines,
+            rate_hz: self.rate_hz,
+            sensors: Sensors { torque_noise_nm: self.noise_nm, encoder_counts: self.encoder_counts },
+            seed: self.seed,
+            signal: Signal { torque_sign: f64::from(self.torque_sign), lowpass_hz: self.lowpass_hz, lowpass_order: 4 },
+            parquet: self.format == Format::Parquet,
+        };
+        Problems(problems).unless_errors(plan)
+    }
+}
+
+pub fn run(arguments: &Arguments, talk: &Talk) -> Result<ExitCode> {
+    let plan = arguments.plan()?;
+    let model = Model::read(&arguments.model)?;
+    let trials = plan.trials();
+    let output = Output::begin(&arguments.output, arguments.force, &["campaign.toml", "*.csv", "*.parquet"])?;
+    let bar = progress::bar(talk, "simulating", trials.len());
+    trials.par_iter().try_for_each(|trial| {
+        output.write(&trial.entry.file, &plan.log_bytes(&model, trial)?)?;
+        bar.inc(1);
+        Ok::<(), Problems>(())
+    })?;
+    bar.finish_and_clear();
+    output.write("campaign.toml", plan.campaign(&model, &arguments.output, &trials).to_toml().as_bytes())?;
+    output.finish()?;
+    let (folder, name, count) = (arguments.output.display(), &model.joint.name, trials.len());
+    talk.result(
+        || json!({ "campaign": arguments.output, "trials": count, "seed": plan.seed }),
+        |out| writeln!(out, "{folder}: {count} trials of {name}, seed {}", plan.seed),
+    );
+    Ok(ExitCode::SUCCESS)
+}

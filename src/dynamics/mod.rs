@@ -1,0 +1,45 @@
+//! What the joint's own mass does: gravity and inertia of one joint.
+
+/// How the joint moves. For a prismatic joint the `_rad` quantities hold metres and the `_nm` quantities newtons.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum JointKind {
+    /// Turns: position in rad, torque in N m.
+    #[default]
+    Revolute,
+    /// Slides: position in m, force in N, both radii 1.
+    Prismatic,
+}
+
+impl JointKind {
+    /// The name used in files.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Revolute => "revolute",
+            Self::Prismatic => "prismatic",
+        }
+    }
+}
+
+/// Rigid-body parameters of one joint moving alone.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Dynamics {
+    /// Gravity torque about the joint at theta = 90 deg, N m (M3 g r3x in (17)); for a prismatic joint the constant force, N.
+    pub gravity_nm: f64,
+    /// Inertia about the joint, kg m^2; for a prismatic joint the moving mass, kg.
+    pub inertia_kg_m2: f64,
+}
+
+impl Dynamics {
+    /// G + M a at the joint, N m: gravity at `position_rad` and inertia at `acceleration_rad_s2`.
+    pub fn torque_nm(&self, kind: JointKind, position_rad: f64, acceleration_rad_s2: f64) -> f64 {
+        self.gravity_nm(kind, position_rad) + self.inertia_kg_m2 * acceleration_rad_s2
+    }
+
+    /// G at the joint, N m: zero when a revolute joint hangs at theta = 0.
+    pub fn gravity_nm(&self, kind: JointKind, position_rad: f64) -> f64 {
+        match kind {
+            JointKind::Revolute => self.gravity_nm * position_rad.sin(),
+            JointKind::Prismatic => self.gravity_nm,
+        }
+    }
+}

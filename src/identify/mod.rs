@@ -1,0 +1,260 @@
+//! The protocol: legs -> A, B(v) -> friction -> combination -> `Model` with its confidence.
+
+pub mod combination;
+pub mod free;
+pub mod friction;
+pub mod legs;
+pub mod predicted;
+pub mod reading;
+pub mod refine;
+pub mod stribeck;
+pub mod whole;
+mod windows;
+
+pub use combination::{CombinationFit, CurveFit, CurveKind};
+pub use free::FreeFit;
+pub use friction::{Form, FrictionFit};
+pub use legs::{Amplitude, LegFit};
+pub use reading::{Reading, Trace, read_trials};
+pub use refine::Refinement;
+pub use windows::Crossing;
+
+use crate::log::{Campaign, Protocol};
+use crate::model::{Both, Combination, Confidence, Direction, Friction, Model, Status};
+use crate::problem::{Problem, Result};
+use predicted::Prepared;
+use std::collections::BTreeMap;
+
+/// What a run of the protocol may choose.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Settings {
+    /// Which form of (19) the model takes.
+    pub form: Form,
+    /// How the combination is fitted.
+    pub combination: combination::Settings,
+    /// Whether to polish all parameters on the whole series.
+    pub refine: bool,
+}
+
+/// How the model was found.
+#[derive(Debug, Clone)]
+pub enum Route {
+    /// By the five steps on constant-speed sweeps.
+    Sweeps(Box<Both<FrictionFit>>),
+    /// From free motion, for want of sweeps.
+    Free(Box<FreeFit>),
+}
+
+/// Everything that an identification found.
+#[derive(Debug, Clone)]
+pub struct Identification {
+    /// The model, with the confidence of its parameters.
+    pub model: Model,
+    /// How it was found, with the fits.
+    pub route: Route,
+    /// Every leg's regression; none on the free route.
+    pub legs: Vec<LegFit>,
+    /// The curves side by side; `None` when no reversal could be used.
+    pub combination: Option<CombinationFit>,
+    /// What refining gained, if it was asked for.
+    pub refinement: Option<Refinement>,
+    /// Measured less predicted of every trial.
+    pub residuals: Vec<Residual>,
+    /// One sweep to look at.
+    pub trace: Option<Trace>,
+    /// What to distrust.
+    pub warnings: Vec<String>,
+    /// Trials read.
+    pub trials: usize,
+    /// Rows read.
+    pub rows: usize,
+}
+
+/// What the model leaves of one trial, thinned, both sides low-passed.
+#[derive(Debug, Clone)]
+pub struct Residual {
+    /// The trial's file.
+    pub file: String,
+    /// Its protocol.
+    pub protocol: Protocol,
+    /// Time, s.
+    pub time_s: Vec<f64>,
+    /// Position, rad.
+    pub position_rad: Vec<f64>,
+    /// Speed, rad/s.
+    pub velocity_rad_s: Vec<f64>,
+    /// Measured less predicted, N m; only samples whose K~ is known and whose sensor was in range.
+    pub residual_nm: Vec<f64>,
+}
+
+impl Residual {
+    /// Root mean square, N m.
+    pub fn rmse_nm(&self) -> f64 {
+        crate::numerics::statistics::root_mean_square(&self.residual_nm)
+    }
+}
+
+/// Identifies the joint of `campaign` from its readings.
+pub fn identify(campaign: &Campaign, readings: Vec<Reading>, settings: Settings) -> Result<Identification> {
+    let sweeps = readings.iter().any(|reading| !reading.legs.is_empty());
+    let mut found = if sweeps {
+        from_sweeps(campaign, readings, settings)?
+    } else {
+        from_free_motion(campaign, readings, settings)?
+    };
+    found.warnings.extend(doubts(&found.model, sweeps));
+    Ok(found)
+}
+
+/// A model of `campaign`'s joint that knows no friction yet.
+pub fn blank_model(campaign: &Campaign) -> Model {
+    Model {
+        joint: campaign.joint.clone(),
+        dynamics: campaign.dynamics,
+        friction: Both { up: Friction::default(), down: Friction::default() },
+        combination: Combination::Sign,
+        confidence: BTreeMap::new(),
+    }
+}
+
+fn from_sweeps(campaign: &Campaign, mut readings: Vec<Reading>, settings: Settings) -> Result<Identification> {
+    let lowpass_hz = campaign.signal.lowpass_hz;
+    let mut legs: Vec<LegFit> = readings.iter_mut().flat_map(|r| std::mem::take(&mut r.legs)).collect();
+    let a = legs::amplitudes(&legs, &campaign.file)?;
+    legs::fix_a(&mut legs, &a);
+    let gravity_nm = campaign.dynamics.gravity_nm;
+    let fits = friction::fit_friction(&legs, &a, &campaign.joint, gravity_nm, settings.form, &campaign.file)?;
+    let mut model = with_friction(blank_model(campaign), &fits);
+    let mut warnings: Vec<String> = readings.iter().flat_map(|r| r.warnings.iter().map(Problem::to_string)).collect();
+    let (rows, trials) = (readings.iter().map(|r| r.rows).sum(), readings.len());
+    let trace = readings.iter_mut().find_map(|r| r.trace.take());
+    let (prepared, entries): (Vec<Prepared>, Vec<_>) = readings
+        .into_iter()
+        .filter(|r| r.entry.protocol != Protocol::Interaction)
+        .map(|r| (r.prepared, r.entry))
+        .unzip();
+    let combination = combination::fit_combination(&prepared, &model, lowpass_hz, settings.combination);
+    match &combination {
+        Some(fit) => {
+            model.combination = fit.curve().curve;
+            model.joint.backlash_m = fit.curve().backlash_m;
+            model.confidence.extend(fit.confidence.iter().cloned());
+            warnings.extend(fit.warnings.iter().cloned());
+        }
+        None => warnings.push("no reversal could be used: the combination stays `sign`".to_string()),
+    }
+    let refinement = settings.refine.then(|| {
+        let folds: Vec<usize> = folds(&entries.iter().map(|e| e.repeat).collect::<Vec<u32>>());
+        refine::refine(&prepared, &folds, &model, lowpass_hz)
+    });
+    if let Some(refined) = refinement.as_ref().filter(|r| r.gained) {
+        model = Model { confidence: model.confidence, ..refined.fit.model.clone() };
+        model.confidence.extend(refined.fit.confidence.iter().cloned());
+    }
+    let residuals = prepared.iter().zip(&entries).map(|(p, e)| residual(p, &e.file, e.protocol, &model)).collect();
+    let route = Route::Sweeps(Box::new(fits));
+    Ok(Identification { model, route, legs, combination, refinement, residuals, trace, warnings, trials, rows })
+}
+
+/// `model` with the friction that `fits` found and its confidence.
+pub fn with_friction(mut model: Model, fits: &Both<FrictionFit>) -> Model {
+    for direction in Direction::BOTH {
+        let fit = fits.of(direction);
+        *model.friction.of_mut(direction) = fit.friction;
+        for (name, confidence) in Friction::NAMES.iter().zip(fit.confidence) {
+            model.confidence.insert(format!("friction.{}.{name}", direction.name()), confidence);
+        }
+    }
+    model
+}
+
+fn from_free_motion(campaign: &Campaign, readings: Vec<Reading>, settings: Settings) -> Result<Identification> {
+    let lowpass_hz = campaign.signal.lowpass_hz;
+    let mut warnings: Vec<String> = readings.iter().flat_map(|r| r.warnings.iter().map(Problem::to_string)).collect();
+    warnings.push(
+        "no uniform sweeps in this campaign: A(v) and B(v) are not to be had; friction and combination come from free \
+         motion, judged on samples that their fit did not see"
+            .to_string(),
+    );
+    let (rows, trials) = (readings.iter().map(|r| r.rows).sum(), readings.len());
+    let (prepared, entries): (Vec<Prepared>, Vec<_>) = readings
+        .into_iter()
+        .filter(|r| r.entry.protocol != Protocol::Interaction)
+        .map(|r| (r.prepared, r.entry))
+        .unzip();
+    let moving = |p: &Prepared| p.series.velocity_rad_s.iter().any(|v| *v > 0.0) && !p.reversals().is_empty();
+    if !prepared.iter().any(moving) {
+        let what = "no sweep, and no trial in which the joint turns: friction cannot be told from the load";
+        return Problem::error(&campaign.file, what, "record motion in both directions").alone();
+    }
+    let folds = folds(&entries.iter().map(|e| e.repeat).collect::<Vec<u32>>());
+    let blank = blank_model(campaign);
+    let fit = free::fit_free(&prepared, &folds, &blank, lowpass_hz, settings.combination);
+    let mut model = fit.fit.model.clone();
+    let unseen = Confidence { low: f64::NEG_INFINITY, high: f64::INFINITY, cv: f64::INFINITY, status: Status::Flat };
+    for direction in Direction::BOTH {
+        for name in Friction::NAMES {
+            model.confidence.insert(format!("friction.{}.{name}", direction.name()), unseen);
+        }
+    }
+    model.confidence.extend(fit.fit.confidence.iter().cloned());
+    if settings.refine {
+        warnings.push("--refine changes nothing here: without sweeps all parameters are fitted together anyway".into());
+    }
+    let residuals = prepared.iter().zip(&entries).map(|(p, e)| residual(p, &e.file, e.protocol, &model)).collect();
+    let combination = Some(fit.combination.clone());
+    let route = Route::Free(Box::new(fit));
+    let (legs, refinement, trace) = (Vec::new(), None, None);
+    Ok(Identification { model, route, legs, combination, refinement, residuals, trace, warnings, trials, rows })
+}
+
+/// The half that each trial belongs to: by its repeat number where that differs; else in the order a, b, b, a, which shares
+/// out whatever rises, falls or alternates along the campaign.
+fn folds(repeats: &[u32]) -> Vec<usize> {
+    let by_repeat: Vec<usize> = repeats.iter().map(|r| *r as usize % 2).collect();
+    let differ = by_repeat.windows(2).any(|pair| pair[0] != pair[1]);
+    if differ { by_repeat } else { (0..repeats.len()).map(|i| i.div_ceil(2) % 2).collect() }
+}
+
+fn residual(trial: &Prepared, file: &str, protocol: Protocol, model: &Model) -> Residual {
+    let (residual, known_from) = trial.residual_nm(model);
+    let used: Vec<usize> = (known_from..trial.len()).filter(|i| trial.series.in_range[*i]).collect();
+    let take = |values: &[f64]| used.iter().map(|i| values[*i]).collect();
+    Residual {
+        file: file.to_string(),
+        protocol,
+        time_s: take(&trial.series.time_s),
+        position_rad: take(&trial.series.position_rad),
+        velocity_rad_s: take(&trial.series.velocity_rad_s),
+        residual_nm: take(&residual),
+    }
+}
+
+/// What a reader should not take at face value.
+fn doubts(model: &Model, sweeps: bool) -> Vec<String> {
+    let mut doubts = Vec::new();
+    for direction in Direction::BOTH {
+        let mu_c = model.friction.of(direction).mu_c;
+        // On free motion a load that pulls the other way makes it negative, rightly.
+        if sweeps && !(0.0..1.0).contains(&mu_c) {
+            doubts.push(format!(
+                "mu_c = {mu_c:.3} moving {} is not a friction coefficient: check gravity_nm, the radii and the zero of the position",
+                direction.name()
+            ));
+        }
+    }
+    let bad = |status: Status| -> Vec<&str> {
+        model.confidence.iter().filter(|(_, c)| c.status == status).map(|(name, _)| name.as_str()).collect()
+    };
+    for (status, meaning) in [
+        (Status::TradeOff, "known only together with others (trade_off): do not read as separate values"),
+        (Status::Flat, "not shown by these data (flat): do not use as values"),
+        (Status::AtBound, "at the limit of what the data could show (at_bound)"),
+    ] {
+        let names = bad(status);
+        if !names.is_empty() {
+            doubts.push(format!("{meaning}: {}", names.join(", ")));
+        }
+    }
+    doubts
+}

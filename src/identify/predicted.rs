@@ -1,0 +1,86 @@
+//! The prediction over a thinned trial, through the same low-pass as the measurement: what every fit on series compares.
+
+use crate::model::{Direction, Model, Transition, settle};
+use crate::numerics::filter::LowPass;
+use crate::prepare::Series;
+
+/// A thinned trial with what does not change while a model is fitted to it.
+#[derive(Debug, Clone)]
+pub struct Prepared {
+    /// The trial.
+    pub series: Series,
+    /// The campaign's low-pass, designed for the thinned rate; `None` if that rate cannot carry it.
+    lowpass: Option<LowPass>,
+}
+
+impl Prepared {
+    /// `series` with a low-pass of `order` at `cutoff_hz`.
+    pub fn new(series: Series, order: usize, cutoff_hz: f64) -> Self {
+        let lowpass = LowPass::new(order, cutoff_hz, series.rate_hz);
+        Self { series, lowpass }
+    }
+
+    /// Samples.
+    pub fn len(&self) -> usize {
+        self.series.torque_nm.len()
+    }
+
+    /// Whether there are none.
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// `signal`, sampled as the series is, through the low-pass.
+    pub fn low_pass(&self, signal: &[f64]) -> Vec<f64> {
+        self.lowpass.as_ref().map_or_else(|| signal.to_vec(), |filter| filter.zero_phase(signal))
+    }
+
+    /// K~ of every sample for `model`'s curve and backlash, and the first sample from which it is known.
+    pub fn k_tilde(&self, model: &Model) -> (Vec<f64>, usize) {
+        let backlash_rad = model.joint.backlash_rad();
+        let deadband_rad = self.series.deadband_rad;
+        let (direction, known_from) = settle(&self.series.position_rad, backlash_rad, deadband_rad);
+        let start_rad = self.series.position_rad.first().copied().unwrap_or(0.0);
+        let mut state = Transition::after(direction, start_rad);
+        let step = |x: &f64| state.step(*x, &model.combination, backlash_rad, deadband_rad);
+        (self.series.position_rad.iter().map(step).collect(), known_from)
+    }
+
+    /// y predicted by `model` for every sample, before the low-pass, N m.
+    pub fn torque_nm(&self, model: &Model, k_tilde: &[f64]) -> Vec<f64> {
+        let motion = self.series.joint_torque_nm.iter().zip(&self.series.velocity_rad_s);
+        motion.zip(k_tilde).map(|((load, v), k)| model.torque_nm(*load, *v, *k).torque_nm).collect()
+    }
+
+    /// Measured less predicted, both through the low-pass, N m, and the first sample from which K~ is known.
+    pub fn residual_nm(&self, model: &Model) -> (Vec<f64>, usize) {
+        let (k_tilde, known_from) = self.k_tilde(model);
+        let predicted = self.low_pass(&self.torque_nm(model, &k_tilde));
+        (self.series.torque_nm.iter().zip(&predicted).map(|(y, p)| y - p).collect(), known_from)
+    }
+
+    /// Samples at which the joint turns, with the direction it turns to.
+    pub fn reversals(&self) -> Vec<(usize, Direction)> {
+        let positions = &self.series.position_rad;
+        let Some(first) = positions.first() else { return Vec::new() };
+        let (mut extreme_rad, mut at, mut direction) = (*first, 0, None);
+        let mut turns = Vec::new();
+        for (i, x) in positions.iter().enumerate() {
+            let onward = |d: Direction| (x - extreme_rad) * d.sign();
+            match direction {
+                Some(d) if onward(d) >= 0.0 => (extreme_rad, at) = (*x, i),
+                Some(d) if onward(d) >= -self.series.deadband_rad => {}
+                _ if (x - extreme_rad).abs() > self.series.deadband_rad => {
+                    let turned = if *x > extreme_rad { Direction::Up } else { Direction::Down };
+                    if direction.is_some() {
+                        turns.push((at, turned));
+                    }
+                    direction = Some(turned);
+                    (extreme_rad, at) = (*x, i);
+                }
+                _ => {}
+            }
+        }
+        turns
+    }
+}

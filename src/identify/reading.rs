@@ -1,0 +1,108 @@
+//! Trials read in parallel, each thinned to what the stages need before the next is opened.
+
+use super::legs::{LegFit, fit_legs};
+use super::predicted::Prepared;
+use crate::log::{Campaign, TrialEntry, read_trial};
+use crate::model::Direction;
+use crate::prepare::{Series, Trial, prepare};
+use crate::problem::{Problem, Problems, Result};
+use rayon::prelude::*;
+
+/// Samples kept of the sweep to look at.
+const TRACE_SAMPLES: usize = 3000;
+
+/// What stays of a trial.
+#[derive(Debug, Clone)]
+pub struct Reading {
+    /// What the campaign says of it.
+    pub entry: TrialEntry,
+    /// The regressions of its legs.
+    pub legs: Vec<LegFit>,
+    /// The trial, thinned.
+    pub prepared: Prepared,
+    /// Rows of its log.
+    pub rows: usize,
+    /// What to know of it.
+    pub warnings: Vec<Problem>,
+    /// The trial to look at, if it is this one.
+    pub trace: Option<Trace>,
+}
+
+/// One sweep, to look at.
+#[derive(Debug, Clone)]
+pub struct Trace {
+    /// Its file.
+    pub file: String,
+    /// Its declared speed, rad/s.
+    pub speed_rad_s: f64,
+    /// Time, s.
+    pub time_s: Vec<f64>,
+    /// y as recorded, N m.
+    pub raw_nm: Vec<f64>,
+    /// y low-passed, N m.
+    pub filtered_nm: Vec<f64>,
+    /// Fitted legs: direction, time (s) and A sin(theta) + B (N m) of the leg alone.
+    pub legs: Vec<(Direction, Vec<(f64, f64)>)>,
+}
+
+/// Reads and prepares all trials of `campaign`, as many at once as there are threads; `progress` hears of each one done.
+///
+/// Errors: all that is wrong with any trial, in the campaign's order.
+pub fn read_trials(campaign: &Campaign, progress: &(dyn Fn() + Sync)) -> Result<Vec<Reading>> {
+    let shown = trial_to_show(campaign);
+    let read = |index: usize| {
+        let reading = read_trial(campaign, index)
+            .and_then(|log| prepare(campaign, index, log))
+            .map(|trial| reading(campaign, trial, shown == Some(index)));
+        progress();
+        reading
+    };
+    let readings: Vec<Result<Reading>> = (0..campaign.trials.len()).into_par_iter().map(read).collect();
+    let mut good = Vec::with_capacity(readings.len());
+    let mut problems = Vec::new();
+    for reading in readings {
+        match reading {
+            Ok(reading) => good.push(reading),
+            Err(Problems(found)) => problems.extend(found),
+        }
+    }
+    if problems.is_empty() { Ok(good) } else { Err(Problems(problems)) }
+}
+
+/// The sweep of middle speed: neither the longest nor the shortest to look at.
+fn trial_to_show(campaign: &Campaign) -> Option<usize> {
+    let trials = campaign.trials.iter().enumerate();
+    let mut sweeps: Vec<(usize, f64)> = trials.filter_map(|(i, t)| Some((i, t.protocol.speed_rad_s()?))).collect();
+    sweeps.sort_by(|a, b| a.1.total_cmp(&b.1));
+    sweeps.get(sweeps.len() / 2).map(|(i, _)| *i)
+}
+
+fn reading(campaign: &Campaign, mut trial: Trial, show: bool) -> Reading {
+    let legs = fit_legs(&trial, campaign.dynamics.gravity_nm);
+    let series = Series::new(&trial, campaign.signal.lowpass_hz, campaign.joint.kind, &campaign.dynamics);
+    Reading {
+        trace: show.then(|| trace(&trial, &legs)),
+        prepared: Prepared::new(series, campaign.signal.lowpass_order, campaign.signal.lowpass_hz),
+        rows: trial.log.time_s.len(),
+        warnings: std::mem::take(&mut trial.log.warnings),
+        entry: trial.entry,
+        legs,
+    }
+}
+
+fn trace(trial: &Trial, fits: &[LegFit]) -> Trace {
+    let step = trial.torque_nm.len().div_ceil(TRACE_SAMPLES);
+    let thin = |values: &[f64]| values.iter().step_by(step).copied().collect();
+    let line = |(leg, fit): (&crate::prepare::Leg, &LegFit)| {
+        let at = |i: usize| (trial.log.time_s[i], fit.a_nm * trial.log.position_rad[i].sin() + fit.b_nm);
+        (leg.direction, leg.samples.clone().step_by(step).map(at).collect())
+    };
+    Trace {
+        file: trial.entry.file.clone(),
+        speed_rad_s: fits.first().map_or(f64::NAN, |fit| fit.speed_rad_s),
+        time_s: thin(&trial.log.time_s),
+        raw_nm: thin(&trial.log.torque_nm),
+        filtered_nm: thin(&trial.torque_nm),
+        legs: trial.legs.iter().zip(fits).map(line).collect(),
+    }
+}

@@ -1,0 +1,342 @@
+//! Many parameters at once on whole series: Levenberg-Marquardt on measured against predicted, both low-passed.
+//!
+//! Friction enters the prediction through y = N / D with N = (r1/r2) G + Bd + K~ (Bu - Bd) and
+//! D = 1 - mu_down - K~ (mu_up - mu_down), so its derivatives are exact and cheap:
+//! dy/dBu = K~/D, dy/dBd = (1 - K~)/D, dy/dmu_up = K~ y/D, dy/dmu_down = (1 - K~) y/D.
+//! The curve's parameter and the clearance move K~ itself; theirs are by difference.
+
+use super::combination::CurveKind;
+use super::friction::interval;
+use super::predicted::Prepared;
+use crate::model::{Combination, Confidence, Direction, Friction, Model, settle};
+use crate::numerics::marquardt::{Minimum, Residuals, Stopped, minimise};
+use crate::numerics::statistics::student_t;
+use nalgebra::{DMatrix, DVector};
+use rayon::prelude::*;
+use std::ops::Range;
+
+/// Residuals per period of the low-pass: they are smooth, more would say the same again.
+const ROWS_PER_PERIOD: f64 = 5.0;
+/// Relative step of the derivatives by difference.
+const STEP: f64 = 1e-4;
+/// Relative change of cost or parameters at which a fit has converged.
+const TOLERANCE: f64 = 1e-8;
+/// Evaluations allowed, per parameter.
+const PATIENCE: usize = 12;
+
+/// The largest clearance looked for, as a share of the longest stroke: beyond, no sample would ever be off a transition.
+pub const MAX_BACKLASH: f64 = 0.5;
+
+/// A parameter that may move.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Free {
+    /// One of `Friction::NAMES`, by place. Rates move by their logarithm.
+    Friction(Direction, usize),
+    /// p or n, by its logarithm.
+    Curve,
+    /// X_cl, by its logarithm.
+    Backlash,
+}
+
+impl Free {
+    /// Dotted name as in `model.json`.
+    pub fn name(self, curve: &Combination) -> String {
+        match self {
+            Self::Friction(direction, i) => format!("friction.{}.{}", direction.name(), Friction::NAMES[i]),
+            Self::Curve => {
+                format!("combination.{}", if matches!(curve, Combination::Power { .. }) { "n" } else { "p" })
+            }
+            Self::Backlash => "joint.backlash_m".to_string(),
+        }
+    }
+
+    fn is_rate(self) -> bool {
+        matches!(self, Self::Friction(_, 3 | 5))
+    }
+
+    fn is_logarithmic(self) -> bool {
+        self.is_rate() || matches!(self, Self::Curve | Self::Backlash)
+    }
+
+    /// The parameter as it moves: its logarithm or itself.
+    fn read(self, model: &Model) -> f64 {
+        let value = match self {
+            Self::Friction(direction, i) => model.friction.of(direction).values()[i],
+            Self::Curve => match model.combination {
+                Combination::Arctan { p, .. } => p,
+                Combination::Power { n } => n,
+                _ => 1.0,
+            },
+            Self::Backlash => model.joint.backlash_m,
+        };
+        if self.is_logarithmic() { value.abs().max(f64::MIN_POSITIVE).ln() } else { value }
+    }
+
+    fn write(self, model: &mut Model, moved: f64) {
+        let value = if self.is_logarithmic() { moved.exp() } else { moved };
+        match self {
+            Self::Friction(direction, i) => {
+                let branch = model.friction.of_mut(direction);
+                let mut values = branch.values();
+                values[i] = if self.is_rate() { direction.sign() * value } else { value };
+                *branch = Friction::from_values(values);
+            }
+            Self::Curve => {
+                model.combination = match model.combination {
+                    Combination::Power { .. } => CurveKind::Power.with(value),
+                    Combination::Arctan { .. } => CurveKind::Arctan.with(value),
+                    other => other,
+                }
+            }
+            Self::Backlash => model.joint.backlash_m = value,
+        }
+    }
+}
+
+/// The samples of one trial that a fit or a judgement uses.
+#[derive(Debug, Clone)]
+pub struct Part<'a> {
+    /// The trial.
+    pub trial: &'a Prepared,
+    /// Places of the residuals.
+    rows: Vec<usize>,
+}
+
+impl<'a> Part<'a> {
+    /// The samples of `trial` in `samples` whose sensor was in range and whose K~ is known for a clearance of
+    /// `backlash_rad` or less, thinned to what the low-pass leaves.
+    pub fn new(trial: &'a Prepared, samples: Range<usize>, backlash_rad: f64, lowpass_hz: f64) -> Self {
+        let step = ((trial.series.rate_hz / (ROWS_PER_PERIOD * lowpass_hz)) as usize).max(1);
+        let (_, known_from) = settle(&trial.series.position_rad, backlash_rad, trial.series.deadband_rad);
+        let usable = |i: &usize| *i >= known_from && trial.series.in_range[*i];
+        Self { trial, rows: samples.step_by(step).filter(usable).collect() }
+    }
+}
+
+/// Result of a fit on whole series.
+#[derive(Debug, Clone)]
+pub struct WholeFit {
+    /// The model found.
+    pub model: Model,
+    /// Residual over the samples fitted, N m.
+    pub rmse_nm: f64,
+    /// What is known of each free parameter, by dotted name.
+    pub confidence: Vec<(String, Confidence)>,
+    /// How it stopped.
+    pub stopped: Stopped,
+}
+
+/// Root mean square over all parts of their sums of squares and numbers of samples, N m.
+pub fn rmse_nm(sums: &[(f64, f64)]) -> f64 {
+    let (sum, count) = sums.iter().fold((0.0, 0.0), |(sum, count), part| (sum + part.0, count + part.1));
+    (sum / count).sqrt()
+}
+
+/// Sum of squares and number of samples of each part.
+pub fn square_sums(parts: &[Part], model: &Model) -> Vec<(f64, f64)> {
+    let of = |part: &Part| {
+        let (residual, _) = part.trial.residual_nm(model);
+        (part.rows.iter().map(|i| residual[*i] * residual[*i]).sum(), part.rows.len() as f64)
+    };
+    parts.par_iter().map(of).collect()
+}
+
+/// Fits the `free` parameters of `start` to `parts`, each within its bounds.
+pub fn fit_whole(parts: &[Part], start: &Model, free: &[Free], limits: &Limits) -> WholeFit {
+    let problem = Whole { parts, start, free };
+    let from: Vec<f64> = free.iter().map(|f| f.read(start)).collect();
+    let bounds: Vec<(f64, f64)> = free.iter().zip(&from).map(|(f, x)| limits.of(*f, *x)).collect();
+    let minimum = minimise(&problem, &from, &bounds, PATIENCE, TOLERANCE);
+    let model = problem.model(&minimum.parameters);
+    let confidence = problem.confidence(&minimum, &model);
+    let rmse_nm = (minimum.residual_sum / minimum.residual_count as f64).sqrt();
+    WholeFit { model, rmse_nm, confidence, stopped: minimum.stopped }
+}
+
+/// What parameters may be.
+#[derive(Debug, Clone, Copy)]
+pub struct Limits {
+    /// Largest friction as a force at the winch, N.
+    pub force_n: f64,
+    /// Fastest motion, rad/s.
+    pub speed_rad_s: f64,
+    /// r2, m.
+    pub pulley_radius_m: f64,
+    /// Longest stroke, rad.
+    pub stroke_rad: f64,
+}
+
+impl Limits {
+    /// (low, high) of `free` as it moves; widened to hold the start `from`, which is never argued with.
+    fn of(&self, free: Free, from: f64) -> (f64, f64) {
+        let rates = ((0.2 / self.speed_rad_s).ln(), (100.0 / self.speed_rad_s).ln());
+        let (low, high) = match free {
+            // Below zero where the load pulls the other way: mu_c y must oppose the motion whatever the sign of y.
+            Free::Friction(_, 0) => (-5.0, 0.9),
+            Free::Friction(_, 3) => (rates.0 - self.pulley_radius_m.ln(), rates.1 - self.pulley_radius_m.ln()),
+            Free::Friction(_, 5) => rates,
+            Free::Friction(_, 6) => (0.0, 10.0 * self.force_n / self.speed_rad_s),
+            Free::Friction(..) => (-10.0 * self.force_n, 10.0 * self.force_n),
+            Free::Curve => (0.02f64.ln(), 100f64.ln()),
+            Free::Backlash => {
+                let stroke_m = self.stroke_rad * self.pulley_radius_m;
+                ((1e-4 * stroke_m).ln(), (MAX_BACKLASH * stroke_m).ln())
+            }
+        };
+        let room = 0.5 * from.abs();
+        (if from <= low { from - room - 1e-9 } else { low }, if from >= high { from + room + 1e-9 } else { high })
+    }
+}
+
+struct Whole<'a> {
+    parts: &'a [Part<'a>],
+    start: &'a Model,
+    free: &'a [Free],
+}
+
+impl Whole<'_> {
+    fn model(&self, parameters: &[f64]) -> Model {
+        let mut model = self.start.clone();
+        for (free, x) in self.free.iter().zip(parameters) {
+            free.write(&mut model, *x);
+        }
+        model
+    }
+
+    fn count(&self) -> usize {
+        self.parts.iter().map(|part| part.rows.len()).sum()
+    }
+
+    /// Intervals by the sandwich over strokes: errors of one stroke hang together, those of different strokes hardly.
+    fn confidence(&self, minimum: &Minimum, model: &Model) -> Vec<(String, Confidence)> {
+        let errors = self.residuals(&minimum.parameters);
+        let jacobian = self.jacobian(&minimum.parameters);
+        let n = self.free.len();
+        let mut meat = DMatrix::zeros(n, n);
+        let strokes = self.strokes();
+        for stroke in &strokes {
+            let rows = jacobian.rows(stroke.start, stroke.len());
+            let score = rows.transpose() * errors.rows(stroke.start, stroke.len());
+            meat += &score * score.transpose();
+        }
+        let bread = minimum.unscaled_covariance.map(|x| if x.is_nan() { 0.0 } else { x });
+        let freedom = (strokes.len() as f64 - n as f64).max(1.0);
+        let covariance = &bread * meat * &bread * (strokes.len() as f64 / freedom);
+        let sigma = (minimum.residual_sum / minimum.residual_count as f64).sqrt();
+        let t = student_t(freedom);
+        let known = |(i, free): (usize, &Free)| {
+            let moved = minimum.parameters[i];
+            let singular = minimum.unscaled_covariance[(i, i)].is_nan();
+            let se = if singular { f64::INFINITY } else { covariance[(i, i)].max(0.0).sqrt() };
+            // Were all else known: how far the parameter could move for one sigma over one stroke's worth of samples.
+            let rows_per_stroke = errors.len() as f64 / strokes.len().max(1) as f64;
+            let alone = sigma * rows_per_stroke.sqrt() / jacobian.column(i).norm();
+            let ends = [moved - t * se, moved + t * se];
+            let confidence = match free {
+                Free::Friction(d, 3 | 5) => {
+                    let of = |x: f64| d.sign() * x.exp();
+                    interval(of(moved), [of(ends[0]), of(ends[1])], 0.0, t, alone, minimum.at_bound[i])
+                }
+                Free::Curve | Free::Backlash => {
+                    interval(moved.exp(), [ends[0].exp(), ends[1].exp()], 0.0, t, alone, minimum.at_bound[i])
+                }
+                Free::Friction(..) => interval(moved, ends, 0.0, t, alone / moved.abs(), minimum.at_bound[i]),
+            };
+            (free.name(&model.combination), confidence)
+        };
+        self.free.iter().enumerate().map(known).collect()
+    }
+
+    /// Rows of each stroke between reversals.
+    fn strokes(&self) -> Vec<Range<usize>> {
+        let mut out = Vec::new();
+        let mut offset = 0;
+        for Part { trial, rows } in self.parts {
+            let mut start = offset;
+            for (at, _) in trial.reversals() {
+                let end = offset + rows.partition_point(|i| *i < at);
+                if end > start {
+                    out.push(start..end);
+                    start = end;
+                }
+            }
+            offset += rows.len();
+            if offset > start {
+                out.push(start..offset);
+            }
+        }
+        out
+    }
+
+    /// Derivative of the low-passed prediction of `part` by each free parameter.
+    fn slopes(&self, Part { trial, rows }: &Part, model: &Model) -> Vec<Vec<f64>> {
+        let (k_tilde, _) = trial.k_tilde(model);
+        let torque = trial.torque_nm(model, &k_tilde);
+        let column = |free: &Free| -> Vec<f64> {
+            let raw: Vec<f64> = match free {
+                Free::Friction(direction, i) => {
+                    let slope = BranchSlope { model, direction: *direction, parameter: *i };
+                    let motion = trial.series.velocity_rad_s.iter().zip(&torque);
+                    motion.zip(&k_tilde).map(|((v, y), k)| slope.at(*v, *y, *k)).collect()
+                }
+                Free::Curve | Free::Backlash => {
+                    let mut moved = model.clone();
+                    free.write(&mut moved, free.read(model) + STEP);
+                    let (k_tilde, _) = trial.k_tilde(&moved);
+                    trial.torque_nm(&moved, &k_tilde).iter().zip(&torque).map(|(a, b)| (a - b) / STEP).collect()
+                }
+            };
+            let filtered = trial.low_pass(&raw);
+            rows.iter().map(|i| filtered[*i]).collect()
+        };
+        self.free.iter().map(column).collect()
+    }
+}
+
+struct BranchSlope<'a> {
+    model: &'a Model,
+    direction: Direction,
+    parameter: usize,
+}
+
+impl BranchSlope<'_> {
+    /// dy by the parameter as it moves, at speed `v`, predicted torque `y` and K~ `k`.
+    fn at(&self, v: f64, y: f64, k: f64) -> f64 {
+        let (r1, r2) = (self.model.joint.winch_radius_m, self.model.joint.pulley_radius_m);
+        let friction = self.model.friction.of(self.direction);
+        let (mu_up, mu_down) = (self.model.friction.up.mu_c, self.model.friction.down.mu_c);
+        let share = if self.direction == Direction::Up { k } else { 1.0 - k };
+        let weight = share / (1.0 - mu_down - k * (mu_up - mu_down));
+        let speed = self.direction.sign() * v.abs();
+        let term = |b: f64, rate: f64| b * (-rate * speed).exp();
+        let by_branch = match self.parameter {
+            0 => return weight * y,
+            1 => 1.0,
+            2 => term(1.0, friction.c_c * r2),
+            3 => -friction.c_c * r2 * speed * term(friction.b_c, friction.c_c * r2),
+            4 => term(1.0, friction.c_j),
+            5 => -friction.c_j * speed * term(friction.b_j, friction.c_j),
+            _ => speed,
+        };
+        weight * r1 * by_branch
+    }
+}
+
+impl Residuals for Whole<'_> {
+    fn residuals(&self, parameters: &[f64]) -> DVector<f64> {
+        let model = self.model(parameters);
+        let of = |part: &Part| -> Vec<f64> {
+            let (residual, _) = part.trial.residual_nm(&model);
+            part.rows.iter().map(|i| -residual[*i]).collect()
+        };
+        let all: Vec<Vec<f64>> = self.parts.par_iter().map(of).collect();
+        DVector::from_iterator(self.count(), all.into_iter().flatten())
+    }
+
+    fn jacobian(&self, parameters: &[f64]) -> DMatrix<f64> {
+        let model = self.model(parameters);
+        let all: Vec<Vec<Vec<f64>>> = self.parts.par_iter().map(|part| self.slopes(part, &model)).collect();
+        let columns = (0..self.free.len()).flat_map(|i| all.iter().flat_map(move |part| part[i].iter().copied()));
+        DMatrix::from_iterator(self.count(), self.free.len(), columns)
+    }
+}

@@ -1,0 +1,42 @@
+//! tautline: the models of cable-driven robot joints, identified, judged and explained from recorded logs.
+//!
+//! The modules stand in the order in which data flow; a module may use those above it, never those below.
+
+/// Ground: what is wrong with an input, and how to mend it.
+pub mod problem;
+
+/// Ground: TOML and JSON as one tree that remembers its rows and knows which keys were asked for.
+pub mod document;
+
+/// Ground: quantities and their units; everything inside is SI and radians.
+pub mod units;
+
+/// Ground: least squares, bounded Levenberg-Marquardt, zero-phase filter, statistics.
+pub mod numerics;
+
+/// Ground: gravity and inertia of the joint.
+pub mod dynamics;
+
+/// Ground: the paper's formula: friction branches, their combination, the predicted torque; `model.json`.
+pub mod model;
+
+/// Ground: a motion's plan: uniform sweeps and cosine cascades.
+pub mod trajectory;
+
+/// A campaign's folder -> `Campaign` and, trial by trial, `Log`: the only place that reads data frames.
+pub mod log;
+
+/// `Model` x trajectory -> a campaign, as if recorded.
+pub mod simulate;
+
+/// `Log` -> `Trial`: filtered, differentiated, cut into legs.
+pub mod prepare;
+
+/// `Trial`s -> A(v), B(v) -> friction -> combination -> `Model` with its confidence.
+pub mod identify;
+
+/// Results -> terminal, JSON, tables, plots, one HTML file.
+pub mod report;
+
+/// Arguments -> one pipeline per subcommand -> exit status.
+pub mod cli;

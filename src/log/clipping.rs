@@ -1,0 +1,199 @@
+//! Readings at the end of the torque sensor's range.
+//!
+//! A sensor that clips gives its extreme value again and again while the joint moves on. So does, now and then, any
+//! coarse sensor, and a smooth peak, and a noise-free simulation of constant friction. What tells them apart:
+//!
+//! - chance: with p the share of equal neighbours elsewhere in the log, a run of m equal readings among n samples
+//!   is expected n p^(m-1) times;
+//! - the histogram: at a smooth peak q - c t^2 the readings thin out gradually, the last step of the sensor being at
+//!   most 1 / (sqrt 2 - 1) = 2.4 times as frequent as the one before it (3.8 for c t^3); at a clipped one the last
+//!   reading stands alone;
+//! - noise: a log that is at its extremes more often than not, and smooth elsewhere, was simulated without noise.
+
+use super::columns::Wanted;
+use super::readings::Rows;
+use crate::problem::Problem;
+use std::ops::Range;
+use std::path::Path;
+
+/// Equal readings in a row, from which on a run is looked at.
+const RUN_MIN: usize = 5;
+/// Runs this unlikely, as an expected number in the whole log, are no chance.
+const CHANCE_MAX: f64 = 1e-6;
+/// Above this share of equal neighbours the sensor is coarse, and runs must matter in position too ...
+const COARSE_SHARE: f64 = 0.2;
+/// ... by spanning together this share of the position's range.
+const SPAN_SHARE_MIN: f64 = 0.01;
+/// The extreme reading must be this many times as frequent as each of the next readings (see above: 3.8 is smooth).
+const SPIKE: usize = 8;
+/// How many readings next to the extreme are compared with it.
+const NEXT_READINGS: usize = 5;
+/// Below this share of turning points a signal is smooth; noise turns at two samples of three.
+const SMOOTH_SHARE: f64 = 0.1;
+/// The joint moves where it is faster than this share of its mean speed ...
+const MOVING_SHARE: f64 = 0.2;
+/// ... over this time, s: long enough for an encoder to count.
+const MOVING_WINDOW_S: f64 = 0.05;
+
+/// One end of the sensor's range.
+#[derive(Debug)]
+pub(super) struct ClippedEnd {
+    /// The reading there, in the log's unit.
+    pub reading: f64,
+    /// The runs of that reading; not empty.
+    pub runs: Vec<Range<usize>>,
+}
+
+impl ClippedEnd {
+    /// What the reader should know.
+    pub fn warning(&self, file: &Path, rows: &Rows, want: &Wanted) -> Problem {
+        let samples: usize = self.runs.iter().map(Range::len).sum();
+        let (runs, unit) = (self.runs.len(), want.column.unit.name());
+        let what =
+            format!("reads exactly {} {unit} in {samples} samples, in {runs} runs: the sensor clips", self.reading);
+        let cure = "these samples are marked as clipped; record with a wider range or less load";
+        Problem::warning(file, what, cure).at_row(rows.of(self.runs[0].start)).in_column(&want.column.name)
+    }
+}
+
+/// The runs of both ends, in order.
+pub(super) fn merge(ends: Vec<ClippedEnd>) -> Vec<Range<usize>> {
+    let mut all: Vec<_> = ends.into_iter().flat_map(|end| end.runs).collect();
+    all.sort_by_key(|run| run.start);
+    all
+}
+
+/// The ends of its range that `torque` hit while `position` moved: none, one or both.
+pub(super) fn find(position: &[f64], torque: &[f64], rate_hz: f64) -> Vec<ClippedEnd> {
+    let fold = |pick: fn(f64, f64) -> f64| torque.iter().copied().fold(torque[0], pick);
+    let (low, high) = (fold(f64::min), fold(f64::max));
+    let ends = [low, high].map(|reading| ClippedEnd { reading, runs: runs(torque, reading) });
+    if ends.iter().all(|end| end.runs.is_empty()) {
+        return Vec::new();
+    }
+    let motion = Motion::of(position, rate_hz);
+    let moving: Vec<bool> = (0..torque.len()).map(|sample| motion.is_moving(sample)).collect();
+    let inner = Inner::of(torque, &moving, low, high);
+    if inner.is_noise_free_plateau() {
+        return Vec::new();
+    }
+    let clips = |end: &ClippedEnd| {
+        is_no_chance(end, &motion, inner.equal_share, torque.len()) && is_spike(torque, &moving, end.reading)
+    };
+    ends.into_iter().filter(clips).collect()
+}
+
+fn runs(torque: &[f64], reading: f64) -> Vec<Range<usize>> {
+    let mut runs = Vec::new();
+    let mut start = 0;
+    for run in torque.chunk_by(|a, b| (*a == reading) == (*b == reading)) {
+        if run[0] == reading && run.len() >= RUN_MIN {
+            runs.push(start..start + run.len());
+        }
+        start += run.len();
+    }
+    runs
+}
+
+fn is_no_chance(end: &ClippedEnd, motion: &Motion<'_>, equal_share: f64, samples: usize) -> bool {
+    let unlikely = |run: &&Range<usize>| samples as f64 * equal_share.powi(run.len() as i32 - 1) < CHANCE_MAX;
+    let suspects = end.runs.iter().filter(|run| motion.moves_through(run)).filter(unlikely);
+    let travels: Vec<f64> = suspects.map(|run| motion.travel(run)).collect();
+    let matters = travels.iter().sum::<f64>() >= SPAN_SHARE_MIN * motion.travel(&(0..samples));
+    !travels.is_empty() && (equal_share < COARSE_SHARE || matters)
+}
+
+/// Whether `extreme`, the least or greatest reading, is far more frequent than those next to it while moving.
+fn is_spike(torque: &[f64], moving: &[bool], extreme: f64) -> bool {
+    // Distinct readings by distance from the extreme, the nearest first, with their counts.
+    let mut nearest: Vec<(f64, usize)> = Vec::new();
+    for (reading, _) in torque.iter().zip(moving).filter(|(_, moving)| **moving) {
+        let distance = (reading - extreme).abs();
+        if nearest.len() > NEXT_READINGS && distance > nearest[NEXT_READINGS].0 {
+            continue;
+        }
+        match nearest.binary_search_by(|(other, _)| other.total_cmp(&distance)) {
+            Ok(place) => nearest[place].1 += 1,
+            Err(place) => nearest.insert(place, (distance, 1)),
+        }
+        nearest.truncate(NEXT_READINGS + 1);
+    }
+    let at_extreme = nearest.first().filter(|(distance, _)| *distance == 0.0).map_or(0, |(_, count)| *count);
+    nearest.iter().skip(1).all(|(_, count)| at_extreme >= SPIKE * count)
+}
+
+/// The moving samples away from both extremes.
+struct Inner {
+    /// Share of equal neighbours.
+    equal_share: f64,
+    /// Share of turning points.
+    turning_share: f64,
+    /// Share of the moving samples that are at an extreme.
+    outside_share: f64,
+}
+
+impl Inner {
+    fn of(torque: &[f64], moving: &[bool], low: f64, high: f64) -> Self {
+        let inside = |sample: usize| moving[sample] && torque[sample] > low && torque[sample] < high;
+        let (mut pairs, mut equal, mut triples, mut turns) = (0, 0, 0, 0);
+        for sample in 1..torque.len() {
+            if !(inside(sample - 1) && inside(sample)) {
+                continue;
+            }
+            let step = torque[sample] - torque[sample - 1];
+            pairs += 1;
+            equal += usize::from(step == 0.0);
+            if sample + 1 < torque.len() && inside(sample + 1) {
+                triples += 1;
+                turns += usize::from(step * (torque[sample + 1] - torque[sample]) < 0.0);
+            }
+        }
+        let all = moving.iter().filter(|moving| **moving).count();
+        let within = (0..torque.len()).filter(|sample| inside(*sample)).count();
+        let share = |part: usize, whole: usize| part as f64 / whole.max(1) as f64;
+        Self {
+            equal_share: share(equal, pairs),
+            turning_share: share(turns, triples),
+            outside_share: share(all - within, all),
+        }
+    }
+
+    fn is_noise_free_plateau(&self) -> bool {
+        self.outside_share > 0.5 && self.turning_share < SMOOTH_SHARE
+    }
+}
+
+/// Where the joint moves.
+struct Motion<'a> {
+    position: &'a [f64],
+    /// Samples to either side over which speed is judged.
+    reach: usize,
+    /// Mean distance per sample, in the position's unit.
+    mean_step: f64,
+}
+
+impl<'a> Motion<'a> {
+    fn of(position: &'a [f64], rate_hz: f64) -> Self {
+        let reach = ((rate_hz * MOVING_WINDOW_S / 2.0).ceil() as usize).max(1);
+        let path: f64 = position.chunks(2 * reach).map(|chunk| (chunk[chunk.len() - 1] - chunk[0]).abs()).sum();
+        Self { position, reach, mean_step: path / position.len() as f64 }
+    }
+
+    fn is_moving(&self, sample: usize) -> bool {
+        let first = sample.saturating_sub(self.reach);
+        let last = (sample + self.reach).min(self.position.len() - 1);
+        let way = (self.position[last] - self.position[first]).abs();
+        way > MOVING_SHARE * self.mean_step * (last - first) as f64
+    }
+
+    /// Whether the joint moves on during `run` itself: at rest a constant torque is no wonder.
+    fn moves_through(&self, run: &Range<usize>) -> bool {
+        self.travel(run) > MOVING_SHARE * self.mean_step * run.len() as f64
+    }
+
+    fn travel(&self, run: &Range<usize>) -> f64 {
+        let part = &self.position[run.clone()];
+        let fold = |pick: fn(f64, f64) -> f64| part.iter().copied().fold(part[0], pick);
+        fold(f64::max) - fold(f64::min)
+    }
+}

@@ -1,0 +1,164 @@
+//! CSV -> readings: only the wanted columns are parsed, straight into their vectors.
+
+use super::columns::Wanted;
+use super::readings::{Faults, Readings, Rows, locate};
+use crate::problem::{Problem, Result};
+use csv::{ByteRecord, Reader, ReaderBuilder};
+use std::fs::File;
+use std::path::Path;
+
+/// Bytes asked of the disk at a time: large enough that system calls do not count, small enough for the cache.
+const BUFFER_BYTES: usize = 1 << 18;
+/// Rows after which the rest of the file is estimated.
+const ROWS_SEEN: usize = 64;
+/// Characters of a faulty field that a message shows.
+const SHOWN_CHARS: usize = 40;
+
+/// Reads the wanted columns of `file`.
+///
+/// Errors: no such column, rows of unequal length, and every field that is no finite number, by row and column.
+pub(super) fn read(file: &Path, wanted: &[Wanted]) -> Result<Readings> {
+    let (source, length) = open(file)?;
+    let mut records = Records::new(source);
+    let mut record = ByteRecord::new();
+    if !records.next(file, &mut record)? {
+        return Problem::error(file, "is empty", "record it again, or delete its trial").alone();
+    }
+    let names: Vec<String> = record.iter().map(name).collect();
+    check_separator(file, &names)?;
+    let places = locate(file, &names, wanted)?;
+
+    let mut faults = Faults::of(file);
+    let mut columns = vec![Vec::new(); wanted.len()];
+    let mut rows = Rows::default();
+    let mut sample = 0;
+    while records.next(file, &mut record)? {
+        let row = records.row;
+        if record.len() != names.len() {
+            faults.add("another number of fields", |file| ragged(file, &record, names.len()).at_row(row));
+            continue;
+        }
+        for ((column, &place), want) in columns.iter_mut().zip(&places).zip(wanted) {
+            let field = &record[place];
+            column.push(number(field).unwrap_or_else(|| {
+                faults.add("no number", |file| no_number(file, field, want).at_row(row));
+                f64::NAN
+            }));
+        }
+        rows.note(sample, row);
+        sample += 1;
+        if sample == ROWS_SEEN {
+            reserve(&mut columns, length, records.bytes());
+        }
+    }
+    faults.unless_any(Readings { columns, rows })
+}
+
+fn open(file: &Path) -> Result<(File, u64)> {
+    let opened = File::open(file).and_then(|source| Ok((source.metadata()?.len(), source)));
+    match opened {
+        Ok((length, source)) => Ok((source, length)),
+        Err(error) => unreadable(file, &error),
+    }
+}
+
+fn unreadable<T>(file: &Path, error: &dyn std::error::Error) -> Result<T> {
+    Problem::error(file, format!("cannot be read: {error}"), "check the path and its permissions").alone()
+}
+
+/// The records of a file, with the row at which each begins: the csv crate's own count stands before blank rows.
+struct Records {
+    reader: Reader<File>,
+    /// Row of the last record, counted from 1.
+    row: u64,
+    /// Line breaks inside quotes of the last record, which belong to its row.
+    inside: u64,
+}
+
+impl Records {
+    fn new(source: File) -> Self {
+        // Flexible, so that ragged rows are ours to report, all of them.
+        let mut builder = ReaderBuilder::new();
+        let reader = builder.has_headers(false).flexible(true).buffer_capacity(BUFFER_BYTES).from_reader(source);
+        Self { reader, row: 0, inside: 0 }
+    }
+
+    /// Reads the next record, if there is one.
+    fn next(&mut self, file: &Path, record: &mut ByteRecord) -> Result<bool> {
+        let before = self.reader.position().line();
+        match self.reader.read_byte_record(record) {
+            Ok(false) => return Ok(false),
+            Ok(true) => {}
+            Err(error) => return unreadable(file, &error),
+        }
+        self.row += 1 + self.inside;
+        self.inside = 0;
+        // A plain record passes one line break at most: its own, or (where rows end in two bytes) the one before.
+        let passed = self.reader.position().line() - before;
+        if passed > 1 {
+            self.inside = record.as_slice().iter().filter(|&&byte| byte == b'\n').count() as u64;
+            self.row += (passed - 1).saturating_sub(self.inside);
+        }
+        Ok(true)
+    }
+
+    /// Bytes read so far.
+    fn bytes(&self) -> u64 {
+        self.reader.position().byte()
+    }
+}
+
+/// Makes room for the rest of a file of `length` bytes, judging by the first `bytes` of it.
+fn reserve(columns: &mut [Vec<f64>], length: u64, bytes: u64) {
+    let rows_per_byte = ROWS_SEEN as f64 / bytes.max(1) as f64;
+    // Rows grow shorter or longer along a file, by a digit or a sign.
+    let more = (1.05 * rows_per_byte * length as f64) as usize;
+    columns.iter_mut().for_each(|column| column.reserve(more));
+}
+
+fn check_separator(file: &Path, names: &[String]) -> Result<()> {
+    let [only] = names else { return Ok(()) };
+    for (separator, shown) in [(';', "semicolons"), ('\t', "tabs")] {
+        if only.contains(separator) {
+            let cure = "save the log with commas between fields and a point in numbers";
+            return Problem::error(file, format!("its fields are separated by {shown}"), cure).at_row(1).alone();
+        }
+    }
+    Ok(())
+}
+
+fn name(field: &[u8]) -> String {
+    String::from_utf8_lossy(field).trim().to_string()
+}
+
+/// The finite number in `field`, blanks around it allowed.
+fn number(field: &[u8]) -> Option<f64> {
+    let parsed: Option<f64> = match fast_float2::parse(field) {
+        Ok(number) => Some(number),
+        Err(_) => fast_float2::parse(field.trim_ascii()).ok(),
+    };
+    parsed.filter(|number| number.is_finite())
+}
+
+fn ragged(file: &Path, record: &ByteRecord, expected: usize) -> Problem {
+    let cure = "repair or delete the row; a last row cut short means that recording broke off";
+    let what = match record.as_slice().contains(&b'\n') {
+        true => "a quote opens here and is not closed in this row".to_string(),
+        false => format!("{} fields where the header has {expected}", record.len()),
+    };
+    Problem::error(file, what, cure)
+}
+
+fn no_number(file: &Path, field: &[u8], want: &Wanted) -> Problem {
+    let text = String::from_utf8_lossy(field);
+    let what = match text.trim() {
+        "" => "is empty".to_string(),
+        found => {
+            let start: String = found.chars().take(SHOWN_CHARS).collect();
+            let more = if start.len() < found.len() { " ..." } else { "" };
+            format!("holds `{}`{more}", start.escape_debug())
+        }
+    };
+    let cure = format!("expected a number in {}; repair or delete the row", want.column.unit.name());
+    Problem::error(file, what, cure).in_column(&want.column.name)
+}

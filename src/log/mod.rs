@@ -1,0 +1,128 @@
+//! A recorded campaign: `campaign.toml` -> [`Campaign`]; trial by trial, a CSV or Parquet log -> [`Log`] in SI.
+
+mod campaign;
+mod checks;
+mod clipping;
+mod columns;
+mod csv_file;
+mod parquet_file;
+mod readings;
+mod resample;
+pub mod table;
+mod written;
+
+pub use campaign::{Campaign, Protocol, Signal, TrialEntry};
+pub use columns::{Column, Columns, ReferenceColumn};
+
+use crate::problem::{Problem, Result};
+use crate::units::Quantity;
+use columns::Wanted;
+use readings::Readings;
+use std::ops::Range;
+use std::path::{Path, PathBuf};
+
+/// Where [`Columns::wanted`] puts the columns that every log has.
+const TIME: usize = 0;
+const POSITION: usize = 1;
+const TORQUE: usize = 2;
+
+/// One trial as recorded, in SI, evenly sampled, free of gaps. For a prismatic joint `_rad` is m and `_nm` is N.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Log {
+    /// The file it came from.
+    pub file: PathBuf,
+    /// Sample rate, Hz.
+    pub rate_hz: f64,
+    /// Time stamps, s.
+    pub time_s: Vec<f64>,
+    /// Position of the joint, rad.
+    pub position_rad: Vec<f64>,
+    /// y: the recorded torque times `torque_sign`, N m.
+    pub torque_nm: Vec<f64>,
+    /// Recorded velocity, rad/s.
+    pub velocity_rad_s: Option<Vec<f64>>,
+    /// Measured load at the joint, N m.
+    pub load_torque_nm: Option<Vec<f64>>,
+    /// Interaction torque measured independently, N m.
+    pub reference_torque_nm: Option<Vec<f64>>,
+    /// Motor current, A.
+    pub current_a: Option<Vec<f64>>,
+    /// Temperature, degC.
+    pub temperature_degc: Option<Vec<f64>>,
+    /// Positions of coupled joints, rad or m.
+    pub other_position_rad: Vec<Vec<f64>>,
+    /// Samples at which the torque sensor was at the end of its range.
+    pub clipped: Vec<Range<usize>>,
+    /// What the reader should know of this log.
+    pub warnings: Vec<Problem>,
+}
+
+/// Reads trial `index` of `campaign`, which must be in its list: parsed, checked, put on an even grid, in SI.
+///
+/// Errors: every fault of the file that makes it unusable, with row, column and cure.
+pub fn read_trial(campaign: &Campaign, index: usize) -> Result<Log> {
+    let entry = &campaign.trials[index];
+    let file = campaign.folder.join(&entry.file);
+    let wanted = campaign.columns.wanted();
+    let recorded = read_columns(&file, &wanted)?;
+    checks::check(&file, &recorded, &wanted, &campaign.signal, entry.protocol)?;
+    let (mut columns, rate_hz, mut warnings) = resample::onto_even_grid(&file, recorded.columns, &wanted[TIME]);
+    let clipped = clipping::find(&columns[POSITION], &columns[TORQUE], rate_hz);
+    warnings.extend(clipped.iter().map(|end| end.warning(&file, &recorded.rows, &wanted[TORQUE])));
+    for (column, want) in columns.iter_mut().zip(&wanted) {
+        let sign = if want.quantity == Quantity::Torque { campaign.signal.torque_sign } else { 1.0 };
+        scale(column, sign * want.factor());
+    }
+    let mut log = assemble(file, rate_hz, columns, &wanted);
+    log.clipped = clipping::merge(clipped);
+    log.warnings = warnings;
+    Ok(log)
+}
+
+fn read_columns(file: &Path, wanted: &[Wanted]) -> Result<Readings> {
+    let extension = file.extension().and_then(|extension| extension.to_str()).unwrap_or_default();
+    match extension.to_ascii_lowercase().as_str() {
+        "csv" => csv_file::read(file, wanted),
+        "parquet" => parquet_file::read(file, wanted),
+        _ => Problem::error(file, "is no kind of log known here", "save it as .csv or .parquet").alone(),
+    }
+}
+
+fn scale(column: &mut [f64], factor: f64) {
+    if factor != 1.0 {
+        column.iter_mut().for_each(|reading| *reading *= factor);
+    }
+}
+
+/// Puts each column in its place.
+fn assemble(file: PathBuf, rate_hz: f64, columns: Vec<Vec<f64>>, wanted: &[Wanted]) -> Log {
+    let mut log = Log {
+        file,
+        rate_hz,
+        time_s: Vec::new(),
+        position_rad: Vec::new(),
+        torque_nm: Vec::new(),
+        velocity_rad_s: None,
+        load_torque_nm: None,
+        reference_torque_nm: None,
+        current_a: None,
+        temperature_degc: None,
+        other_position_rad: Vec::new(),
+        clipped: Vec::new(),
+        warnings: Vec::new(),
+    };
+    for (column, want) in columns.into_iter().zip(wanted) {
+        match want.quantity {
+            Quantity::Time => log.time_s = column,
+            Quantity::Position => log.position_rad = column,
+            Quantity::Torque => log.torque_nm = column,
+            Quantity::Velocity => log.velocity_rad_s = Some(column),
+            Quantity::LoadTorque => log.load_torque_nm = Some(column),
+            Quantity::ReferenceTorque => log.reference_torque_nm = Some(column),
+            Quantity::Current => log.current_a = Some(column),
+            Quantity::Temperature => log.temperature_degc = Some(column),
+            Quantity::OtherPosition => log.other_position_rad.push(column),
+        }
+    }
+    log
+}

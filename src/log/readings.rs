@@ -1,0 +1,127 @@
+//! What a reader of one file format hands over, and how it complains.
+
+use super::columns::Wanted;
+use crate::document::suggest;
+use crate::problem::{Problem, Problems, Result};
+use std::path::Path;
+
+/// After this many problems of one kind in one file the rest is only counted: the reader has seen the pattern.
+const LISTED_MAX: usize = 20;
+
+/// The wanted columns of one log, as recorded: in the file's units.
+#[derive(Debug)]
+pub(super) struct Readings {
+    /// One per wanted column, in that order, all of one length.
+    pub columns: Vec<Vec<f64>>,
+    /// Where each sample stands in the file.
+    pub rows: Rows,
+}
+
+/// Turns a sample's place in its column into its row in the file, without storing a number per sample.
+#[derive(Debug, Default)]
+pub(super) struct Rows {
+    /// From this sample on, a row is the sample plus this. Blank rows make a new entry.
+    shifts: Vec<(usize, u64)>,
+}
+
+impl Rows {
+    /// A table without blank rows, under a header in row 1.
+    pub fn plain() -> Self {
+        Self { shifts: vec![(0, 2)] }
+    }
+
+    /// Notes that `sample` stands in `row`; samples come in order.
+    pub fn note(&mut self, sample: usize, row: u64) {
+        let shift = row - sample as u64;
+        if self.shifts.last().is_none_or(|(_, last)| *last != shift) {
+            self.shifts.push((sample, shift));
+        }
+    }
+
+    /// The row of `sample`.
+    pub fn of(&self, sample: usize) -> u64 {
+        let after = self.shifts.partition_point(|(first, _)| *first <= sample);
+        sample as u64 + after.checked_sub(1).map_or(0, |index| self.shifts[index].1)
+    }
+}
+
+/// The faults of one file.
+pub(super) struct Faults<'a> {
+    file: &'a Path,
+    problems: Vec<Problem>,
+    counts: Vec<(&'static str, usize)>,
+}
+
+impl<'a> Faults<'a> {
+    pub fn of(file: &'a Path) -> Self {
+        Self { file, problems: Vec::new(), counts: Vec::new() }
+    }
+
+    /// Adds a fault: `kind` groups its like and finishes the sentence "and 7 more rows with ...".
+    pub fn add(&mut self, kind: &'static str, fault: impl FnOnce(&Path) -> Problem) {
+        let count = match self.counts.iter_mut().find(|(known, _)| *known == kind) {
+            Some((_, count)) => count,
+            None => {
+                self.counts.push((kind, 0));
+                let last = self.counts.len() - 1;
+                &mut self.counts[last].1
+            }
+        };
+        *count += 1;
+        if *count <= LISTED_MAX {
+            self.problems.push(fault(self.file));
+        }
+    }
+
+    /// Whether nothing was found so far.
+    pub fn is_empty(&self) -> bool {
+        self.problems.is_empty()
+    }
+
+    /// `value` if nothing was found, else everything.
+    pub fn unless_any<T>(mut self, value: T) -> Result<T> {
+        for (kind, count) in self.counts.iter().filter(|(_, count)| *count > LISTED_MAX) {
+            let what = format!("and {} more rows with {kind}", count - LISTED_MAX);
+            self.problems.push(Problem::error(self.file, what, ""));
+        }
+        if self.problems.is_empty() { Ok(value) } else { Err(Problems(self.problems)) }
+    }
+}
+
+/// Where each wanted column stands in a file with these `names`.
+///
+/// Errors: columns that are missing, or there twice.
+pub(super) fn locate(file: &Path, names: &[String], wanted: &[Wanted]) -> Result<Vec<usize>> {
+    let mut faults = Faults::of(file);
+    let mut places = Vec::with_capacity(wanted.len());
+    for want in wanted {
+        let name = &want.column.name;
+        let mut found = names.iter().enumerate().filter(|(_, other)| *other == name).map(|(place, _)| place);
+        match (found.next(), found.next()) {
+            (Some(place), None) => places.push(place),
+            (Some(_), Some(_)) => faults.add("a column twice", |file| {
+                Problem::error(file, "this column is there twice", "rename one of the two").at_row(1).in_column(name)
+            }),
+            (None, _) => faults.add("a missing column", |file| missing(file, names, want)),
+        }
+    }
+    faults.unless_any(places)
+}
+
+fn missing(file: &Path, names: &[String], want: &Wanted) -> Problem {
+    let name = &want.column.name;
+    let cure = if !names.is_empty() && names.iter().all(|name| name.parse::<f64>().is_ok()) {
+        "the first row holds numbers: add a header with the columns' names".to_string()
+    } else {
+        let all = names.iter().map(String::as_str);
+        let hint = suggest(name, "the file holds", all.clone());
+        let listed =
+            if hint.contains("the file holds") { String::new() } else { format!(" The file holds: {}", join(all)) };
+        format!("{hint}{listed}; correct columns.{} in campaign.toml", want.key)
+    };
+    Problem::error(file, format!("there is no such column, wanted as {}", want.key), cure).at_row(1).in_column(name)
+}
+
+fn join<'a>(names: impl Iterator<Item = &'a str>) -> String {
+    names.collect::<Vec<_>>().join(", ")
+}

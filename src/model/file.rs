@@ -1,0 +1,159 @@
+//! `model.json`: read and written.
+
+use super::{Both, Combination, Confidence, Direction, Friction, Joint, Model, Status};
+use crate::document::{Document, Section};
+use crate::dynamics::{Dynamics, JointKind};
+use crate::problem::Result;
+use serde_json::{Map, Value, json};
+use std::path::Path;
+
+/// The format's name and version.
+const FORMAT: &str = "model/1";
+
+/// Keys that an identification adds for people to read; nothing is computed from them.
+pub const EXTRA_KEYS: [&str; 7] =
+    ["fit", "forms", "combinations", "refinement", "free_motion", "warnings", "provenance"];
+
+impl Model {
+    /// Reads a model; keys that an identification adds may be absent.
+    ///
+    /// Errors: the file, an unknown key, a missing or impossible parameter, an effect (none is known to this version).
+    pub fn read(file: &Path) -> Result<Self> {
+        Document::open(file)?.read(|root| {
+            root.need("format").choice(&[(FORMAT, ())]);
+            for key in EXTRA_KEYS {
+                root.may(key);
+            }
+            let joint = root.need("joint").section(read_joint);
+            let dynamics = root.need("dynamics").section(|s| {
+                let gravity_nm = s.need("gravity_nm").number();
+                let inertia_kg_m2 = s.need("inertia_kg_m2").not_negative();
+                Some(Dynamics { gravity_nm: gravity_nm?, inertia_kg_m2: inertia_kg_m2? })
+            });
+            let friction = root.need("friction").section(|s| {
+                let up = s.need("up").section(|s| read_friction(s, Direction::Up));
+                let down = s.need("down").section(|s| read_friction(s, Direction::Down));
+                Some(Both { up: up?, down: down? })
+            });
+            let combination = root.need("combination").section(read_combination);
+            let effects = root.may("effects").sections(|s| s.keys().next().map(str::to_string));
+            if effects.is_some_and(|effects| !effects.is_empty()) {
+                root.reject("effects", "names effects, and this version knows none", "leave the list empty");
+            }
+            let confidence = root.may("confidence").sections_by_name(|_, s| read_confidence(s)).unwrap_or_default();
+            Some(Self {
+                joint: joint?,
+                dynamics: dynamics?,
+                friction: friction?,
+                combination: combination?,
+                confidence,
+            })
+        })
+    }
+
+    /// The model as in `model.json`, without what an identification adds; numbers that are not finite become null.
+    pub fn to_json(&self) -> Value {
+        let branch = |f: &Friction| -> Value {
+            Friction::NAMES
+                .iter()
+                .zip(f.values())
+                .map(|(name, x)| (name.to_string(), json!(x)))
+                .collect::<Map<_, _>>()
+                .into()
+        };
+        let mut combination = json!({ "kind": self.combination.name() });
+        match self.combination {
+            Combination::Arctan { k, p } => (combination["k"], combination["p"]) = (json!(k), json!(p)),
+            Combination::Power { n } => combination["n"] = json!(n),
+            Combination::Sign | Combination::Linear => {}
+        }
+        let mut joint = json!({
+            "name": self.joint.name,
+            "winch_radius_m": self.joint.winch_radius_m,
+            "pulley_radius_m": self.joint.pulley_radius_m,
+            "backlash_m": self.joint.backlash_m,
+        });
+        if self.joint.kind != JointKind::Revolute {
+            joint["kind"] = json!(self.joint.kind.name());
+        }
+        let confidence: Map<String, Value> = self.confidence.iter().map(|(n, c)| (n.clone(), c.to_json())).collect();
+        json!({
+            "format": FORMAT,
+            "joint": joint,
+            "dynamics": {
+                "gravity_nm": self.dynamics.gravity_nm,
+                "inertia_kg_m2": self.dynamics.inertia_kg_m2,
+            },
+            "friction": { "up": branch(&self.friction.up), "down": branch(&self.friction.down) },
+            "combination": combination,
+            "effects": [],
+            "confidence": confidence,
+        })
+    }
+}
+
+impl Confidence {
+    fn to_json(self) -> Value {
+        json!({ "low": self.low, "high": self.high, "cv": self.cv, "status": self.status.name() })
+    }
+}
+
+fn read_joint(s: &Section) -> Option<Joint> {
+    let name = s.need("name").text();
+    let kinds = [JointKind::Revolute, JointKind::Prismatic].map(|kind| (kind.name(), kind));
+    let kind = s.may("kind").choice(&kinds).unwrap_or_default();
+    let winch_radius_m = s.need("winch_radius_m").positive();
+    let pulley_radius_m = s.need("pulley_radius_m").positive();
+    let backlash_m = s.need("backlash_m").not_negative();
+    Some(Joint {
+        name: name?,
+        kind,
+        winch_radius_m: winch_radius_m?,
+        pulley_radius_m: pulley_radius_m?,
+        backlash_m: backlash_m?,
+    })
+}
+
+/// A branch; its rates must make the exponentials decay with speed in its own direction.
+fn read_friction(s: &Section, direction: Direction) -> Option<Friction> {
+    let values = Friction::NAMES.map(|name| s.need(name).number());
+    for (name, value) in Friction::NAMES.iter().zip(values) {
+        let wrong = match *name {
+            "c_c" | "c_j" => value.is_some_and(|c| c * direction.sign() < 0.0),
+            "mu_c" => value.is_some_and(|mu| mu >= 1.0),
+            _ => false,
+        };
+        if wrong && *name == "mu_c" {
+            s.reject(name, "leaves nothing of the tension", "a friction coefficient is below 1");
+        } else if wrong {
+            let sign = if direction == Direction::Up { "positive" } else { "negative" };
+            s.reject(name, "grows with speed", format!("on `{}` it is {sign}", direction.name()));
+        }
+    }
+    let mut found = [0.0; 7];
+    for (slot, value) in found.iter_mut().zip(values) {
+        *slot = value?;
+    }
+    Some(Friction::from_values(found))
+}
+
+fn read_combination(s: &Section) -> Option<Combination> {
+    let kind = s.need("kind").choice(&["sign", "linear", "arctan", "power"].map(|name| (name, name)))?;
+    match kind {
+        "sign" => Some(Combination::Sign),
+        "linear" => Some(Combination::Linear),
+        "arctan" => {
+            let (k, p) = (s.need("k").positive(), s.need("p").positive());
+            Some(Combination::Arctan { k: k?, p: p? })
+        }
+        _ => Some(Combination::Power { n: s.need("n").positive()? }),
+    }
+}
+
+fn read_confidence(s: &Section) -> Option<Confidence> {
+    let low = s.may("low").number().unwrap_or(f64::NEG_INFINITY);
+    let high = s.may("high").number().unwrap_or(f64::INFINITY);
+    let cv = s.may("cv").number().unwrap_or(f64::INFINITY);
+    let status = s.need("status").choice(&Status::ALL.map(|status| (status.name(), status)))?;
+    Some(Confidence { low, high, cv, status })
+}

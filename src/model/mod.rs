@@ -1,0 +1,71 @@
+//! The paper's model of one joint as the winch's torque sensor sees it.
+
+mod combination;
+mod file;
+mod friction;
+mod joint;
+mod predict;
+
+pub use combination::{Combination, Transition, settle};
+pub use friction::{Both, Direction, Friction};
+pub use joint::Joint;
+pub use predict::Components;
+
+use crate::dynamics::Dynamics;
+use std::collections::BTreeMap;
+
+/// Everything needed to predict y from motion: geometry, rigid body, friction, combination.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Model {
+    /// Geometry.
+    pub joint: Joint,
+    /// Gravity and inertia.
+    pub dynamics: Dynamics,
+    /// The two branches.
+    pub friction: Both<Friction>,
+    /// How friction changes over between them.
+    pub combination: Combination,
+    /// How well each parameter is known, by dotted name (`friction.up.a_j`); empty when nobody said.
+    pub confidence: BTreeMap<String, Confidence>,
+}
+
+/// How well the data knew one parameter.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Confidence {
+    /// Lower end of the 95 % interval, in the parameter's own unit; infinite where the data set no limit.
+    pub low: f64,
+    /// Upper end.
+    pub high: f64,
+    /// Coefficient of variation: standard error over magnitude, dimensionless.
+    pub cv: f64,
+    /// The verdict in a word.
+    pub status: Status,
+}
+
+/// What the data say of a parameter.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Status {
+    /// Known by itself.
+    Pinned,
+    /// Known only together with others: a change is made up for by theirs.
+    TradeOff,
+    /// Hardly changes the prediction at all.
+    Flat,
+    /// Ended at the limit of what is physical.
+    AtBound,
+}
+
+impl Status {
+    /// All of them.
+    pub const ALL: [Self; 4] = [Self::Pinned, Self::TradeOff, Self::Flat, Self::AtBound];
+
+    /// The name used in files.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Pinned => "pinned",
+            Self::TradeOff => "trade_off",
+            Self::Flat => "flat",
+            Self::AtBound => "at_bound",
+        }
+    }
+}

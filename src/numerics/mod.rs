@@ -1,0 +1,16 @@
+//! Mathematics that knows no joint: each file one tool.
+
+/// Linear least squares with covariance.
+pub mod linear;
+
+/// Levenberg-Marquardt within bounds, with covariance.
+pub mod marquardt;
+
+/// Zero-phase Butterworth low-pass.
+pub mod filter;
+
+/// Velocity and acceleration from samples of a position.
+pub mod difference;
+
+/// Means, spreads, quantiles.
+pub mod statistics;

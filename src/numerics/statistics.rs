@@ -1,0 +1,47 @@
+//! Means, spreads, quantiles.
+
+use statrs::distribution::{ContinuousCDF, FisherSnedecor, StudentsT};
+
+/// Two-sided level of every interval that is printed.
+pub const CONFIDENCE: f64 = 0.95;
+
+/// Arithmetic mean; NaN of nothing.
+pub fn mean(values: &[f64]) -> f64 {
+    values.iter().sum::<f64>() / values.len() as f64
+}
+
+/// Sample standard deviation (n - 1); NaN of fewer than two.
+pub fn standard_deviation(values: &[f64]) -> f64 {
+    let m = mean(values);
+    (values.iter().map(|v| (v - m) * (v - m)).sum::<f64>() / (values.len() as f64 - 1.0)).sqrt()
+}
+
+/// Root of the mean square; NaN of nothing.
+pub fn root_mean_square(values: &[f64]) -> f64 {
+    (values.iter().map(|v| v * v).sum::<f64>() / values.len() as f64).sqrt()
+}
+
+/// The value that `share` (0 to 1) of `values` do not exceed; NaN of nothing. Reorders `values`.
+pub fn quantile(values: &mut [f64], share: f64) -> f64 {
+    if values.is_empty() {
+        return f64::NAN;
+    }
+    let at = ((values.len() - 1) as f64 * share.clamp(0.0, 1.0)).round() as usize;
+    *values.select_nth_unstable_by(at, f64::total_cmp).1
+}
+
+/// Half width of a two-sided `CONFIDENCE` interval in standard errors, by Student's t with `freedom` degrees; infinite
+/// without any.
+pub fn student_t(freedom: f64) -> f64 {
+    StudentsT::new(0.0, 1.0, freedom).map_or(f64::INFINITY, |t| t.inverse_cdf(0.5 + CONFIDENCE / 2.0))
+}
+
+/// Quantile of Fisher's F at `CONFIDENCE`, with `over` and `under` degrees of freedom; infinite without any.
+pub fn fisher_f(over: f64, under: f64) -> f64 {
+    FisherSnedecor::new(over, under).map_or(f64::INFINITY, |f| f.inverse_cdf(CONFIDENCE))
+}
+
+/// Chance that Fisher's F with `over` and `under` degrees of freedom exceeds `value`; 1 without any.
+pub fn fisher_tail(value: f64, over: f64, under: f64) -> f64 {
+    FisherSnedecor::new(over, under).map_or(1.0, |f| f.sf(value.max(0.0)))
+}

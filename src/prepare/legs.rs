@@ -1,0 +1,117 @@
+//! The constant-speed legs of a sweep: where (17) holds.
+
+use crate::log::Log;
+use crate::model::Direction;
+use crate::numerics::statistics::quantile;
+use crate::problem::{Problem, Result};
+use std::ops::Range;
+
+/// Speed is the mean over this share of the whole travel: long enough for a coarse encoder, short enough for a ramp to show.
+const WINDOW_TRAVEL: f64 = 0.02;
+/// A plateau's speed is within this share of the declared one.
+const SPEED_TOLERANCE: f64 = 0.05;
+/// A leg covers at least this share of the whole travel.
+const MIN_TRAVEL: f64 = 0.2;
+/// Left out at a leg's start: at least this share of its travel, should the declared backlash be too small ...
+const REVERSAL_TRAVEL: f64 = 0.05;
+/// ... and this many times the declared backlash.
+const REVERSAL_BACKLASHES: f64 = 1.1;
+/// Left out at both ends, in periods of the low-pass: where it carries in what lies outside the leg.
+const FILTER_PERIODS: f64 = 1.5;
+/// Fewest samples that a leg may have.
+const MIN_SAMPLES: usize = 20;
+
+/// One stretch of motion at constant speed in one direction, transitions left out.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Leg {
+    /// Its direction.
+    pub direction: Direction,
+    /// Its samples in the trial.
+    pub samples: Range<usize>,
+}
+
+/// The legs of a sweep at `speed_rad_s` (declared, positive), in order of time.
+///
+/// `backlash_rad` is X_cl / r2, `lowpass_hz` the torque's cut-off. Errors: no plateau at the declared speed.
+pub fn find_legs(
+    log: &Log,
+    position_rad: &[f64],
+    speed_rad_s: f64,
+    backlash_rad: f64,
+    lowpass_hz: f64,
+) -> Result<Vec<Leg>> {
+    let (low, high) = position_rad.iter().fold((f64::MAX, f64::MIN), |(l, h), x| (l.min(*x), h.max(*x)));
+    let range_rad = high - low;
+    let half = ((WINDOW_TRAVEL * range_rad / speed_rad_s * log.rate_hz / 2.0) as usize).max(2);
+    let margin = (FILTER_PERIODS / lowpass_hz * log.rate_hz) as usize;
+    let speeds = window_speeds(position_rad, half, log.rate_hz);
+    let mut legs: Vec<Leg> = Vec::new();
+    for direction in Direction::BOTH {
+        for run in plateaus(&speeds, direction.sign() * speed_rad_s) {
+            let travel = (position_rad[run.end - 1] - position_rad[run.start]).abs();
+            if travel >= MIN_TRAVEL * range_rad {
+                legs.extend(trim(position_rad, direction, run, backlash_rad, margin));
+            }
+        }
+    }
+    if legs.is_empty() {
+        return no_plateau(log, &speeds, speed_rad_s).alone();
+    }
+    legs.sort_by_key(|leg| leg.samples.start);
+    Ok(legs)
+}
+
+/// Mean speed over `half` samples either side of each sample; zero where there are too few.
+fn window_speeds(position_rad: &[f64], half: usize, rate_hz: f64) -> Vec<f64> {
+    let mut speeds = vec![0.0; position_rad.len()];
+    for (i, pair) in position_rad.windows(2 * half + 1).enumerate() {
+        speeds[i + half] = (pair[2 * half] - pair[0]) * rate_hz / (2 * half) as f64;
+    }
+    speeds
+}
+
+/// Maximal runs at `target_rad_s` (signed), within the tolerance.
+fn plateaus(speeds: &[f64], target_rad_s: f64) -> Vec<Range<usize>> {
+    let on = |v: &f64| (v - target_rad_s).abs() <= SPEED_TOLERANCE * target_rad_s.abs();
+    let mut runs = Vec::new();
+    let mut start = None;
+    for (i, v) in speeds.iter().enumerate() {
+        match (on(v), start) {
+            (true, None) => start = Some(i),
+            (false, Some(s)) => {
+                runs.push(s..i);
+                start = None;
+            }
+            _ => {}
+        }
+    }
+    runs.extend(start.map(|s| s..speeds.len()));
+    runs
+}
+
+/// The run without the transition after its reversal and without what the low-pass carries in from outside.
+fn trim(
+    position_rad: &[f64],
+    direction: Direction,
+    run: Range<usize>,
+    backlash_rad: f64,
+    margin: usize,
+) -> Option<Leg> {
+    let begin_rad = position_rad[run.start];
+    let travel_rad = (position_rad[run.end - 1] - begin_rad).abs();
+    let skip_rad = (REVERSAL_BACKLASHES * backlash_rad).max(REVERSAL_TRAVEL * travel_rad);
+    let past = run.clone().find(|i| (position_rad[*i] - begin_rad) * direction.sign() >= skip_rad)?;
+    // A fast leg may be short against the filter: then give up at most a sixth of it at each end.
+    let margin = margin.min(run.len() / 6);
+    let samples = past.max(run.start + margin)..run.end - margin;
+    (samples.len() >= MIN_SAMPLES).then_some(Leg { direction, samples })
+}
+
+fn no_plateau(log: &Log, speeds: &[f64], speed_rad_s: f64) -> Problem {
+    let mut magnitudes: Vec<f64> = speeds.iter().map(|v| v.abs()).filter(|v| *v > 0.0).collect();
+    let top = quantile(&mut magnitudes, 0.9);
+    let what =
+        format!("no plateau at the declared speed_rad_s = {speed_rad_s}: the joint moves at up to {top:.4} rad/s");
+    let cure = "correct speed_rad_s in campaign.toml, the position's unit, or mark the trial `free`";
+    Problem::error(&log.file, what, cure)
+}

@@ -1,0 +1,167 @@
+//! Axes: where a value stands, and which ticks a reader wants.
+
+/// Labelled ticks wanted on a linear axis.
+const TICKS: f64 = 5.0;
+
+/// How values are spread along an axis.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Scale {
+    Linear,
+    Log,
+    /// sign(x) log10(1 + |x| / from): linear below `from`, logarithmic beyond, both signs.
+    SignedLog {
+        from: f64,
+    },
+}
+
+/// One axis of a panel. A panel is drawn in places: what `place` makes of values.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Axis {
+    /// What it shows, with its unit; empty draws no label.
+    pub label: String,
+    /// Lowest and highest place.
+    pub places: (f64, f64),
+    /// Places with their text.
+    pub ticks: Vec<(f64, String)>,
+    /// Places of grid lines without text.
+    pub minor: Vec<f64>,
+    scale: Scale,
+}
+
+impl Axis {
+    /// Evenly spaced, from `low` to `high`.
+    pub fn linear(label: impl Into<String>, low: f64, high: f64) -> Self {
+        let (low, high) = widened(low, high);
+        let step = step(high - low);
+        let decimals = (-step.log10().floor()).max(0.0) as usize;
+        let first = (low / step - 1e-9).ceil() as i64;
+        let last = (high / step + 1e-9).floor() as i64;
+        let ticks =
+            (first..=last).map(|i| (i as f64 * step, minus(format!("{:.decimals$}", i as f64 * step)))).collect();
+        Self { label: label.into(), places: (low, high), ticks, minor: Vec::new(), scale: Scale::Linear }
+    }
+
+    /// Evenly spaced, holding all of `values` and a margin of `margin` times their span.
+    pub fn around(label: impl Into<String>, values: impl IntoIterator<Item = f64>, margin: f64) -> Self {
+        let (low, high) = span(values);
+        let room = margin * (high - low);
+        Self::linear(label, low - room, high + room)
+    }
+
+    /// Logarithmic, holding all of `values`, which must be positive.
+    pub fn log(label: impl Into<String>, values: impl IntoIterator<Item = f64>) -> Self {
+        let (low, high) = span(values.into_iter().filter(|x| *x > 0.0));
+        let (low, high) = if low > 0.0 { (low / 1.12, high * 1.12) } else { (0.1, 1.0) };
+        let decades = (high / low).log10();
+        let labelled: &[u32] = if decades < 2.2 { &[1, 2, 5] } else { &[1] };
+        let (mut ticks, mut minor) = (Vec::new(), Vec::new());
+        for power in low.log10().floor() as i32..=high.log10().floor() as i32 {
+            for digit in 1..10 {
+                let value = f64::from(digit) * 10f64.powi(power);
+                if (low..=high).contains(&value) {
+                    match labelled.contains(&digit) {
+                        true => ticks.push((value.log10(), plain(value))),
+                        false => minor.push(value.log10()),
+                    }
+                }
+            }
+        }
+        Self { label: label.into(), places: (low.log10(), high.log10()), ticks, minor, scale: Scale::Log }
+    }
+
+    /// Logarithmic on both sides of zero, from `low` to `high`; what is smaller than `from` gathers about zero.
+    pub fn signed_log(label: impl Into<String>, low: f64, high: f64, from: f64) -> Self {
+        let scale = Scale::SignedLog { from };
+        let place = |value: f64| value.signum() * (1.0 + value.abs() / from).log10();
+        let mut ticks = vec![(0.0, "0".to_string())];
+        let largest = low.abs().max(high.abs());
+        for power in from.log10().floor() as i32..=largest.log10().floor() as i32 {
+            for value in [10f64.powi(power), -10f64.powi(power)] {
+                // Ticks that stand in the linear part would run into the zero.
+                if (low..=high).contains(&value) && value.abs() >= 0.9 * from {
+                    ticks.push((place(value), minus(plain(value))));
+                }
+            }
+        }
+        Self { label: label.into(), places: (place(low), place(high)), ticks, minor: Vec::new(), scale }
+    }
+
+    /// Without its label: the neighbour below or beside shows it.
+    pub fn without_label(mut self) -> Self {
+        self.label.clear();
+        self
+    }
+
+    /// Without the ticks' texts.
+    pub fn without_texts(mut self) -> Self {
+        self.ticks.iter_mut().for_each(|(_, text)| text.clear());
+        self.without_label()
+    }
+
+    /// Where `value` stands; beyond the axis, at its end.
+    pub fn place(&self, value: f64) -> f64 {
+        let place = match self.scale {
+            Scale::Linear => value,
+            Scale::Log => value.max(f64::MIN_POSITIVE).log10(),
+            Scale::SignedLog { from } => value.signum() * (1.0 + value.abs() / from).log10(),
+        };
+        place.clamp(self.places.0, self.places.1)
+    }
+
+    /// The value at `place`: the inverse of `place` within the axis.
+    pub fn value(&self, place: f64) -> f64 {
+        match self.scale {
+            Scale::Linear => place,
+            Scale::Log => 10f64.powf(place),
+            Scale::SignedLog { from } => place.signum() * from * (10f64.powf(place.abs()) - 1.0),
+        }
+    }
+
+    /// Values evenly spread in place over `low` to `high`: for curves.
+    pub fn spread(&self, low: f64, high: f64, number: usize) -> Vec<f64> {
+        let share = move |i: usize| i as f64 / (number.max(2) - 1) as f64;
+        match self.scale {
+            Scale::Log => (0..number).map(|i| low * (high / low).powf(share(i))).collect(),
+            _ => (0..number).map(|i| low + (high - low) * share(i)).collect(),
+        }
+    }
+}
+
+/// Smallest and largest finite value; zero without any.
+pub fn span(values: impl IntoIterator<Item = f64>) -> (f64, f64) {
+    let finite = values.into_iter().filter(|x| x.is_finite());
+    let (low, high) = finite.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), x| (l.min(x), h.max(x)));
+    if low <= high { (low, high) } else { (0.0, 0.0) }
+}
+
+/// A span that can be divided by: a single value gets a little room.
+fn widened(low: f64, high: f64) -> (f64, f64) {
+    let least = 1e-6 * low.abs().max(high.abs()).max(1e-9);
+    if high - low > least { (low, high) } else { (low - 50.0 * least, high + 50.0 * least) }
+}
+
+/// The step of 1, 2 or 5 times a power of ten that gives about `TICKS` ticks.
+fn step(span: f64) -> f64 {
+    let rough = span / TICKS;
+    let power = 10f64.powf(rough.log10().floor());
+    let digit = [1.0, 2.0, 5.0].into_iter().find(|d| rough <= 1.4 * d * power).unwrap_or(10.0);
+    digit * power
+}
+
+/// Without an exponent and without trailing zeros.
+fn plain(value: f64) -> String {
+    let text = format!("{value:.6}");
+    match text.contains('.') {
+        true => text.trim_end_matches('0').trim_end_matches('.').to_string(),
+        false => text,
+    }
+}
+
+/// With a true minus sign, and none before zero.
+fn minus(text: String) -> String {
+    match text.strip_prefix('-') {
+        Some(rest) if rest.chars().all(|c| matches!(c, '0' | '.')) => rest.to_string(),
+        Some(rest) => format!("\u{2212}{rest}"),
+        None => text,
+    }
+}

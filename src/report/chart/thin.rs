@@ -1,0 +1,75 @@
+//! Fewer points than data, without hiding what they show.
+
+use crate::numerics::statistics::quantile;
+
+/// Samples that a bin needs before its quantiles mean anything.
+const BIN_SAMPLES_MIN: usize = 20;
+
+/// At most `wanted` of `0..total`, evenly spaced.
+pub fn every(total: usize, wanted: usize) -> impl Iterator<Item = usize> {
+    (0..total).step_by(total.div_ceil(wanted.max(1)).max(1))
+}
+
+/// The lowest and the highest point of each of `buckets` stretches, in order: no peak is lost.
+pub fn envelope(points: &[(f64, f64)], buckets: usize) -> Vec<(f64, f64)> {
+    let length = points.len().div_ceil(buckets.max(1)).max(1);
+    if length <= 2 {
+        return points.to_vec();
+    }
+    let mut kept = Vec::with_capacity(2 * buckets);
+    for bucket in points.chunks(length) {
+        let extremes = bucket.iter().enumerate().fold((0, 0), |(low, high), (i, p)| {
+            (if p.1 < bucket[low].1 { i } else { low }, if p.1 > bucket[high].1 { i } else { high })
+        });
+        let (first, last) = (extremes.0.min(extremes.1), extremes.0.max(extremes.1));
+        kept.push(bucket[first]);
+        if last != first {
+            kept.push(bucket[last]);
+        }
+    }
+    kept
+}
+
+/// What the values in one stretch of x do.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Bin {
+    /// Middle of the stretch.
+    pub x: f64,
+    /// 10 % of the values lie below.
+    pub low: f64,
+    /// Half of them do.
+    pub median: f64,
+    /// 90 % do.
+    pub high: f64,
+}
+
+/// `points` in `number` stretches of equal width over `low` to `high`; those with too few samples are left out.
+pub fn bins(points: &[(f64, f64)], (low, high): (f64, f64), number: usize) -> Vec<Bin> {
+    let width = (high - low) / number as f64;
+    if !(width > 0.0) {
+        return Vec::new();
+    }
+    let mut held: Vec<Vec<f64>> = vec![Vec::new(); number];
+    for (x, y) in points {
+        let at = ((x - low) / width).floor();
+        if at >= 0.0 && at <= number as f64 {
+            held[(at as usize).min(number - 1)].push(*y);
+        }
+    }
+    let bin = |(i, values): (usize, &mut Vec<f64>)| {
+        (values.len() >= BIN_SAMPLES_MIN).then(|| Bin {
+            x: low + (i as f64 + 0.5) * width,
+            low: quantile(values, 0.1),
+            median: quantile(values, 0.5),
+            high: quantile(values, 0.9),
+        })
+    };
+    held.iter_mut().enumerate().filter_map(bin).collect()
+}
+
+/// The magnitude that all but the share `beyond` of `values` stay below; zero of nothing.
+pub fn magnitude(values: impl IntoIterator<Item = f64>, beyond: f64) -> f64 {
+    let mut magnitudes: Vec<f64> = values.into_iter().map(f64::abs).filter(|x| x.is_finite()).collect();
+    let found = quantile(&mut magnitudes, 1.0 - beyond);
+    if found.is_finite() { found } else { 0.0 }
+}

@@ -1,0 +1,279 @@
+//! `report.html`: one file, no link to anything outside.
+
+use super::identification::{overall_rmse_nm, parameter};
+use super::number::{as_precise_as, count, interval, percent, significant, with_spread};
+use super::parameters::{Parameter, combination, friction};
+use super::plots::Figure;
+use super::verdict::verdict;
+use super::wording::{LEFT_OUT, LEFT_OUT_MEANING, Units, exponentials, moving, status_meaning, status_word};
+use crate::identify::{CombinationFit, FrictionFit, Identification, LegFit, Route};
+use crate::model::{Direction, Status};
+use askama::Template;
+
+/// What the template shows; everything is text, and the template escapes all but the drawings.
+#[derive(Template)]
+#[template(path = "identification.html")]
+struct Page<'a> {
+    joint: &'a str,
+    campaign: &'a str,
+    verdict: Vec<String>,
+    warnings: &'a [String],
+    cards: Vec<Card>,
+    branches: Vec<ParameterRow>,
+    others: Vec<ParameterRow>,
+    statuses: Vec<Chip>,
+    forms: Vec<FormsTable>,
+    free_forms: Vec<FreeFormRow>,
+    curves: Vec<CurveRow>,
+    reversals: String,
+    figures: Vec<FigureView<'a>>,
+    legs: Vec<[String; 9]>,
+    units: Units,
+    provenance: Vec<(&'static str, String)>,
+}
+
+/// A number to see first.
+struct Card {
+    name: String,
+    value: String,
+    note: String,
+}
+
+/// A status as a small label.
+struct Chip {
+    class: &'static str,
+    word: &'static str,
+    meaning: &'static str,
+}
+
+/// One parameter, of both directions or of one curve.
+struct ParameterRow {
+    name: &'static str,
+    meaning: &'static str,
+    unit: &'static str,
+    cells: Vec<Cell>,
+}
+
+struct Cell {
+    value: String,
+    interval: String,
+    cv: String,
+    chip: Chip,
+}
+
+/// The forms of one direction side by side.
+struct FormsTable {
+    title: &'static str,
+    why: String,
+    rows: Vec<FormRow>,
+}
+
+struct FormRow {
+    name: &'static str,
+    rmse: String,
+    aicc: String,
+    rates: String,
+    note: &'static str,
+}
+
+struct FreeFormRow {
+    name: &'static str,
+    held_out: String,
+    taken: bool,
+}
+
+struct CurveRow {
+    name: &'static str,
+    parameter: String,
+    clearance: String,
+    rmse: String,
+    r_squared: String,
+    note: &'static str,
+}
+
+struct FigureView<'a> {
+    name: &'a str,
+    title: &'a str,
+    caption: &'a str,
+    svg: &'a str,
+}
+
+/// The report of `found` with `figures` already drawn.
+pub fn report(found: &Identification, campaign: &str, figures: &[(&Figure, String)]) -> askama::Result<String> {
+    let units = Units::of(found.model.joint.kind);
+    let [up, down] = Direction::BOTH.map(|direction| friction(&found.model, direction));
+    let view = |(figure, svg): &'_ (&Figure, String)| (figure.name, figure.title, figure.caption, svg.clone());
+    let drawn: Vec<_> = figures.iter().map(view).collect();
+    Page {
+        joint: &found.model.joint.name,
+        campaign,
+        verdict: verdict(found),
+        warnings: &found.warnings,
+        cards: cards(found, &units),
+        branches: up.iter().zip(&down).map(|(up, down)| parameter_row(&[up, down])).collect(),
+        others: combination(&found.model).iter().map(|row| parameter_row(&[row])).collect(),
+        statuses: Status::ALL.into_iter().map(status_chip).chain([left_out_chip()]).collect(),
+        forms: forms(found, &units),
+        free_forms: free_forms(found, &units),
+        curves: found.combination.as_ref().map(|fit| curves(fit, &units)).unwrap_or_default(),
+        reversals: found.combination.as_ref().map_or(String::new(), |fit| count(fit.windows)),
+        figures: drawn.iter().map(|(name, title, caption, svg)| FigureView { name, title, caption, svg }).collect(),
+        legs: found.legs.iter().map(leg_row).collect(),
+        units,
+        provenance: provenance(found, campaign),
+    }
+    .render()
+}
+
+fn cards(found: &Identification, units: &Units) -> Vec<Card> {
+    let mut cards = Vec::new();
+    let mut add = |name: &str, value: String, note: String| cards.push(Card { name: name.to_string(), value, note });
+    match &found.route {
+        Route::Sweeps(fits) => {
+            for direction in Direction::BOTH {
+                let a = fits.of(direction).a;
+                let value = format!("{} {}", with_spread(a.a_nm, a.sd_nm), units.torque);
+                add(&format!("A {}", moving(direction)), value, format!("mean ± SD of {} legs", a.legs));
+            }
+        }
+        Route::Free(free) => add("held-out RMSE", units.torque(free.held_out_nm), free.form.name().to_string()),
+    }
+    if let Some(fit) = &found.combination {
+        let curve = fit.curve();
+        let own =
+            parameter(&curve.curve).map_or(String::new(), |(name, x)| format!(", {name} = {}", significant(x, 3)));
+        let note = format!("RMSE {} after reversals", units.torque(curve.rmse_nm));
+        add("combination", format!("{}{own}", curve.kind.name()), note);
+    }
+    let note = "all trials, low-passed".to_string();
+    add("RMSE", units.torque(overall_rmse_nm(found)), note);
+    cards
+}
+
+fn parameter_row(of: &[&Parameter]) -> ParameterRow {
+    let first = of[0];
+    let cells = of.iter().map(|p| cell(p)).collect();
+    ParameterRow { name: first.name, meaning: first.meaning, unit: first.unit, cells }
+}
+
+fn cell(parameter: &Parameter) -> Cell {
+    let shown = parameter.confidence.filter(|_| !parameter.left_out);
+    let chip = match (parameter.left_out, &shown) {
+        (true, _) => left_out_chip(),
+        (false, Some(confidence)) => status_chip(confidence.status),
+        (false, None) => Chip { class: "left-out", word: "as declared", meaning: "taken from the campaign" },
+    };
+    Cell {
+        value: shown.map_or_else(
+            || significant(parameter.value, 4),
+            |c| match c.status {
+                Status::Pinned => as_precise_as(parameter.value, (c.high - c.low) / 2.0),
+                _ => significant(parameter.value, 4),
+            },
+        ),
+        interval: shown.map_or(String::new(), |c| interval(c.low, c.high)),
+        cv: shown.map_or(String::new(), |c| percent(c.cv)),
+        chip,
+    }
+}
+
+fn status_chip(status: Status) -> Chip {
+    let class = match status {
+        Status::Pinned => "pinned",
+        Status::TradeOff => "trade-off",
+        Status::Flat => "flat",
+        Status::AtBound => "at-bound",
+    };
+    Chip { class, word: status_word(status), meaning: status_meaning(status) }
+}
+
+fn left_out_chip() -> Chip {
+    Chip { class: "left-out", word: LEFT_OUT, meaning: LEFT_OUT_MEANING }
+}
+
+fn forms(found: &Identification, units: &Units) -> Vec<FormsTable> {
+    let Route::Sweeps(fits) = &found.route else { return Vec::new() };
+    Direction::BOTH.into_iter().map(|direction| forms_of(fits.of(direction), units)).collect()
+}
+
+fn forms_of(fit: &FrictionFit, units: &Units) -> FormsTable {
+    let best = fit.forms.iter().map(|form| form.aicc()).fold(f64::INFINITY, f64::min);
+    let row = |form: &crate::identify::stribeck::ExponentialFit| {
+        let number = form.rates.len();
+        let rates: Vec<String> = form.rates.iter().map(|rate| significant(*rate, 3)).collect();
+        FormRow {
+            name: exponentials(number),
+            rmse: units.torque(form.rmse_nm),
+            aicc: if form.aicc().is_finite() {
+                format!("{:+.1}", form.aicc() - best)
+            } else {
+                "too few points".to_string()
+            },
+            rates: rates.join(", "),
+            note: note(number == fit.taken.rates.len(), number == fit.supported),
+        }
+    };
+    FormsTable { title: moving(fit.direction), why: fit.why.clone(), rows: fit.forms.iter().map(row).collect() }
+}
+
+fn note(taken: bool, supported: bool) -> &'static str {
+    match (taken, supported) {
+        (true, true) => "taken, best supported",
+        (true, false) => "taken",
+        (false, true) => "best supported",
+        (false, false) => "",
+    }
+}
+
+fn free_forms(found: &Identification, units: &Units) -> Vec<FreeFormRow> {
+    let Route::Free(free) = &found.route else { return Vec::new() };
+    let row = |(form, held_out_nm): &(crate::identify::free::FreeForm, f64)| FreeFormRow {
+        name: form.name(),
+        held_out: units.torque(*held_out_nm),
+        taken: *form == free.form,
+    };
+    free.forms.iter().map(row).collect()
+}
+
+fn curves(fit: &CombinationFit, units: &Units) -> Vec<CurveRow> {
+    let row = |(at, curve): (usize, &crate::identify::CurveFit)| CurveRow {
+        name: curve.kind.name(),
+        parameter: parameter(&curve.curve).map_or(String::new(), |(name, x)| format!("{name} = {}", significant(x, 4))),
+        clearance: format!("{} mm", significant(1e3 * curve.backlash_m, 3)),
+        rmse: units.torque(curve.rmse_nm),
+        r_squared: format!("{:.4}", curve.r_squared),
+        note: note(at == fit.taken, at == fit.supported),
+    };
+    fit.curves.iter().enumerate().map(row).collect()
+}
+
+fn leg_row(leg: &LegFit) -> [String; 9] {
+    [
+        leg.file.clone(),
+        leg.repeat.to_string(),
+        leg.direction.name().to_string(),
+        significant(leg.speed_rad_s, 3),
+        count(leg.samples),
+        with_spread(leg.a_nm, leg.a_se_nm),
+        with_spread(leg.b_nm, leg.b_se_nm),
+        format!("{:.4}", leg.r_squared),
+        significant(1e3 * leg.rmse_nm, 3),
+    ]
+}
+
+fn provenance(found: &Identification, campaign: &str) -> Vec<(&'static str, String)> {
+    let joint = &found.model.joint;
+    vec![
+        ("tautline", env!("CARGO_PKG_VERSION").to_string()),
+        ("campaign", campaign.to_string()),
+        ("trials", count(found.trials)),
+        ("rows", count(found.rows)),
+        ("joint", format!("{} ({})", joint.name, joint.kind.name())),
+        ("winch radius r1", format!("{} mm", significant(1e3 * joint.winch_radius_m, 4))),
+        ("pulley radius r2", format!("{} mm", significant(1e3 * joint.pulley_radius_m, 4))),
+        (
+            "gravity torque",
+            format!("{} {}", significant(found.model.dynamics.gravity_nm, 4), Units::of(joint.kind).torque),
+        ),
+    ]
+}

@@ -1,0 +1,90 @@
+//! Results for readers: terminal, JSON, tables, figures, one HTML file.
+//!
+//! What comes in is a finished `Identification`; what goes out is text and pictures. Nothing here fits anything: the only
+//! arithmetic is binning and formatting.
+//!
+//! | file | what it makes |
+//! |---|---|
+//! | `output` | a folder that appears whole or not at all |
+//! | `tables` | `trials.csv`, written and read |
+//! | `identification` | the JSON of `model.json` and `--json` |
+//! | `verdict` | the result in plain words |
+//! | `terminal` | the summary on the terminal |
+//! | `plots` | one figure per file, drawn on `chart` |
+//! | `png` | a figure as a picture, with the bundled font |
+//! | `html` | `report.html`: all of it in one file |
+
+pub mod chart;
+pub mod html;
+pub mod identification;
+pub mod number;
+pub mod output;
+pub mod parameters;
+pub mod plots;
+pub mod png;
+pub mod tables;
+pub mod terminal;
+pub mod verdict;
+pub mod wording;
+
+pub use output::Output;
+pub use tables::{read_trials_csv, trials_csv};
+
+use crate::identify::{Identification, LegFit};
+use crate::problem::{Problem, Result};
+use plots::{FIGURES, Figure};
+use rayon::prelude::*;
+
+/// All that `write_identification` writes, as `Output::begin` wants it.
+pub const IDENTIFICATION_FILES: &[&str] = &["model.json", "trials.csv", "report.html", "plots/*.svg", "plots/*.png"];
+
+/// Writes `model.json`, `trials.csv` (where there are legs), `plots/` and `report.html` of `found` to `output`.
+///
+/// `campaign` is the name that the report calls the campaign by; `png` asks for pictures beside the drawings.
+pub fn write_identification(found: &Identification, campaign: &str, output: &Output, png: bool) -> Result<()> {
+    output.write("model.json", json_text(&identification::to_json(found, campaign)))?;
+    if !found.legs.is_empty() {
+        write_trials(&found.legs, output)?;
+    }
+    let drawn: Vec<(&Figure, String)> = draw_figures(found, output)?;
+    for (figure, svg) in &drawn {
+        output.write(&format!("plots/{}.svg", figure.name), svg)?;
+    }
+    if png {
+        drawn.par_iter().try_for_each(|(figure, svg)| {
+            let name = format!("plots/{}.png", figure.name);
+            let picture = png::render(svg).or_else(|error| unmade(output, &name, error))?;
+            output.write(&name, picture)
+        })?;
+    }
+    let page = html::report(found, campaign, &drawn).or_else(|error| unmade(output, "report.html", error))?;
+    output.write("report.html", page)
+}
+
+/// Writes `legs` to `trials.csv`.
+pub fn write_trials(legs: &[LegFit], output: &Output) -> Result<()> {
+    let table = trials_csv(legs).or_else(|error| unmade(output, "trials.csv", error))?;
+    output.write("trials.csv", table)
+}
+
+/// `value` as a file holds it.
+pub fn json_text(value: &serde_json::Value) -> String {
+    format!("{value:#}\n")
+}
+
+/// The figures that there are data for, in their order.
+fn draw_figures<'a>(found: &Identification, output: &Output) -> Result<Vec<(&'a Figure, String)>> {
+    let draw = |figure: &'a Figure| {
+        let name = format!("plots/{}.svg", figure.name);
+        let svg = (figure.draw)(found).or_else(|error| unmade(output, &name, error))?;
+        Ok(svg.map(|svg| (figure, svg)))
+    };
+    let drawn: Vec<Option<(&Figure, String)>> = FIGURES.par_iter().map(draw).collect::<Result<_>>()?;
+    Ok(drawn.into_iter().flatten().collect())
+}
+
+/// An output that could not be made: a fault of this program, not of its input.
+fn unmade<T>(output: &Output, name: &str, error: impl std::fmt::Display) -> Result<T> {
+    let what = format!("could not be made: {error}");
+    Problem::error(output.path().join(name), what, "report this with the campaign").alone()
+}

@@ -1,0 +1,74 @@
+//! The parameters of a model as rows, for every table and figure that shows them.
+
+use super::wording::{FRICTION_MEANINGS, Units};
+use crate::model::{Combination, Confidence, Direction, Friction, Model};
+
+/// One parameter, in the unit in which it is shown.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Parameter {
+    /// The branch that it belongs to; `None` for the combination's.
+    pub direction: Option<Direction>,
+    /// Its name in files, last part.
+    pub name: &'static str,
+    /// What it is.
+    pub meaning: &'static str,
+    /// The unit of the numbers here; empty without.
+    pub unit: &'static str,
+    /// Its value.
+    pub value: f64,
+    /// What is known of it; `None` where it was not identified.
+    pub confidence: Option<Confidence>,
+    /// Whether the form that the model takes does without it.
+    pub left_out: bool,
+}
+
+/// Friction of both branches, `up` first, in the order of `Friction::NAMES`, then the combination.
+pub fn parameters(model: &Model) -> Vec<Parameter> {
+    let branches = Direction::BOTH.into_iter().flat_map(|direction| friction(model, direction));
+    branches.chain(combination(model)).collect()
+}
+
+/// The seven of one branch, in the order of `Friction::NAMES`.
+pub fn friction(model: &Model, direction: Direction) -> [Parameter; 7] {
+    let branch = model.friction.of(direction);
+    let units = Units::of(model.joint.kind);
+    std::array::from_fn(|i| {
+        let name = Friction::NAMES[i];
+        let value = branch.values()[i];
+        let confidence = model.confidence.get(&format!("friction.{}.{name}", direction.name())).copied();
+        let open = confidence.is_some_and(|c| c.low == f64::NEG_INFINITY && c.high == f64::INFINITY);
+        // A Stribeck term without amplitude is no term, whatever its rate says.
+        let no_term = matches!(i, 2 | 3) && branch.b_c == 0.0 || matches!(i, 4 | 5) && branch.b_j == 0.0;
+        Parameter {
+            direction: Some(direction),
+            name,
+            meaning: FRICTION_MEANINGS[i],
+            unit: units.friction[i],
+            value,
+            confidence,
+            left_out: no_term || open && value == 0.0,
+        }
+    })
+}
+
+/// The curve's and the clearance.
+pub fn combination(model: &Model) -> Vec<Parameter> {
+    let mut rows = Vec::new();
+    let mut add = |name: &'static str, key: &str, meaning, unit, factor: f64, value: f64| {
+        let confidence =
+            model.confidence.get(key).map(|c| Confidence { low: factor * c.low, high: factor * c.high, ..*c });
+        let (direction, value) = (None, factor * value);
+        rows.push(Parameter { direction, name, meaning, unit, value, confidence, left_out: false });
+    };
+    match model.combination {
+        Combination::Arctan { k, p } => {
+            add("p", "combination.p", "steepness of the arctan curve", "", 1.0, p);
+            add("k", "combination.k", "scale of the arctan curve; follows from p", "", 1.0, k);
+        }
+        Combination::Power { n } => add("n", "combination.n", "exponent of the power curve", "", 1.0, n),
+        Combination::Sign | Combination::Linear => {}
+    }
+    let meaning = "clearance of the cable, X_cl";
+    add("backlash", "joint.backlash_m", meaning, "mm", 1e3, model.joint.backlash_m);
+    rows
+}

@@ -1,0 +1,94 @@
+//! Residuals of all trials against position and against speed.
+
+use crate::identify::{Identification, Residual};
+use crate::model::Direction;
+use crate::report::chart::{Axis, Drawn, Frame, Mark, Panel, Stroke, palette, span, svg, thin};
+use crate::report::wording::{Units, moving};
+
+/// Samples drawn for each direction.
+const DOTS: usize = 1100;
+/// Stretches of position of which median and range are drawn.
+const POSITION_BINS: usize = 45;
+/// Stretches of speed, for each direction.
+const SPEED_BINS: usize = 22;
+/// The axes hold all but this share of the samples.
+const BEYOND: f64 = 0.002;
+/// Speeds below this share of the fastest gather about zero.
+const SLOW: f64 = 0.005;
+
+const FRAME: Frame = Frame { left: 92.0, top: 40.0, right: 840.0, bottom: 364.0 };
+
+/// Against position; `None` without residuals.
+pub fn against_position(found: &Identification) -> Drawn<Option<String>> {
+    let units = Units::of(found.model.joint.kind);
+    let of = |r: &Residual, i: usize| units.position_factor * r.position_rad[i];
+    let clouds = Direction::BOTH.map(|direction| cloud(&found.residuals, direction, of));
+    let (low, high) = span(clouds.iter().flatten().map(|p| p.0));
+    let x = Axis::linear(format!("position ({})", units.position), low, high);
+    draw(found, "Residual against position", x, clouds, POSITION_BINS)
+}
+
+/// Against speed, with its sign; `None` without residuals.
+pub fn against_speed(found: &Identification) -> Drawn<Option<String>> {
+    let units = Units::of(found.model.joint.kind);
+    let clouds = Direction::BOTH.map(|direction| cloud(&found.residuals, direction, |r, i| r.velocity_rad_s[i]));
+    let (low, high) = span(clouds.iter().flatten().map(|p| p.0));
+    let from = SLOW * low.abs().max(high.abs());
+    let x = Axis::signed_log(format!("speed ({})", units.speed), low, high, from.max(f64::MIN_POSITIVE));
+    draw(found, "Residual against speed", x, clouds, SPEED_BINS)
+}
+
+/// All samples of one direction.
+fn cloud(residuals: &[Residual], direction: Direction, x: impl Fn(&Residual, usize) -> f64) -> Vec<(f64, f64)> {
+    let mut points = Vec::new();
+    for residual in residuals {
+        let moves = |i: &usize| (residual.velocity_rad_s[*i] >= 0.0) == (direction == Direction::Up);
+        points.extend((0..residual.residual_nm.len()).filter(moves).map(|i| (x(residual, i), residual.residual_nm[i])));
+    }
+    points
+}
+
+fn draw(
+    found: &Identification,
+    title: &str,
+    x: Axis,
+    mut clouds: [Vec<(f64, f64)>; 2],
+    bins: usize,
+) -> Drawn<Option<String>> {
+    if clouds.iter().all(Vec::is_empty) {
+        return Ok(None);
+    }
+    let units = Units::of(found.model.joint.kind);
+    let largest = thin::magnitude(clouds.iter().flatten().map(|p| p.1), BEYOND);
+    let (unit, factor) = units.torque_scale(largest);
+    clouds.iter_mut().flatten().for_each(|p| p.1 *= factor);
+    let reach = 1.1 * factor * largest;
+    svg(860, 420, title, |canvas| {
+        let panel = canvas.panel(FRAME, x, Axis::linear(format!("residual ({unit})"), -reach, reach))?;
+        let mut entries = Vec::new();
+        for (direction, points) in Direction::BOTH.into_iter().zip(&clouds) {
+            let color = palette::direction(direction);
+            panel.dots(thin::every(points.len(), DOTS).map(|i| points[i]), 1.5, color, 0.28)?;
+            entries.push((Mark::Disc(3.0), color, moving(direction).to_string()));
+        }
+        for (direction, points) in Direction::BOTH.into_iter().zip(&clouds) {
+            quantiles(&panel, points, palette::direction(direction), bins)?;
+        }
+        entries.push((Mark::Line(2.6, None), palette::GREY, "median".to_string()));
+        entries.push((Mark::Band, palette::GREY, "80 % of the samples".to_string()));
+        canvas.legend((92.0, 840.0), 20.0, &entries)
+    })
+    .map(Some)
+}
+
+/// Median and the range of 80 %, in stretches that are even in place.
+fn quantiles(panel: &Panel, points: &[(f64, f64)], color: plotters::style::RGBColor, number: usize) -> Drawn {
+    let placed: Vec<(f64, f64)> = points.iter().map(|p| (panel.x.place(p.0), p.1)).collect();
+    let bins = thin::bins(&placed, span(placed.iter().map(|p| p.0)), number);
+    let along =
+        |of: fn(&thin::Bin) -> f64| bins.iter().map(|b| (panel.x.value(b.x), of(b))).collect::<Vec<(f64, f64)>>();
+    panel.band(&along(|b| b.low), &along(|b| b.high), color, 0.18)?;
+    // A white edge keeps the median readable on its own dots.
+    panel.line(along(|b| b.median), Stroke::solid(plotters::style::WHITE, 4.6))?;
+    panel.line(along(|b| b.median), Stroke::solid(color, 2.6))
+}

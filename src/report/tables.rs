@@ -1,0 +1,168 @@
+//! `trials.csv`: one row per leg, written for people and programs, read back by `fit friction`.
+
+use crate::document::suggest;
+use crate::identify::LegFit;
+use crate::model::Direction;
+use crate::problem::{Problem, Problems, Result};
+use csv::StringRecord;
+use std::fmt::Display;
+use std::path::Path;
+use std::str::FromStr;
+
+/// The columns that every such table has, in their order.
+pub const REQUIRED: [&str; 9] =
+    ["file", "repeat", "direction", "speed_rad_s", "samples", "a_nm", "b_nm", "r_squared", "rmse_nm"];
+
+/// The columns that this program adds.
+pub const EXTRA: [&str; 5] = ["a_se_nm", "b_se_nm", "raw_rmse_nm", "mean_sine", "mean_torque_nm"];
+
+/// Faults told of one table: more of them would say the same again.
+const FAULTS_TOLD: usize = 20;
+
+/// `legs` as a table; numbers in the shortest form that reads back to the same bits.
+pub fn trials_csv(legs: &[LegFit]) -> std::result::Result<String, csv::Error> {
+    let mut writer = csv::Writer::from_writer(Vec::new());
+    writer.write_record(REQUIRED.iter().chain(&EXTRA))?;
+    for leg in legs {
+        let number = |x: f64| format!("{x:?}");
+        writer.write_record([
+            leg.file.clone(),
+            leg.repeat.to_string(),
+            leg.direction.name().to_string(),
+            number(leg.speed_rad_s),
+            leg.samples.to_string(),
+            number(leg.a_nm),
+            number(leg.b_nm),
+            number(leg.r_squared),
+            number(leg.rmse_nm),
+            number(leg.a_se_nm),
+            number(leg.b_se_nm),
+            number(leg.raw_rmse_nm),
+            number(leg.mean_sine),
+            number(leg.mean_torque_nm),
+        ])?;
+    }
+    let bytes = writer.into_inner().map_err(|error| csv::Error::from(error.into_error()))?;
+    Ok(String::from_utf8_lossy(&bytes).into_owned())
+}
+
+/// The legs in the table at `path`. The columns of `EXTRA` may be absent and are then NaN; others are not looked at.
+///
+/// Errors: the file cannot be read, lacks a column, holds no row, or a field is no number; all rows are looked at.
+pub fn read_trials_csv(path: &Path) -> Result<Vec<LegFit>> {
+    let unreadable = |error: csv::Error| {
+        let row = error.position().map(|at| at.line());
+        Problem::error(path, format!("cannot be read: {error}"), "name a trials.csv written by tautline").at_row(row)
+    };
+    let mut reader = csv::ReaderBuilder::new().trim(csv::Trim::All).from_path(path).map_err(unreadable)?;
+    let headers = reader.headers().map_err(unreadable)?.clone();
+    check_headers(path, &headers)?;
+    let mut legs = Vec::new();
+    let mut faults = Vec::new();
+    for record in reader.records() {
+        let record = match record {
+            Ok(record) => record,
+            Err(error) => {
+                faults.push(unreadable(error));
+                break;
+            }
+        };
+        let mut row = Row { path, headers: &headers, record: &record, faults: &mut faults };
+        legs.extend(row.leg());
+        if faults.len() >= FAULTS_TOLD {
+            break;
+        }
+    }
+    if faults.is_empty() && legs.is_empty() {
+        faults.push(Problem::error(
+            path,
+            "holds no leg",
+            "run `tautline fit trials` on a campaign with uniform sweeps",
+        ));
+    }
+    Problems(faults).unless_errors(legs)
+}
+
+fn check_headers(path: &Path, headers: &StringRecord) -> Result<()> {
+    let missing = REQUIRED.iter().filter(|name| !headers.iter().any(|h| h == **name));
+    let fault = |name: &&str| {
+        let likely: Vec<&str> = headers.iter().filter(|h| !REQUIRED.contains(h) && !EXTRA.contains(h)).collect();
+        let cure = match crate::document::nearest(name, likely) {
+            Some(near) => format!("rename `{near}` to `{name}`"),
+            None => format!("the columns must hold {}", REQUIRED.join(", ")),
+        };
+        Problem::error(path, "the column is missing", cure).at_row(1).in_column(*name)
+    };
+    Problems(missing.map(fault).collect()).unless_errors(())
+}
+
+/// One row being read.
+struct Row<'a> {
+    path: &'a Path,
+    headers: &'a StringRecord,
+    record: &'a StringRecord,
+    faults: &'a mut Vec<Problem>,
+}
+
+impl Row<'_> {
+    /// The leg in this row; every field is read before it is given up, so that all faults are told at once.
+    fn leg(&mut self) -> Option<LegFit> {
+        let file = self.field("file").map(str::to_string);
+        let repeat = self.number("repeat", "a whole number", |_: &u32| true);
+        let direction = self.direction();
+        let speed_rad_s = self.number("speed_rad_s", "a positive number", |x: &f64| x.is_finite() && *x > 0.0);
+        let samples = self.number("samples", "a whole number", |_: &usize| true);
+        let a_nm = self.number("a_nm", "a finite number", |x: &f64| x.is_finite());
+        let b_nm = self.number("b_nm", "a finite number", |x: &f64| x.is_finite());
+        let r_squared = self.number("r_squared", "a number", |_: &f64| true);
+        let rmse_nm = self.number("rmse_nm", "a number", |_: &f64| true);
+        let [a_se_nm, b_se_nm, raw_rmse_nm, mean_sine, mean_torque_nm] = EXTRA.map(|name| match self.field(name) {
+            None | Some("") => Some(f64::NAN),
+            Some(_) => self.number(name, "a number, or empty", |_: &f64| true),
+        });
+        Some(LegFit {
+            file: file?,
+            repeat: repeat?,
+            direction: direction?,
+            speed_rad_s: speed_rad_s?,
+            samples: samples?,
+            a_nm: a_nm?,
+            a_se_nm: a_se_nm?,
+            b_nm: b_nm?,
+            b_se_nm: b_se_nm?,
+            r_squared: r_squared?,
+            rmse_nm: rmse_nm?,
+            raw_rmse_nm: raw_rmse_nm?,
+            mean_sine: mean_sine?,
+            mean_torque_nm: mean_torque_nm?,
+        })
+    }
+
+    fn field(&self, name: &str) -> Option<&str> {
+        self.headers.iter().position(|h| h == name).and_then(|at| self.record.get(at))
+    }
+
+    fn direction(&mut self) -> Option<Direction> {
+        let text = self.field("direction").unwrap_or_default().to_string();
+        let found = Direction::BOTH.into_iter().find(|direction| direction.name() == text);
+        if found.is_none() {
+            let names = Direction::BOTH.map(Direction::name);
+            self.fault("direction", format!("`{text}` is no direction"), suggest(&text, "the directions are", names));
+        }
+        found
+    }
+
+    fn number<T: FromStr>(&mut self, name: &str, wanted: impl Display, accept: impl Fn(&T) -> bool) -> Option<T> {
+        let text = self.field(name).unwrap_or_default().to_string();
+        let found = text.parse().ok().filter(accept);
+        if found.is_none() {
+            self.fault(name, format!("`{text}` is not what belongs here"), format!("write {wanted}"));
+        }
+        found
+    }
+
+    fn fault(&mut self, column: &str, what: String, cure: String) {
+        let row = self.record.position().map(|at| at.line());
+        self.faults.push(Problem::error(self.path, what, cure).at_row(row).in_column(column));
+    }
+}

@@ -1,0 +1,148 @@
+//! The summary of an identification in a terminal.
+//!
+//! Colours only repeat what words say. Written through anstream's streams, which drop them where `NO_COLOR` asks for it or
+//! nobody looks.
+
+use super::identification::{overall_rmse_nm, parameter};
+use super::number::{counted, interval, significant, with_spread};
+use super::parameters::{Parameter, combination, friction};
+use super::verdict::refinement;
+use super::wording::{LEFT_OUT, Units, exponentials, moving, status_word};
+use crate::identify::{CombinationFit, FreeFit, FrictionFit, Identification, Route};
+use crate::model::{Both, Direction, Model, Status};
+use anstyle::{AnsiColor, Style};
+use std::io::{self, Write};
+use std::path::Path;
+
+const BOLD: Style = Style::new().bold();
+const DIM: Style = Style::new().dimmed();
+const YELLOW: Style = AnsiColor::Yellow.on_default();
+
+/// Writes the summary to `out`; `written` is where the files went.
+pub fn write_summary(
+    out: &mut impl Write,
+    found: &Identification,
+    campaign: &str,
+    written: Option<&Path>,
+) -> io::Result<()> {
+    let units = Units::of(found.model.joint.kind);
+    let (trials, rows) = (counted(found.trials, "trial", "trials"), counted(found.rows, "row", "rows"));
+    let name = &found.model.joint.name;
+    writeln!(out, "{BOLD}{name}{BOLD:#}  {DIM}campaign {campaign}: {trials}, {rows}{DIM:#}")?;
+    match &found.route {
+        Route::Sweeps(fits) => sweeps(out, fits, &units)?,
+        Route::Free(free) => free_motion(out, free, &units)?,
+    }
+    parameter_table(out, &found.model)?;
+    if let Some(fit) = &found.combination {
+        curves(out, fit, &units)?;
+    }
+    for row in combination(&found.model) {
+        writeln!(out, "  {:<10} {}", row.name, cell(&row, 0))?;
+    }
+    heading(out, "Whole series")?;
+    writeln!(out, "  RMSE over all trials {}", units.torque(overall_rmse_nm(found)))?;
+    if let Some(refined) = &found.refinement {
+        writeln!(out, "  {}", refinement(refined, &units))?;
+    }
+    if !found.warnings.is_empty() {
+        heading(out, "To distrust")?;
+        for warning in &found.warnings {
+            writeln!(out, "  {YELLOW}!{YELLOW:#} {warning}")?;
+        }
+    }
+    if let Some(path) = written {
+        writeln!(out, "\nwritten to {BOLD}{}{BOLD:#}: model.json, report.html, plots", path.display())?;
+    }
+    Ok(())
+}
+
+fn heading(out: &mut impl Write, text: &str) -> io::Result<()> {
+    writeln!(out, "\n{BOLD}{text}{BOLD:#}")
+}
+
+/// Writes the two directions' A, B(v) and forms.
+pub fn sweeps(out: &mut impl Write, fits: &Both<FrictionFit>, units: &Units) -> io::Result<()> {
+    heading(out, "Load and friction at constant speed")?;
+    for direction in Direction::BOTH {
+        let fit = fits.of(direction);
+        let a = with_spread(fit.a.a_nm, fit.a.sd_nm);
+        let legs = counted(fit.a.legs, "leg", "legs");
+        let rmse = units.torque(fit.taken.rmse_nm);
+        let r_squared = significant(fit.r_squared, 3);
+        let name = moving(direction);
+        writeln!(out, "  {name:<12} A = {a} {} over {legs}; B(v) met to {rmse}, R² {r_squared}", units.torque)?;
+    }
+    for direction in Direction::BOTH {
+        let fit = fits.of(direction);
+        let taken = exponentials(fit.taken.rates.len());
+        writeln!(out, "  {:<12} {taken} taken; {}", moving(direction), fit.why)?;
+    }
+    Ok(())
+}
+
+fn free_motion(out: &mut impl Write, free: &FreeFit, units: &Units) -> io::Result<()> {
+    heading(out, "Friction from free motion")?;
+    for (form, held_out_nm) in &free.forms {
+        let taken = if *form == free.form { "taken" } else { "" };
+        writeln!(out, "  {:<46} {:>12} held out  {taken}", form.name(), units.torque(*held_out_nm))?;
+    }
+    Ok(())
+}
+
+/// Both directions side by side.
+pub fn parameter_table(out: &mut impl Write, model: &Model) -> io::Result<()> {
+    heading(out, "Friction parameters, with 95 % intervals")?;
+    let [up, down] = Direction::BOTH.map(|direction| friction(model, direction));
+    let head = |direction| format!("{:<width$}", moving(direction), width = CELL);
+    writeln!(out, "  {DIM}{:<6} {:<8} {} {}{DIM:#}", "", "unit", head(Direction::Up), head(Direction::Down))?;
+    for (up, down) in up.iter().zip(&down) {
+        writeln!(out, "  {:<6} {:<8} {} {}", up.name, up.unit, cell(up, CELL), cell(down, 0))?;
+    }
+    Ok(())
+}
+
+/// Width of a direction's column.
+const CELL: usize = 50;
+
+/// Value, interval and status, filled up to `width` without counting the colours.
+fn cell(parameter: &Parameter, width: usize) -> String {
+    let value = significant(parameter.value, 4);
+    let unit = if parameter.direction.is_none() && !parameter.unit.is_empty() {
+        format!(" {}", parameter.unit)
+    } else {
+        String::new()
+    };
+    let value = format!("{value}{unit}");
+    let (range, word, style) = match &parameter.confidence {
+        _ if parameter.left_out => (String::new(), LEFT_OUT, DIM),
+        None => (String::new(), "as declared", DIM),
+        Some(c) => (interval(c.low, c.high), status_word(c.status), style(c.status)),
+    };
+    let plain = format!("{value:<10} {range:<25} {word}");
+    let fill = width.saturating_sub(plain.chars().count());
+    format!("{value:<10} {range:<25} {style}{word}{style:#}{:fill$}", "")
+}
+
+fn style(status: Status) -> Style {
+    match status {
+        Status::Pinned => AnsiColor::Green.on_default(),
+        Status::TradeOff => YELLOW,
+        Status::Flat => DIM,
+        Status::AtBound => AnsiColor::Red.on_default(),
+    }
+}
+
+/// Writes the curves side by side.
+pub fn curves(out: &mut impl Write, fit: &CombinationFit, units: &Units) -> io::Result<()> {
+    heading(out, "Change of friction after a reversal")?;
+    for (at, curve) in fit.curves.iter().enumerate() {
+        let own = parameter(&curve.curve).map_or(String::new(), |(name, x)| format!("{name} = {}", significant(x, 4)));
+        let notes = [(at == fit.taken, "taken"), (at == fit.supported && at != fit.taken, "best supported")];
+        let note: Vec<&str> = notes.iter().filter(|(applies, _)| *applies).map(|(_, note)| *note).collect();
+        let (rmse, r_squared) = (units.torque(curve.rmse_nm), format!("{:.4}", curve.r_squared));
+        let name = curve.kind.name();
+        writeln!(out, "  {name:<10} {own:<14} RMSE {rmse:>11}   R² {r_squared:>7}   {}", note.join(", "))?;
+    }
+    Ok(())
+}

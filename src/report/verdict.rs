@@ -1,0 +1,113 @@
+//! An identification in plain words with its numbers: what was found, how sure, what to distrust.
+
+use super::identification::{overall_rmse_nm, parameter};
+use super::number::{counted, significant, with_spread};
+use super::parameters::parameters;
+use super::wording::{Units, exponentials, moving};
+use crate::identify::{CombinationFit, FreeFit, FrictionFit, Identification, Refinement, Route};
+use crate::model::{Both, Direction, Status};
+
+/// The verdict, a sentence or two for each thing found.
+pub fn verdict(found: &Identification) -> Vec<String> {
+    let units = Units::of(found.model.joint.kind);
+    let mut said = vec![source(found)];
+    match &found.route {
+        Route::Sweeps(fits) => said.extend([load(fits, &units), friction(fits, &units)]),
+        Route::Free(free) => said.push(free_motion(free, &units)),
+    }
+    said.push(found.combination.as_ref().map_or_else(no_combination, |fit| combination(fit, &units)));
+    said.extend(found.refinement.as_ref().map(|refined| refinement(refined, &units)));
+    let rmse_nm = overall_rmse_nm(found);
+    if rmse_nm.is_finite() {
+        let samples: usize = found.residuals.iter().map(|r| r.residual_nm.len()).sum();
+        let basis = counted(samples, "sample", "samples");
+        said.push(format!("Over all trials the model leaves {} RMSE ({basis}, low-passed).", units.torque(rmse_nm)));
+    }
+    said.push(sureness(found));
+    said
+}
+
+fn source(found: &Identification) -> String {
+    let (trials, rows) = (counted(found.trials, "trial", "trials"), counted(found.rows, "row", "rows"));
+    let route = match &found.route {
+        Route::Sweeps(_) => format!("from {} at constant speed", counted(found.legs.len(), "leg", "legs")),
+        Route::Free(_) => "from free motion, for want of sweeps at constant speed".to_string(),
+    };
+    format!("The friction of joint {} was identified {route}: {trials}, {rows}.", found.model.joint.name)
+}
+
+fn load(fits: &Both<FrictionFit>, units: &Units) -> String {
+    let a = |d: Direction| {
+        let a = fits.of(d).a;
+        let mu_c = significant(fits.of(d).friction.mu_c, 3);
+        format!("{} {} {} (μ_c = {mu_c})", with_spread(a.a_nm, a.sd_nm), units.torque, moving(d))
+    };
+    format!("The load amplitude A is {} and {}.", a(Direction::Up), a(Direction::Down))
+}
+
+fn friction(fits: &Both<FrictionFit>, units: &Units) -> String {
+    let met = |d: Direction| {
+        let fit = fits.of(d);
+        let (taken, supported) = (fit.taken.rates.len(), fit.supported);
+        let advice = match taken == supported {
+            true => "as the data support".to_string(),
+            false => format!("where the data support {}", exponentials(supported)),
+        };
+        let (rmse, r_squared) = (units.torque(fit.taken.rmse_nm), significant(fit.r_squared, 3));
+        format!("{}, {} meet it to {rmse} RMSE (R² {r_squared}), {advice}", moving(d), exponentials(taken))
+    };
+    format!("Of the friction B(v): {}; {}.", met(Direction::Up), met(Direction::Down))
+        .replace("exponential meet", "exponential meets")
+}
+
+fn free_motion(free: &FreeFit, units: &Units) -> String {
+    let (form, held_out) = (free.form.name(), units.torque(free.held_out_nm));
+    format!("The friction taken is {form}: it leaves {held_out} RMSE on samples that its fit did not see.")
+}
+
+fn combination(fit: &CombinationFit, units: &Units) -> String {
+    let curve = fit.curve();
+    let own = parameter(&curve.curve).map_or(String::new(), |(name, x)| format!(" ({name} = {})", significant(x, 4)));
+    let best = fit.curves.get(fit.supported).filter(|_| fit.supported != fit.taken);
+    let advice = match best {
+        Some(best) => format!(", where the data support {}", best.kind.name()),
+        None => String::new(),
+    };
+    let rest = fit.curves.iter().enumerate().filter(|(at, _)| *at != fit.taken);
+    let rest: Vec<String> = rest.map(|(_, c)| format!("{} {}", c.kind.name(), units.torque(c.rmse_nm))).collect();
+    format!(
+        "After {} friction changes over by the {} curve{own}, which leaves {} there{advice}; the others leave {}.",
+        counted(fit.windows, "reversal", "reversals"),
+        curve.kind.name(),
+        units.torque(curve.rmse_nm),
+        rest.join(", ")
+    )
+}
+
+fn no_combination() -> String {
+    "How friction changes over after a reversal was not to be had; the model changes at once (sign).".to_string()
+}
+
+/// What refining gained, in a sentence.
+pub fn refinement(refined: &Refinement, units: &Units) -> String {
+    let (before, after) = (units.torque(refined.before_nm), units.torque(refined.after_nm));
+    let kept =
+        if refined.gained { "the refined model is kept" } else { "no certain gain, so the protocol's model is kept" };
+    format!(
+        "Refining all parameters on the whole series changes the RMSE from {before} to {after} on trials not seen: {kept}."
+    )
+}
+
+fn sureness(found: &Identification) -> String {
+    let known: Vec<Status> =
+        parameters(&found.model).iter().filter(|p| !p.left_out).filter_map(|p| Some(p.confidence?.status)).collect();
+    let count = |status: Status| known.iter().filter(|s| **s == status).count();
+    let parts = [
+        (count(Status::Pinned), "known by themselves"),
+        (count(Status::TradeOff), "known only together with others"),
+        (count(Status::Flat), "not shown by these data"),
+        (count(Status::AtBound), "at the limit of what these data could show"),
+    ];
+    let told: Vec<String> = parts.iter().filter(|(n, _)| *n > 0).map(|(n, what)| format!("{n} {what}")).collect();
+    format!("Of its {}: {}.", counted(known.len(), "parameter", "parameters"), told.join(", "))
+}

@@ -1,0 +1,108 @@
+//! The words of a report: units of the joint's kind, what each parameter means, what each status means.
+
+use crate::dynamics::JointKind;
+use crate::model::{Direction, Friction, Status};
+
+/// Names of units as a reader sees them; the fields called `_nm` and `_rad` hold N and m for a prismatic joint.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Units {
+    /// Of torque.
+    pub torque: &'static str,
+    /// Of a thousandth of it.
+    pub milli_torque: &'static str,
+    /// Of speed.
+    pub speed: &'static str,
+    /// Of position as shown.
+    pub position: &'static str,
+    /// Position as shown per position as held.
+    pub position_factor: f64,
+    /// Of the friction parameters, in the order of `Friction::NAMES`.
+    pub friction: [&'static str; 7],
+}
+
+impl Units {
+    /// The units of a joint of this `kind`.
+    pub fn of(kind: JointKind) -> Self {
+        match kind {
+            JointKind::Revolute => Self {
+                torque: "N m",
+                milli_torque: "mN m",
+                speed: "rad/s",
+                position: "deg",
+                position_factor: 180.0 / std::f64::consts::PI,
+                friction: Friction::UNITS,
+            },
+            JointKind::Prismatic => Self {
+                torque: "N",
+                milli_torque: "mN",
+                speed: "m/s",
+                position: "mm",
+                position_factor: 1e3,
+                friction: ["", "N", "N", "s/m", "N", "s/m", "N s/m"],
+            },
+        }
+    }
+
+    /// Unit and factor for torques no larger than `largest_nm`: thousandths where they read better.
+    pub fn torque_scale(&self, largest_nm: f64) -> (&'static str, f64) {
+        if largest_nm < 0.1 { (self.milli_torque, 1e3) } else { (self.torque, 1.0) }
+    }
+
+    /// `value_nm` with three digits and the unit that suits it.
+    pub fn torque(&self, value_nm: f64) -> String {
+        let (unit, factor) = self.torque_scale(value_nm.abs());
+        format!("{} {unit}", super::number::significant(factor * value_nm, 3))
+    }
+}
+
+/// What the friction parameters are, in the order of `Friction::NAMES`.
+pub const FRICTION_MEANINGS: [&str; 7] = [
+    "friction coefficient of the cable: friction per tension carried",
+    "Coulomb friction, as a force at the winch",
+    "Stribeck amplitude of the cable",
+    "decay of the cable's Stribeck term with cable speed",
+    "Stribeck amplitude of the joint",
+    "decay of the joint's Stribeck term with joint speed",
+    "viscous friction",
+];
+
+/// The status in a word for people.
+pub fn status_word(status: Status) -> &'static str {
+    match status {
+        Status::Pinned => "pinned",
+        Status::TradeOff => "trade-off",
+        Status::Flat => "flat",
+        Status::AtBound => "at bound",
+    }
+}
+
+/// What the status says.
+pub fn status_meaning(status: Status) -> &'static str {
+    match status {
+        Status::Pinned => "known by itself: its standard error is at most 10 % of it",
+        Status::TradeOff => {
+            "known only together with others: a change is made up for by theirs, so do not read it alone"
+        }
+        Status::Flat => "hardly changes the prediction: these data do not show it, so do not use its value",
+        Status::AtBound => "ended at the limit of what these data could show: the true value may lie beyond",
+    }
+}
+
+/// The word for a parameter that the form taken does without.
+pub const LEFT_OUT: &str = "left out";
+
+/// What that says.
+pub const LEFT_OUT_MEANING: &str = "not part of the form that the model takes";
+
+/// "no exponential", "one exponential", "two exponentials".
+pub fn exponentials(number: usize) -> &'static str {
+    ["no exponential", "one exponential", "two exponentials"].get(number).copied().unwrap_or("more exponentials")
+}
+
+/// "moving up", "moving down".
+pub fn moving(direction: Direction) -> &'static str {
+    match direction {
+        Direction::Up => "moving up",
+        Direction::Down => "moving down",
+    }
+}

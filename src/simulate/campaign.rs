@@ -1,0 +1,118 @@
+//! A whole campaign from a model: the protocol's sweeps and cosine trials.
+
+use super::{Recording, Sensors, record};
+use crate::dynamics::JointKind;
+use crate::log::table::{Numbers, csv_bytes, parquet_bytes};
+use crate::log::{Campaign, Column, Columns, Protocol, Signal, TrialEntry};
+use crate::model::Model;
+use crate::problem::Result;
+use crate::trajectory::Trajectory;
+use crate::units::Unit;
+use std::path::{Path, PathBuf};
+
+/// What is recorded, and how.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Plan {
+    /// Number of sweep speeds.
+    pub speeds: usize,
+    /// The slowest, rad/s.
+    pub slowest_rad_s: f64,
+    /// The fastest, rad/s; those between are spaced evenly in their logarithm.
+    pub fastest_rad_s: f64,
+    /// Sweeps at each speed.
+    pub repeats: u32,
+    /// Trials of the cosine cascade.
+    pub cosines: u32,
+    /// Sample rate, Hz.
+    pub rate_hz: f64,
+    /// Sensors.
+    pub sensors: Sensors,
+    /// Seed of all noise.
+    pub seed: u64,
+    /// How the torque is recorded and to be filtered.
+    pub signal: Signal,
+    /// Whether logs are Parquet rather than CSV.
+    pub parquet: bool,
+}
+
+/// Names and units of position and torque in the logs.
+fn columns_of(kind: JointKind) -> ((&'static str, Unit), (&'static str, Unit)) {
+    match kind {
+        JointKind::Revolute => (("position_deg", Unit::Degree), ("torque_nm", Unit::NewtonMetre)),
+        JointKind::Prismatic => (("position_m", Unit::Metre), ("force_n", Unit::Newton)),
+    }
+}
+
+/// One trial to be recorded.
+#[derive(Debug, Clone)]
+pub struct PlannedTrial {
+    /// Its place in the campaign's list.
+    pub entry: TrialEntry,
+    trajectory: Trajectory,
+    seed: u64,
+}
+
+impl Plan {
+    /// The trials in order: sweeps by speed and repeat, then cosines.
+    pub fn trials(&self) -> Vec<PlannedTrial> {
+        let ending = if self.parquet { "parquet" } else { "csv" };
+        let ratio = self.fastest_rad_s / self.slowest_rad_s;
+        let speed = |i: usize| self.slowest_rad_s * ratio.powf(i as f64 / (self.speeds.max(2) - 1) as f64);
+        let sweeps = (0..self.speeds).flat_map(|i| (1..=self.repeats).map(move |r| (i, r))).map(|(i, repeat)| {
+            // To a tenth of a mrad/s: the file's name and the declared speed then say the same.
+            let speed_rad_s = (speed(i) * 1e4).round() / 1e4;
+            let file = format!("sweep_{speed_rad_s:.4}_{repeat}.{ending}");
+            (file, Protocol::Uniform { speed_rad_s }, repeat, Trajectory::sweep(speed_rad_s))
+        });
+        let cosines = (1..=self.cosines)
+            .map(|repeat| (format!("cosine_{repeat}.{ending}"), Protocol::Cosine, repeat, Trajectory::cascade()));
+        let planned = |(i, (file, protocol, repeat, trajectory)): (usize, (String, Protocol, u32, Trajectory))| {
+            // Every trial its own stream of noise, whatever the order in which they are made.
+            let seed = self.seed.wrapping_mul(0x9E37_79B9_7F4A_7C15).wrapping_add(i as u64);
+            PlannedTrial { entry: TrialEntry { file, protocol, repeat, trajectory: None }, trajectory, seed }
+        };
+        sweeps.chain(cosines).enumerate().map(planned).collect()
+    }
+
+    /// The campaign's description for a joint like `model`, in `folder`.
+    pub fn campaign(&self, model: &Model, folder: &Path, trials: &[PlannedTrial]) -> Campaign {
+        let column = |(name, unit): (&str, Unit)| Column { name: name.to_string(), unit };
+        let (position, torque) = columns_of(model.joint.kind);
+        Campaign {
+            folder: folder.to_path_buf(),
+            file: folder.join("campaign.toml"),
+            joint: model.joint.clone(),
+            dynamics: model.dynamics,
+            signal: self.signal.clone(),
+            columns: Columns {
+                time: column(("time_s", Unit::Second)),
+                position: column(position),
+                torque: column(torque),
+                velocity: None,
+                current: None,
+                temperature: None,
+                load_torque: None,
+                reference_torque: None,
+                other_position: Vec::new(),
+            },
+            trials: trials.iter().map(|trial| trial.entry.clone()).collect(),
+        }
+    }
+
+    /// The bytes of one trial's log.
+    pub fn log_bytes(&self, model: &Model, trial: &PlannedTrial) -> Result<Vec<u8>> {
+        let positions_rad = trial.trajectory.positions_rad(self.rate_hz);
+        let Recording { time_s, position_rad, torque_nm } =
+            record(model, &positions_rad, self.rate_hz, self.sensors, trial.seed);
+        let (position, torque_column) = columns_of(model.joint.kind);
+        let written: Vec<f64> = position_rad.iter().map(|x| x / position.1.factor()).collect();
+        let torque: Vec<f64> = torque_nm.iter().map(|y| y * self.signal.torque_sign).collect();
+        let columns = [
+            Numbers { name: "time_s", values: &time_s, decimals: 5 },
+            Numbers { name: position.0, values: &written, decimals: 6 },
+            Numbers { name: torque_column.0, values: &torque, decimals: 5 },
+        ];
+        let file = PathBuf::from(&trial.entry.file);
+        if self.parquet { parquet_bytes(&file, &columns) } else { Ok(csv_bytes(&columns)) }
+    }
+}
