@@ -8,14 +8,14 @@ pub mod problem;
 /// Ground: TOML and JSON as one tree that remembers its rows and knows which keys were asked for.
 pub mod document;
 
+/// Ground: gravity and inertia of the joint.
+pub mod dynamics;
+
 /// Ground: quantities and their units; everything inside is SI and radians.
 pub mod units;
 
 /// Ground: least squares, bounded Levenberg-Marquardt, zero-phase filter, statistics.
 pub mod numerics;
-
-/// Ground: gravity and inertia of the joint.
-pub mod dynamics;
 
 /// Ground: the paper's formula: friction branches, their combination, the predicted torque; `model.json`.
 pub mod model;

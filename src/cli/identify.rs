@@ -2,7 +2,7 @@
 
 use super::outcome::Talk;
 use super::progress;
-use crate::identify::{CurveKind, Form, Settings, combination, identify, read_trials};
+use crate::identify::{self, CurveKind, Form, Settings, combination};
 use crate::log::Campaign;
 use crate::problem::Result;
 use crate::report::terminal::write_summary;
@@ -89,9 +89,9 @@ pub fn run(arguments: &Arguments, talk: &Talk) -> Result<ExitCode> {
     let campaign = Campaign::read(&arguments.campaign)?;
     let output = Output::begin(&arguments.output, arguments.force, IDENTIFICATION_FILES)?;
     let bar = progress::bar(talk, "reading", campaign.trials.len());
-    let readings = read_trials(&campaign, &|| bar.inc(1))?;
+    let found = identify::run(&campaign, arguments.choices.settings(arguments.refine), &|| bar.inc(1));
     bar.finish_and_clear();
-    let found = identify(&campaign, readings, arguments.choices.settings(arguments.refine))?;
+    let found = found?;
     let name = campaign_name(&campaign);
     write_identification(&found, &name, &output, arguments.png)?;
     output.finish()?;

@@ -131,7 +131,8 @@ pub fn fit_combination(
     } else {
         (REACH_BACKLASHES * declared_rad).min(stroke_rad)
     };
-    let all: Vec<Window> = trials.iter().flat_map(|trial| windows(trial, model, reach_rad, lowpass_hz)).collect();
+    let all: Vec<Window> =
+        trials.par_iter().flat_map_iter(|trial| windows(trial, model, reach_rad, lowpass_hz)).collect();
     if all.is_empty() {
         return None;
     }
@@ -166,7 +167,8 @@ pub fn overlay(
     taken: usize,
 ) -> CombinationFit {
     let reach_rad = (REACH_BACKLASHES * model.joint.backlash_rad()).min(median_stroke_rad(trials));
-    let all: Vec<Window> = trials.iter().flat_map(|trial| windows(trial, model, reach_rad, lowpass_hz)).collect();
+    let all: Vec<Window> =
+        trials.par_iter().flat_map_iter(|trial| windows(trial, model, reach_rad, lowpass_hz)).collect();
     let crossings = |w: &Window| w.crossings(model, model.joint.backlash_rad(), lowpass_hz);
     CombinationFit {
         windows: all.len(),
@@ -272,8 +274,7 @@ impl Fitting<'_> {
         };
         let free: Vec<usize> =
             if self.backlash_span_rad.is_some() { (0..start.len()).collect() } else { (1..start.len()).collect() };
-        let every: Vec<usize> = (0..start.len()).collect();
-        for (i, se) in sandwich(&residuals, &start, &free).0 {
+        for (i, se) in standard_errors(&residuals, &start, &free) {
             let range = if i == 0 { self.backlash_span_rad } else { fit.kind.range() };
             let at_bound = range.is_some_and(|(low, high)| start[i] - low.ln() < 0.02 || high.ln() - start[i] < 0.02);
             let half = student_t(self.windows.len() as f64 - free.len() as f64) * se;
@@ -288,30 +289,41 @@ impl Fitting<'_> {
             let k = Confidence { low: of_k(*high), high: of_k(*low), cv: *cv, status: *status };
             known.push(("combination.k".to_string(), k));
         }
-        if self.backlash_span_rad.is_none() {
-            let (errors, step) = sandwich(&residuals, &start, &every);
-            let error = errors.first().map_or(f64::INFINITY, |(_, se)| *se);
-            if step[0].abs() > BACKLASH_DOUBT.max(2.0 * error) {
-                let asks_m = declared_rad * step[0].clamp(-2.0, 2.0).exp() * self.model.joint.pulley_radius_m;
-                warnings.push(format!(
-                    "the reversals ask for a clearance near {:.2} mm, not the declared backlash_m = {:.2} mm; \
-                     try --estimate-backlash",
-                    1e3 * asks_m,
-                    1e3 * fit.backlash_m
-                ));
-            }
-        }
+        warnings.extend(self.doubt(fit, declared_rad));
         (known, warnings)
+    }
+
+    /// A word when another clearance leaves much less than the declared one, the curve fitted anew to each.
+    fn doubt(&self, fit: &CurveFit, declared_rad: f64) -> Option<String> {
+        if self.backlash_span_rad.is_some() {
+            return None;
+        }
+        let cost = |backlash_rad: f64| match fit.kind.range() {
+            None => self.cost(&fit.curve, backlash_rad),
+            Some(range) => golden(range, SECTIONS, |x| self.cost(&fit.kind.with(x), backlash_rad)).1,
+        };
+        let here = self.cost(&fit.curve, declared_rad);
+        let words = [("smaller", 1.0 / BACKLASH_STEP), ("larger", BACKLASH_STEP)];
+        let better = words.into_iter().find(|(_, factor)| cost(declared_rad * factor) < BACKLASH_DOUBT * here)?;
+        Some(format!(
+            "the reversals ask for a {} clearance than the declared backlash_m = {:.2} mm; try --estimate-backlash",
+            better.0,
+            1e3 * fit.backlash_m
+        ))
     }
 }
 
-/// A Gauss-Newton step in log X_cl larger than this contradicts the declared clearance.
-const BACKLASH_DOUBT: f64 = 0.15;
+/// A clearance smaller or larger by this factor ...
+const BACKLASH_STEP: f64 = 1.3;
+/// ... that leaves less than this share of the sum of squares contradicts the declared one.
+const BACKLASH_DOUBT: f64 = 0.8;
 
-/// Standard errors of the `free` parameters, clustered by window, and the Gauss-Newton step from `start`.
-type Sandwich = (Vec<(usize, f64)>, Vec<f64>);
-
-fn sandwich(residuals: &dyn Fn(&[f64]) -> Vec<Vec<f64>>, start: &[f64], free: &[usize]) -> Sandwich {
+/// Standard errors of the `free` parameters, clustered by window: errors of one reversal hang together.
+fn standard_errors(
+    residuals: &dyn Fn(&[f64]) -> Vec<Vec<f64>>,
+    start: &[f64],
+    free: &[usize],
+) -> Vec<(usize, f64)> {
     use nalgebra::{DMatrix, DVector};
     const STEP: f64 = 1e-3;
     let here = residuals(start);
@@ -329,21 +341,19 @@ fn sandwich(residuals: &dyn Fn(&[f64]) -> Vec<Vec<f64>>, start: &[f64], free: &[
         })
         .collect();
     let n = free.len();
-    let (mut hessian, mut meat, mut gradient) = (DMatrix::zeros(n, n), DMatrix::zeros(n, n), DVector::zeros(n));
+    let (mut hessian, mut meat) = (DMatrix::zeros(n, n), DMatrix::zeros(n, n));
     for (w, errors) in here.iter().enumerate() {
         let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(x, y)| x * y).sum::<f64>();
         let score = DVector::from_fn(n, |i, _| dot(&slopes[i][w], errors));
         hessian += DMatrix::from_fn(n, n, |i, j| dot(&slopes[i][w], &slopes[j][w]));
         meat += &score * score.transpose();
-        gradient += score;
     }
     let Some(inverse) = hessian.try_inverse() else {
-        return (free.iter().map(|i| (*i, f64::INFINITY)).collect(), vec![0.0; n.max(1)]);
+        return free.iter().map(|i| (*i, f64::INFINITY)).collect();
     };
     let small_sample = here.len() as f64 / (here.len() as f64 - n as f64).max(1.0);
     let covariance = &inverse * meat * &inverse * small_sample;
-    let errors = free.iter().enumerate().map(|(k, i)| (*i, covariance[(k, k)].max(0.0).sqrt())).collect();
-    (errors, (-(inverse * gradient)).iter().copied().collect())
+    free.iter().enumerate().map(|(k, i)| (*i, covariance[(k, k)].max(0.0).sqrt())).collect()
 }
 
 /// The place in the log of `range` with the least cost by golden section, and that cost.

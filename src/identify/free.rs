@@ -65,9 +65,14 @@ pub struct FreeFit {
     pub combination: CombinationFit,
 }
 
+/// A clearance that leaves this much less of the linear curve's error contradicts the declared one.
+const DOUBT: f64 = 0.9;
+
 /// Fits `trials`, starting from `model`'s geometry and rigid body; `folds` says which half each trial belongs to.
 pub fn fit_free(trials: &[Prepared], folds: &[usize], model: &Model, lowpass_hz: f64, settings: Settings) -> FreeFit {
     let search = Search::new(trials, folds, model, lowpass_hz, settings.estimate_backlash);
+    let warnings =
+        if settings.estimate_backlash { Vec::new() } else { doubt(trials, folds, model, lowpass_hz, &search) };
     let judged: Vec<Vec<(f64, f64)>> =
         CurveKind::ALL.iter().map(|kind| search.held_out(FreeForm::Load, *kind)).collect();
     let sums: Vec<Vec<f64>> = judged.iter().map(|parts| parts.iter().map(|p| p.0).collect()).collect();
@@ -86,13 +91,29 @@ pub fn fit_free(trials: &[Prepared], folds: &[usize], model: &Model, lowpass_hz:
         CurveFit { kind: *kind, curve: own.combination, backlash_m: own.joint.backlash_m, rmse_nm, r_squared }
     };
     let curves = CurveKind::ALL.iter().zip(&judged).map(curve).collect();
+    let combination = overlay(trials, &fit.model, lowpass_hz, curves, supported, taken);
     FreeFit {
-        combination: overlay(trials, &fit.model, lowpass_hz, curves, supported, taken),
+        combination: CombinationFit { warnings, ..combination },
         forms: forms.iter().map(|(form, sums)| (*form, rmse_nm(sums))).collect(),
         form: *form,
         held_out_nm: rmse_nm(held_out),
         fit,
     }
+}
+
+/// A word when free motion contradicts the declared clearance.
+fn doubt(trials: &[Prepared], folds: &[usize], model: &Model, lowpass_hz: f64, declared: &Search) -> Vec<String> {
+    let free = Search::new(trials, folds, model, lowpass_hz, true);
+    let error = |search: &Search| search.fit(&free.all(), FreeForm::Load, CurveKind::Linear).rmse_nm;
+    if error(&free) > DOUBT * error(declared) {
+        return Vec::new();
+    }
+    let asked_mm = 1e3 * free.start(CurveKind::Linear).joint.backlash_m;
+    let declared_mm = 1e3 * model.joint.backlash_m;
+    vec![format!(
+        "the reversals ask for a clearance near {asked_mm:.2} mm, not the declared backlash_m = {declared_mm:.2} mm; try \
+         --estimate-backlash"
+    )]
 }
 
 /// Two halves of a campaign, each fitted and each judged by the other's fit.

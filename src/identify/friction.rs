@@ -45,8 +45,8 @@ pub struct FrictionFit {
     pub points: Points,
     /// The fit that the model took.
     pub taken: ExponentialFit,
-    /// The confidence band of B; `None` with no more points than parameters.
-    pub band: Option<Profile>,
+    /// Its intervals and the band of B; `None` with no more points than parameters.
+    pub profile: Option<Profile>,
     /// All forms that the speeds can hold, by their number of exponentials.
     pub forms: Vec<ExponentialFit>,
     /// How many exponentials the data support, by Akaike's corrected criterion.
@@ -108,8 +108,7 @@ fn fit_direction(
     };
     let (slow, fast) = points.speed_range_rad_s();
     let band = (0..BAND_POINTS).map(|i| slow * (fast / slow).powf(i as f64 / (BAND_POINTS - 1) as f64)).collect();
-    let profile = points.profile(&taken, Vec::new(), CONSPIRING);
-    let band = points.profile(&taken, band, 1.0);
+    let profile = points.profile(&taken, band, CONSPIRING);
     let mean_sine = mean(&mine.iter().map(|leg| leg.mean_sine).collect::<Vec<f64>>());
     let scale = Scale::new(&a, direction, joint, gravity_nm, mean_sine);
     let spread_nm =
@@ -124,7 +123,7 @@ fn fit_direction(
         a,
         points,
         taken,
-        band,
+        profile,
         forms,
     })
 }

@@ -19,10 +19,11 @@ pub use reading::{Reading, Trace, read_trials};
 pub use refine::Refinement;
 pub use windows::Crossing;
 
-use crate::log::{Campaign, Protocol};
+use crate::log::{Campaign, Protocol, TrialEntry};
 use crate::model::{Both, Combination, Confidence, Direction, Friction, Model, Status};
 use crate::problem::{Problem, Result};
 use predicted::Prepared;
+use rayon::prelude::*;
 use std::collections::BTreeMap;
 
 /// What a run of the protocol may choose.
@@ -94,6 +95,23 @@ impl Residual {
     }
 }
 
+/// An estimated clearance larger than the declared one by more than this share asks for legs that leave out more.
+const RECUT: f64 = 1.05;
+
+/// Reads all trials of `campaign` and identifies its joint; `progress` hears of each trial read.
+///
+/// Errors: all that is wrong with any trial; sweeps that contradict the campaign's geometry.
+pub fn run(campaign: &Campaign, settings: Settings, progress: &(dyn Fn() + Sync)) -> Result<Identification> {
+    let found = identify(campaign, read_trials(campaign, progress)?, settings)?;
+    // Legs leave out the declared clearance after each reversal: with a larger one they would begin inside the transition.
+    if found.legs.is_empty() || found.model.joint.backlash_m <= RECUT * campaign.joint.backlash_m {
+        return Ok(found);
+    }
+    let mut recut = campaign.clone();
+    recut.joint.backlash_m = found.model.joint.backlash_m;
+    identify(&recut, read_trials(&recut, progress)?, settings)
+}
+
 /// Identifies the joint of `campaign` from its readings.
 pub fn identify(campaign: &Campaign, readings: Vec<Reading>, settings: Settings) -> Result<Identification> {
     let sweeps = readings.iter().any(|reading| !reading.legs.is_empty());
@@ -151,7 +169,7 @@ fn from_sweeps(campaign: &Campaign, mut readings: Vec<Reading>, settings: Settin
         model = Model { confidence: model.confidence, ..refined.fit.model.clone() };
         model.confidence.extend(refined.fit.confidence.iter().cloned());
     }
-    let residuals = prepared.iter().zip(&entries).map(|(p, e)| residual(p, &e.file, e.protocol, &model)).collect();
+    let residuals = residuals(&prepared, &entries, &model);
     let route = Route::Sweeps(Box::new(fits));
     Ok(Identification { model, route, legs, combination, refinement, residuals, trace, warnings, trials, rows })
 }
@@ -201,7 +219,8 @@ fn from_free_motion(campaign: &Campaign, readings: Vec<Reading>, settings: Setti
     if settings.refine {
         warnings.push("--refine changes nothing here: without sweeps all parameters are fitted together anyway".into());
     }
-    let residuals = prepared.iter().zip(&entries).map(|(p, e)| residual(p, &e.file, e.protocol, &model)).collect();
+    let residuals = residuals(&prepared, &entries, &model);
+    warnings.extend(fit.combination.warnings.iter().cloned());
     let combination = Some(fit.combination.clone());
     let route = Route::Free(Box::new(fit));
     let (legs, refinement, trace) = (Vec::new(), None, None);
@@ -214,6 +233,11 @@ fn folds(repeats: &[u32]) -> Vec<usize> {
     let by_repeat: Vec<usize> = repeats.iter().map(|r| *r as usize % 2).collect();
     let differ = by_repeat.windows(2).any(|pair| pair[0] != pair[1]);
     if differ { by_repeat } else { (0..repeats.len()).map(|i| i.div_ceil(2) % 2).collect() }
+}
+
+fn residuals(trials: &[Prepared], entries: &[TrialEntry], model: &Model) -> Vec<Residual> {
+    let each = trials.par_iter().zip(entries);
+    each.map(|(trial, entry)| residual(trial, &entry.file, entry.protocol, model)).collect()
 }
 
 fn residual(trial: &Prepared, file: &str, protocol: Protocol, model: &Model) -> Residual {

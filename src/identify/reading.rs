@@ -57,10 +57,16 @@ pub fn read_trials(campaign: &Campaign, progress: &(dyn Fn() + Sync)) -> Result<
         progress();
         reading
     };
-    let readings: Vec<Result<Reading>> = (0..campaign.trials.len()).into_par_iter().map(read).collect();
+    // The longest first: what is left at the end, when threads run out of work, is then short.
+    let mut order: Vec<usize> = (0..campaign.trials.len()).collect();
+    let size = |i: &usize| std::fs::metadata(campaign.folder.join(&campaign.trials[*i].file)).map_or(0, |m| m.len());
+    order.sort_by_cached_key(|i| std::cmp::Reverse(size(i)));
+    let mut readings: Vec<(usize, Result<Reading>)> =
+        order.into_par_iter().with_max_len(1).map(|i| (i, read(i))).collect();
+    readings.sort_by_key(|(i, _)| *i);
     let mut good = Vec::with_capacity(readings.len());
     let mut problems = Vec::new();
-    for reading in readings {
+    for (_, reading) in readings {
         match reading {
             Ok(reading) => good.push(reading),
             Err(Problems(found)) => problems.extend(found),

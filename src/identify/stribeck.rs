@@ -27,7 +27,7 @@ const FASTEST: f64 = 5.0;
 /// The fast rate is at least this much above the slow one, or the two columns are one.
 const RATIO_MIN: f64 = 1.02;
 /// A cost higher than the least by this share is as good.
-const RIDGE: f64 = 0.006;
+const RIDGE: f64 = 0.008;
 /// Steps of a search along one rate with the other held: golden sections between two grid cells, then halvings out to where
 /// the cost crosses the threshold. 14 of them resolve 0.1 % of a cell.
 const LINE_STEPS: usize = 14;
@@ -174,7 +174,7 @@ impl Points {
             return None;
         }
         if exponentials == 0 {
-            return self.at(&[], Stopped::Converged);
+            return self.with_rates(&[]);
         }
         let limits = self.rate_limits();
         let cells = grid(limits, exponentials);
@@ -211,6 +211,11 @@ impl Points {
         }
     }
 
+    /// The fit with these rates, slow first; `None` when they cannot be told apart.
+    pub fn with_rates(&self, rates: &[f64]) -> Option<ExponentialFit> {
+        self.at(rates, Stopped::Converged)
+    }
+
     fn at(&self, rates: &[f64], stopped: Stopped) -> Option<ExponentialFit> {
         let fit = self.project(rates)?;
         let (low, high) = self.rate_limits();
@@ -242,26 +247,27 @@ impl Points {
 
     /// Profile likelihood intervals around `fit`, and the band of B at `band_speed_rad_s`.
     ///
-    /// With `dimensions` = 1 each interval by itself holds the truth 95 times in 100; with more, that many parameters do at
-    /// once. `None` when there are no more points than parameters: then nothing is known of the errors.
+    /// The intervals of the parameters hold for `dimensions` of them at once, the band at each speed by itself. `None` when
+    /// there are no more points than parameters: then nothing is known of the errors.
     pub fn profile(&self, fit: &ExponentialFit, band_speed_rad_s: Vec<f64>, dimensions: f64) -> Option<Profile> {
         let freedom = self.b_nm.len() as f64 - fit.parameters() as f64;
         if freedom < 1.0 {
             return None;
         }
-        let threshold = fit.residual_sum * (1.0 + dimensions * fisher_f(dimensions, freedom) / freedom);
+        let cost_within = |d: f64| fit.residual_sum * (1.0 + d * fisher_f(d, freedom) / freedom);
+        let thresholds = Thresholds { parameters: cost_within(dimensions), band: cost_within(1.0) };
         let mut profile = Profile {
             rates: fit.rates.iter().map(|r| (*r, *r)).collect(),
             coefficients: fit.coefficients.iter().map(|c| (*c, *c)).collect(),
             band_nm: band_speed_rad_s.iter().map(|u| (fit.b_nm(*u), fit.b_nm(*u))).collect(),
             band_speed_rad_s,
         };
-        self.widen(&mut profile, &fit.rates, threshold);
+        self.widen(&mut profile, &fit.rates, thresholds);
         // The region is a narrow valley that a grid of cells would miss: walk each rate and search along the other.
         for (place, at) in fit.rates.iter().enumerate() {
             for held in around(*at, self.rate_limits()) {
-                for rates in self.region_along(&fit.rates, place, held, threshold) {
-                    self.widen(&mut profile, &rates, threshold);
+                for rates in self.region_along(&fit.rates, place, held, thresholds.parameters) {
+                    self.widen(&mut profile, &rates, thresholds);
                 }
             }
         }
@@ -295,25 +301,35 @@ impl Points {
         (0..ACROSS).map(|i| pair((first + (last - first) * i as f64 / (ACROSS - 1) as f64).exp())).collect()
     }
 
-    /// Widens `profile` by what `rates` allow below `threshold`.
-    fn widen(&self, profile: &mut Profile, rates: &[f64], threshold: f64) {
-        let Some(fit) = self.project(rates).filter(|fit| fit.residual_sum <= threshold) else { return };
-        let room = threshold - fit.residual_sum;
+    /// Widens `profile` by what `rates` allow below the thresholds.
+    fn widen(&self, profile: &mut Profile, rates: &[f64], thresholds: Thresholds) {
+        let Some(fit) = self.project(rates).filter(|fit| fit.residual_sum <= thresholds.parameters) else { return };
         let stretch = |range: &mut (f64, f64), middle: f64, half: f64| {
             *range = (range.0.min(middle - half), range.1.max(middle + half));
         };
         for (range, rate) in profile.rates.iter_mut().zip(rates) {
             stretch(range, *rate, 0.0);
         }
+        let room = thresholds.parameters - fit.residual_sum;
         for (i, range) in profile.coefficients.iter_mut().enumerate() {
             stretch(range, fit.coefficients[i], (room * fit.unscaled_covariance[(i, i)]).sqrt());
         }
+        let room = thresholds.band - fit.residual_sum;
+        if room < 0.0 {
+            return;
+        }
         for (range, u) in profile.band_nm.iter_mut().zip(&profile.band_speed_rad_s) {
             let x = DVector::from_iterator(2 + rates.len(), row(*u, rates));
-            let spread = (x.transpose() * &fit.unscaled_covariance * &x)[(0, 0)];
-            stretch(range, x.dot(&fit.coefficients), (room * spread).sqrt());
+            stretch(range, x.dot(&fit.coefficients), (room * x.dot(&(&fit.unscaled_covariance * &x))).sqrt());
         }
     }
+}
+
+/// Costs up to which a place counts as possible.
+#[derive(Debug, Clone, Copy)]
+struct Thresholds {
+    parameters: f64,
+    band: f64,
 }
 
 /// `GRID` rates, evenly spaced in their logarithm.
@@ -323,7 +339,7 @@ fn spaced((low, high): (f64, f64)) -> Vec<f64> {
 
 /// Rates over the whole of `limits`, and closer by and by around `at`: a region may be a thousandth of the limits wide.
 fn around(at: f64, limits: (f64, f64)) -> Vec<f64> {
-    let near = (1..GRID).map(|i| 1.5f64.powi(-(i as i32) / 2));
+    let near = (1..GRID / 2).map(|i| 1.5f64.powi(-(i as i32)));
     let offsets = near.flat_map(|by| [at * (1.0 + by), at / (1.0 + by)]);
     spaced(limits).into_iter().chain(offsets.filter(|r| (limits.0..=limits.1).contains(r))).collect()
 }

@@ -184,7 +184,7 @@ impl Limits {
             }
         };
         let room = 0.5 * from.abs();
-        (if from <= low { from - room - 1e-9 } else { low }, if from >= high { from + room + 1e-9 } else { high })
+        (if from < low { from - room } else { low }, if from > high { from + room } else { high })
     }
 }
 

@@ -1,7 +1,7 @@
 //! Where friction changes over: the stretches of a campaign around its reversals.
 
 use super::predicted::Prepared;
-use crate::model::{Combination, Direction, Model, Transition};
+use crate::model::{Combination, Direction, Model, Transition, settle};
 use crate::numerics::statistics::mean;
 use std::ops::Range;
 
@@ -41,7 +41,7 @@ pub struct Crossing {
 /// The windows of `trial`: from each reversal until the joint has gone on by `reach_rad`.
 pub fn windows<'a>(trial: &'a Prepared, model: &Model, reach_rad: f64, lowpass_hz: f64) -> Vec<Window<'a>> {
     let n = trial.len();
-    let (_, known_from) = trial.k_tilde(model);
+    let (_, known_from) = settle(&trial.series.position_rad, model.joint.backlash_rad(), trial.series.deadband_rad);
     let pad = (PADDING_PERIODS / lowpass_hz * trial.series.rate_hz) as usize;
     let smear = (SMEAR_PERIODS / lowpass_hz * trial.series.rate_hz) as usize;
     let turns = trial.reversals();

@@ -1,12 +1,12 @@
 //! `report.html`: one file, no link to anything outside.
 
 use super::identification::{overall_rmse_nm, parameter};
-use super::number::{as_precise_as, count, interval, percent, significant, with_spread};
+use super::number::{as_precise_as, count, interval, percent, r_squared, significant, with_spread};
 use super::parameters::{Parameter, combination, friction};
 use super::plots::Figure;
-use super::verdict::verdict;
+use super::verdict::{Verdict, verdict};
 use super::wording::{LEFT_OUT, LEFT_OUT_MEANING, Units, exponentials, moving, status_meaning, status_word};
-use crate::identify::{CombinationFit, FrictionFit, Identification, LegFit, Route};
+use crate::identify::{CombinationFit, CurveKind, FrictionFit, Identification, LegFit, Route};
 use crate::model::{Direction, Status};
 use askama::Template;
 
@@ -16,7 +16,8 @@ use askama::Template;
 struct Page<'a> {
     joint: &'a str,
     campaign: &'a str,
-    verdict: Vec<String>,
+    short: String,
+    steps: Vec<String>,
     warnings: &'a [String],
     cards: Vec<Card>,
     branches: Vec<ParameterRow>,
@@ -99,30 +100,47 @@ struct FigureView<'a> {
 }
 
 /// The report of `found` with `figures` already drawn.
-pub fn report(found: &Identification, campaign: &str, figures: &[(&Figure, String)]) -> askama::Result<String> {
+pub fn report<'a>(
+    found: &'a Identification,
+    campaign: &'a str,
+    figures: &'a [(&Figure, String)],
+) -> askama::Result<String> {
     let units = Units::of(found.model.joint.kind);
     let [up, down] = Direction::BOTH.map(|direction| friction(&found.model, direction));
-    let view = |(figure, svg): &'_ (&Figure, String)| (figure.name, figure.title, figure.caption, svg.clone());
-    let drawn: Vec<_> = figures.iter().map(view).collect();
+    let Verdict { short, steps } = verdict(found);
+    let view = |(figure, svg): &'a (&Figure, String)| FigureView {
+        name: figure.name,
+        title: figure.title,
+        caption: figure.caption,
+        svg,
+    };
     Page {
         joint: &found.model.joint.name,
         campaign,
-        verdict: verdict(found),
+        short: kept_together(&short.join(" ")),
+        steps: steps.iter().map(|sentence| kept_together(sentence)).collect(),
         warnings: &found.warnings,
         cards: cards(found, &units),
-        branches: up.iter().zip(&down).map(|(up, down)| parameter_row(&[up, down])).collect(),
-        others: combination(&found.model).iter().map(|row| parameter_row(&[row])).collect(),
+        branches: up.iter().zip(&down).map(|(up, down)| parameter_row(up, Some(down))).collect(),
+        others: combination(&found.model).iter().map(|row| parameter_row(row, None)).collect(),
         statuses: Status::ALL.into_iter().map(status_chip).chain([left_out_chip()]).collect(),
         forms: forms(found, &units),
         free_forms: free_forms(found, &units),
         curves: found.combination.as_ref().map(|fit| curves(fit, &units)).unwrap_or_default(),
         reversals: found.combination.as_ref().map_or(String::new(), |fit| count(fit.windows)),
-        figures: drawn.iter().map(|(name, title, caption, svg)| FigureView { name, title, caption, svg }).collect(),
+        figures: figures.iter().map(view).collect(),
         legs: found.legs.iter().map(leg_row).collect(),
         units,
         provenance: provenance(found, campaign),
     }
     .render()
+}
+
+/// `text` with spaces that do not break between a number and its unit.
+fn kept_together(text: &str) -> String {
+    const FIXED: [(&str, &str); 5] =
+        [("N m", "N\u{a0}m"), (" N", "\u{a0}N"), (" mN", "\u{a0}mN"), (" mm", "\u{a0}mm"), (" ± ", "\u{a0}±\u{a0}")];
+    FIXED.iter().fold(text.to_string(), |text, (from, to)| text.replace(from, to))
 }
 
 fn cards(found: &Identification, units: &Units) -> Vec<Card> {
@@ -132,8 +150,9 @@ fn cards(found: &Identification, units: &Units) -> Vec<Card> {
         Route::Sweeps(fits) => {
             for direction in Direction::BOTH {
                 let a = fits.of(direction).a;
-                let value = format!("{} {}", with_spread(a.a_nm, a.sd_nm), units.torque);
-                add(&format!("A {}", moving(direction)), value, format!("mean ± SD of {} legs", a.legs));
+                let value = format!("{} {}", as_precise_as(a.a_nm, a.sd_nm), units.torque);
+                let note = format!("± {} SD over {} legs", as_precise_as(a.sd_nm, a.sd_nm), a.legs);
+                add(&format!("A {}", moving(direction)), value, note);
             }
         }
         Route::Free(free) => add("held-out RMSE", units.torque(free.held_out_nm), free.form.name().to_string()),
@@ -150,9 +169,8 @@ fn cards(found: &Identification, units: &Units) -> Vec<Card> {
     cards
 }
 
-fn parameter_row(of: &[&Parameter]) -> ParameterRow {
-    let first = of[0];
-    let cells = of.iter().map(|p| cell(p)).collect();
+fn parameter_row(first: &Parameter, other: Option<&Parameter>) -> ParameterRow {
+    let cells = std::iter::once(first).chain(other).map(cell).collect();
     ParameterRow { name: first.name, meaning: first.meaning, unit: first.unit, cells }
 }
 
@@ -171,7 +189,7 @@ fn cell(parameter: &Parameter) -> Cell {
                 _ => significant(parameter.value, 4),
             },
         ),
-        interval: shown.map_or(String::new(), |c| interval(c.low, c.high)),
+        interval: shown.map_or(String::new(), |c| interval(parameter.value, c.low, c.high)),
         cv: shown.map_or(String::new(), |c| percent(c.cv)),
         chip,
     }
@@ -239,9 +257,12 @@ fn curves(fit: &CombinationFit, units: &Units) -> Vec<CurveRow> {
     let row = |(at, curve): (usize, &crate::identify::CurveFit)| CurveRow {
         name: curve.kind.name(),
         parameter: parameter(&curve.curve).map_or(String::new(), |(name, x)| format!("{name} = {}", significant(x, 4))),
-        clearance: format!("{} mm", significant(1e3 * curve.backlash_m, 3)),
+        clearance: match curve.kind {
+            CurveKind::Sign => String::new(),
+            _ => format!("{} mm", significant(1e3 * curve.backlash_m, 3)),
+        },
         rmse: units.torque(curve.rmse_nm),
-        r_squared: format!("{:.4}", curve.r_squared),
+        r_squared: r_squared(curve.r_squared),
         note: note(at == fit.taken, at == fit.supported),
     };
     fit.curves.iter().enumerate().map(row).collect()
@@ -256,7 +277,7 @@ fn leg_row(leg: &LegFit) -> [String; 9] {
         count(leg.samples),
         with_spread(leg.a_nm, leg.a_se_nm),
         with_spread(leg.b_nm, leg.b_se_nm),
-        format!("{:.4}", leg.r_squared),
+        r_squared(leg.r_squared),
         significant(1e3 * leg.rmse_nm, 3),
     ]
 }

@@ -10,9 +10,10 @@
 //! | `identification` | the JSON of `model.json` and `--json` |
 //! | `verdict` | the result in plain words |
 //! | `terminal` | the summary on the terminal |
-//! | `plots` | one figure per file, drawn on `chart` |
+//! | `plots` | one figure per file, drawn on `chart`: canvas, panels, axes, thinning |
 //! | `png` | a figure as a picture, with the bundled font |
 //! | `html` | `report.html`: all of it in one file |
+//! | `parameters`, `number`, `wording` | what all of these share: rows, digits, units and words |
 
 pub mod chart;
 pub mod html;

@@ -19,7 +19,7 @@ pub fn significant(value: f64, digits: usize) -> String {
 
 /// `value` with as many decimals as an uncertainty of `spread` leaves meaning: two digits of the spread.
 pub fn as_precise_as(value: f64, spread: f64) -> String {
-    let usable = value.is_finite() && spread.is_finite() && spread != 0.0 && spread.abs() < 1e4 * value.abs();
+    let usable = value.is_finite() && spread.is_finite() && spread != 0.0;
     if !usable {
         return significant(value, 4);
     }
@@ -27,7 +27,11 @@ pub fn as_precise_as(value: f64, spread: f64) -> String {
     if power < -6 || value.abs() >= 1e6 {
         return significant(value, 6);
     }
-    format!("{value:.*}", (1 - power).max(0) as usize)
+    let text = format!("{value:.*}", (1 - power).max(0) as usize);
+    match text.strip_prefix('-') {
+        Some(zero) if zero.chars().all(|c| matches!(c, '0' | '.')) => zero.to_string(),
+        _ => text,
+    }
 }
 
 /// "value ± spread", both to the spread's two digits; the value alone where the spread is not known.
@@ -38,11 +42,19 @@ pub fn with_spread(value: f64, spread: f64) -> String {
     }
 }
 
-/// "low to high", with a word for an end that the data leave open.
-pub fn interval(low: f64, high: f64) -> String {
-    let width = high - low;
+/// An end of an interval this many values away says no more than its size.
+const FAR: f64 = 20.0;
+
+/// "low to high" about `value`, to two digits of the nearer end's distance; a word for an end that the data leave open.
+pub fn interval(value: f64, low: f64, high: f64) -> String {
+    if low.is_finite() && high.is_finite() && low.abs().max(high.abs()) > FAR * value.abs() {
+        return format!("{} to {}", significant(low, 2), significant(high, 2));
+    }
+    let (below, above) = ((value - low).abs(), (high - value).abs());
+    // An end that is nearer by far, or on the value, does not lend its digits to the other.
+    let digits_of = below.min(above).max(0.03 * below.max(above));
     match (low.is_finite(), high.is_finite()) {
-        (true, true) => format!("{} to {}", as_precise_as(low, width / 2.0), as_precise_as(high, width / 2.0)),
+        (true, true) => format!("{} to {}", as_precise_as(low, digits_of), as_precise_as(high, digits_of)),
         (true, false) => format!("above {}", significant(low, 3)),
         (false, true) => format!("below {}", significant(high, 3)),
         (false, false) => "open".to_string(),
@@ -52,6 +64,16 @@ pub fn interval(low: f64, high: f64) -> String {
 /// A share as percent.
 pub fn percent(share: f64) -> String {
     if share.is_finite() { format!("{} %", significant(100.0 * share, 2)) } else { "unknown".to_string() }
+}
+
+/// R² with the digits that tell a good fit from a very good one.
+pub fn r_squared(value: f64) -> String {
+    if value.is_finite() { format!("{value:.4}") } else { "unknown".to_string() }
+}
+
+/// `text` with a true minus sign for a leading hyphen: for drawings, which nobody copies numbers from.
+pub fn with_minus(text: &str) -> String {
+    text.strip_prefix('-').map_or_else(|| text.to_string(), |rest| format!("\u{2212}{rest}"))
 }
 
 /// A whole number in groups of three.

@@ -1,6 +1,6 @@
 //! `trials.csv`: one row per leg, written for people and programs, read back by `fit friction`.
 
-use crate::document::suggest;
+use crate::document::{nearest, suggest};
 use crate::identify::LegFit;
 use crate::model::Direction;
 use crate::problem::{Problem, Problems, Result};
@@ -50,10 +50,7 @@ pub fn trials_csv(legs: &[LegFit]) -> std::result::Result<String, csv::Error> {
 ///
 /// Errors: the file cannot be read, lacks a column, holds no row, or a field is no number; all rows are looked at.
 pub fn read_trials_csv(path: &Path) -> Result<Vec<LegFit>> {
-    let unreadable = |error: csv::Error| {
-        let row = error.position().map(|at| at.line());
-        Problem::error(path, format!("cannot be read: {error}"), "name a trials.csv written by tautline").at_row(row)
-    };
+    let unreadable = |error: csv::Error| unreadable(path, &error);
     let mut reader = csv::ReaderBuilder::new().trim(csv::Trim::All).from_path(path).map_err(unreadable)?;
     let headers = reader.headers().map_err(unreadable)?.clone();
     check_headers(path, &headers)?;
@@ -83,17 +80,39 @@ pub fn read_trials_csv(path: &Path) -> Result<Vec<LegFit>> {
     Problems(faults).unless_errors(legs)
 }
 
-fn check_headers(path: &Path, headers: &StringRecord) -> Result<()> {
-    let missing = REQUIRED.iter().filter(|name| !headers.iter().any(|h| h == **name));
-    let fault = |name: &&str| {
-        let likely: Vec<&str> = headers.iter().filter(|h| !REQUIRED.contains(h) && !EXTRA.contains(h)).collect();
-        let cure = match crate::document::nearest(name, likely) {
-            Some(near) => format!("rename `{near}` to `{name}`"),
-            None => format!("the columns must hold {}", REQUIRED.join(", ")),
-        };
-        Problem::error(path, "the column is missing", cure).at_row(1).in_column(*name)
+fn unreadable(path: &Path, error: &csv::Error) -> Problem {
+    let row = error.position().map(|at| at.line());
+    let what = match error.kind() {
+        csv::ErrorKind::UnequalLengths { expected_len, len, .. } => {
+            format!("has {len} fields, the header {expected_len}")
+        }
+        csv::ErrorKind::Utf8 { .. } => "is no UTF-8 text".to_string(),
+        csv::ErrorKind::Io(error) => format!("cannot be read: {error}"),
+        _ => format!("cannot be read: {error}"),
     };
-    Problems(missing.map(fault).collect()).unless_errors(())
+    Problem::error(path, what, "name a trials.csv written by tautline").at_row(row)
+}
+
+/// Errors: a column that seems misspelt, by its likely name; all others that are missing, together.
+fn check_headers(path: &Path, headers: &StringRecord) -> Result<()> {
+    let missing: Vec<&str> = REQUIRED.into_iter().filter(|name| !headers.iter().any(|h| h == *name)).collect();
+    let strange: Vec<&str> = headers.iter().filter(|h| !REQUIRED.contains(h) && !EXTRA.contains(h)).collect();
+    let mut faults = Vec::new();
+    let mut absent = Vec::new();
+    for name in missing {
+        match nearest(name, strange.iter().copied()) {
+            Some(near) => {
+                let cure = format!("rename `{near}` to `{name}`");
+                faults.push(Problem::error(path, "the column is missing", cure).at_row(1).in_column(name));
+            }
+            None => absent.push(name),
+        }
+    }
+    if !absent.is_empty() {
+        let what = format!("lacks {}", absent.join(", "));
+        faults.push(Problem::error(path, what, "name a trials.csv written by tautline").at_row(1));
+    }
+    Problems(faults).unless_errors(())
 }
 
 /// One row being read.

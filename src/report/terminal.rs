@@ -4,7 +4,7 @@
 //! nobody looks.
 
 use super::identification::{overall_rmse_nm, parameter};
-use super::number::{counted, interval, significant, with_spread};
+use super::number::{counted, interval, r_squared, significant, with_spread};
 use super::parameters::{Parameter, combination, friction};
 use super::verdict::refinement;
 use super::wording::{LEFT_OUT, Units, exponentials, moving, status_word};
@@ -13,6 +13,9 @@ use crate::model::{Both, Direction, Model, Status};
 use anstyle::{AnsiColor, Style};
 use std::io::{self, Write};
 use std::path::Path;
+
+/// Columns of running text.
+const WIDTH: usize = 112;
 
 const BOLD: Style = Style::new().bold();
 const DIM: Style = Style::new().dimmed();
@@ -43,12 +46,12 @@ pub fn write_summary(
     heading(out, "Whole series")?;
     writeln!(out, "  RMSE over all trials {}", units.torque(overall_rmse_nm(found)))?;
     if let Some(refined) = &found.refinement {
-        writeln!(out, "  {}", refinement(refined, &units))?;
+        writeln!(out, "  {}", wrapped(&refinement(refined, &units), 2))?;
     }
     if !found.warnings.is_empty() {
         heading(out, "To distrust")?;
         for warning in &found.warnings {
-            writeln!(out, "  {YELLOW}!{YELLOW:#} {warning}")?;
+            writeln!(out, "  {YELLOW}!{YELLOW:#} {}", wrapped(warning, 4))?;
         }
     }
     if let Some(path) = written {
@@ -61,6 +64,25 @@ fn heading(out: &mut impl Write, text: &str) -> io::Result<()> {
     writeln!(out, "\n{BOLD}{text}{BOLD:#}")
 }
 
+/// `text` in lines of at most `WIDTH` columns, all but the first set in by `indent`.
+fn wrapped(text: &str, indent: usize) -> String {
+    let mut lines = String::new();
+    let mut column = indent;
+    for word in text.split_whitespace() {
+        let length = word.chars().count();
+        if column + length > WIDTH && column > indent {
+            lines.push('\n');
+            lines.push_str(&" ".repeat(indent));
+            column = indent;
+        } else if column > indent {
+            lines.push(' ');
+        }
+        lines.push_str(word);
+        column += length + 1;
+    }
+    lines
+}
+
 /// Writes the two directions' A, B(v) and forms.
 pub fn sweeps(out: &mut impl Write, fits: &Both<FrictionFit>, units: &Units) -> io::Result<()> {
     heading(out, "Load and friction at constant speed")?;
@@ -69,14 +91,14 @@ pub fn sweeps(out: &mut impl Write, fits: &Both<FrictionFit>, units: &Units) -> 
         let a = with_spread(fit.a.a_nm, fit.a.sd_nm);
         let legs = counted(fit.a.legs, "leg", "legs");
         let rmse = units.torque(fit.taken.rmse_nm);
-        let r_squared = significant(fit.r_squared, 3);
+        let r_squared = r_squared(fit.r_squared);
         let name = moving(direction);
         writeln!(out, "  {name:<12} A = {a} {} over {legs}; B(v) met to {rmse}, R² {r_squared}", units.torque)?;
     }
     for direction in Direction::BOTH {
         let fit = fits.of(direction);
         let taken = exponentials(fit.taken.rates.len());
-        writeln!(out, "  {:<12} {taken} taken; {}", moving(direction), fit.why)?;
+        writeln!(out, "  {:<12} {}", moving(direction), wrapped(&format!("{taken} taken; {}", fit.why), 15))?;
     }
     Ok(())
 }
@@ -117,7 +139,7 @@ fn cell(parameter: &Parameter, width: usize) -> String {
     let (range, word, style) = match &parameter.confidence {
         _ if parameter.left_out => (String::new(), LEFT_OUT, DIM),
         None => (String::new(), "as declared", DIM),
-        Some(c) => (interval(c.low, c.high), status_word(c.status), style(c.status)),
+        Some(c) => (interval(parameter.value, c.low, c.high), status_word(c.status), style(c.status)),
     };
     let plain = format!("{value:<10} {range:<25} {word}");
     let fill = width.saturating_sub(plain.chars().count());
@@ -140,7 +162,7 @@ pub fn curves(out: &mut impl Write, fit: &CombinationFit, units: &Units) -> io::
         let own = parameter(&curve.curve).map_or(String::new(), |(name, x)| format!("{name} = {}", significant(x, 4)));
         let notes = [(at == fit.taken, "taken"), (at == fit.supported && at != fit.taken, "best supported")];
         let note: Vec<&str> = notes.iter().filter(|(applies, _)| *applies).map(|(_, note)| *note).collect();
-        let (rmse, r_squared) = (units.torque(curve.rmse_nm), format!("{:.4}", curve.r_squared));
+        let (rmse, r_squared) = (units.torque(curve.rmse_nm), r_squared(curve.r_squared));
         let name = curve.kind.name();
         writeln!(out, "  {name:<10} {own:<14} RMSE {rmse:>11}   R² {r_squared:>7}   {}", note.join(", "))?;
     }

@@ -1,30 +1,42 @@
 //! An identification in plain words with its numbers: what was found, how sure, what to distrust.
 
 use super::identification::{overall_rmse_nm, parameter};
-use super::number::{counted, significant, with_spread};
+use super::number::{counted, r_squared, significant, with_spread};
 use super::parameters::parameters;
 use super::wording::{Units, exponentials, moving};
 use crate::identify::{CombinationFit, FreeFit, FrictionFit, Identification, Refinement, Route};
 use crate::model::{Both, Direction, Status};
 
-/// The verdict, a sentence or two for each thing found.
-pub fn verdict(found: &Identification) -> Vec<String> {
+/// The verdict in sentences.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Verdict {
+    /// What was identified, how well it meets the data, how sure its parameters are.
+    pub short: Vec<String>,
+    /// Step by step: load, friction, combination, refinement.
+    pub steps: Vec<String>,
+}
+
+/// The verdict on `found`.
+pub fn verdict(found: &Identification) -> Verdict {
     let units = Units::of(found.model.joint.kind);
-    let mut said = vec![source(found)];
-    match &found.route {
-        Route::Sweeps(fits) => said.extend([load(fits, &units), friction(fits, &units)]),
-        Route::Free(free) => said.push(free_motion(free, &units)),
-    }
-    said.push(found.combination.as_ref().map_or_else(no_combination, |fit| combination(fit, &units)));
-    said.extend(found.refinement.as_ref().map(|refined| refinement(refined, &units)));
-    let rmse_nm = overall_rmse_nm(found);
-    if rmse_nm.is_finite() {
-        let samples: usize = found.residuals.iter().map(|r| r.residual_nm.len()).sum();
-        let basis = counted(samples, "sample", "samples");
-        said.push(format!("Over all trials the model leaves {} RMSE ({basis}, low-passed).", units.torque(rmse_nm)));
-    }
-    said.push(sureness(found));
-    said
+    let mut steps = match &found.route {
+        Route::Sweeps(fits) => vec![load(fits, &units), friction(fits, &units)],
+        Route::Free(free) => vec![free_motion(free, &units)],
+    };
+    steps.push(found.combination.as_ref().map_or_else(no_combination, |fit| combination(fit, &units)));
+    steps.extend(found.refinement.as_ref().map(|refined| refinement(refined, &units)));
+    let mut short = vec![source(found)];
+    short.extend(whole_series(found, &units));
+    short.push(sureness(found));
+    Verdict { short, steps }
+}
+
+/// How well the model meets all trials; `None` where no sample could be compared.
+fn whole_series(found: &Identification, units: &Units) -> Option<String> {
+    let samples: usize = found.residuals.iter().map(|r| r.residual_nm.len()).sum();
+    let rmse = units.torque(overall_rmse_nm(found));
+    (samples > 0)
+        .then(|| format!("Over all trials the model leaves {rmse} RMSE, prediction and measurement low-passed."))
 }
 
 fn source(found: &Identification) -> String {
@@ -53,7 +65,7 @@ fn friction(fits: &Both<FrictionFit>, units: &Units) -> String {
             true => "as the data support".to_string(),
             false => format!("where the data support {}", exponentials(supported)),
         };
-        let (rmse, r_squared) = (units.torque(fit.taken.rmse_nm), significant(fit.r_squared, 3));
+        let (rmse, r_squared) = (units.torque(fit.taken.rmse_nm), r_squared(fit.r_squared));
         format!("{}, {} meet it to {rmse} RMSE (R² {r_squared}), {advice}", moving(d), exponentials(taken))
     };
     format!("Of the friction B(v): {}; {}.", met(Direction::Up), met(Direction::Down))

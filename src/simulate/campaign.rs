@@ -107,10 +107,17 @@ impl Plan {
         let (position, torque_column) = columns_of(model.joint.kind);
         let written: Vec<f64> = position_rad.iter().map(|x| x / position.1.factor()).collect();
         let torque: Vec<f64> = torque_nm.iter().map(|y| y * self.signal.torque_sign).collect();
+        // Two digits below the noise, ten without any.
+        let noise_nm = self.sensors.torque_noise_nm;
+        let torque_decimals = if noise_nm > 0.0 { (3.0 - noise_nm.log10()).clamp(3.0, 10.0) as usize } else { 10 };
         let columns = [
             Numbers { name: "time_s", values: &time_s, decimals: 5 },
-            Numbers { name: position.0, values: &written, decimals: 6 },
-            Numbers { name: torque_column.0, values: &torque, decimals: 5 },
+            Numbers {
+                name: position.0,
+                values: &written,
+                decimals: if self.sensors.encoder_counts > 0.0 { 6 } else { 10 },
+            },
+            Numbers { name: torque_column.0, values: &torque, decimals: torque_decimals },
         ];
         let file = PathBuf::from(&trial.entry.file);
         if self.parquet { parquet_bytes(&file, &columns) } else { Ok(csv_bytes(&columns)) }

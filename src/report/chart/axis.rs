@@ -31,14 +31,18 @@ pub struct Axis {
 impl Axis {
     /// Evenly spaced, from `low` to `high`.
     pub fn linear(label: impl Into<String>, low: f64, high: f64) -> Self {
-        let (low, high) = widened(low, high);
-        let step = step(high - low);
-        let decimals = (-step.log10().floor()).max(0.0) as usize;
-        let first = (low / step - 1e-9).ceil() as i64;
-        let last = (high / step + 1e-9).floor() as i64;
-        let ticks =
-            (first..=last).map(|i| (i as f64 * step, minus(format!("{:.decimals$}", i as f64 * step)))).collect();
-        Self { label: label.into(), places: (low, high), ticks, minor: Vec::new(), scale: Scale::Linear }
+        let places = widened(low, high);
+        let ticks = linear_ticks(places, step((places.1 - places.0) / TICKS));
+        Self { label: label.into(), places, ticks, minor: Vec::new(), scale: Scale::Linear }
+    }
+
+    /// Evenly spaced from -`reach` to `reach`, with three to five ticks: for a low panel.
+    pub fn low(label: impl Into<String>, reach: f64) -> Self {
+        let axis = Self::linear(label, -reach, reach);
+        // The widest step that still leaves a tick on either side of zero, off the edge.
+        let power = 10f64.powf((0.9 * axis.places.1).log10().floor());
+        let widest = [5.0, 2.0].into_iter().find(|digit| digit * power <= 0.9 * axis.places.1).unwrap_or(1.0) * power;
+        Self { ticks: linear_ticks(axis.places, widest), ..axis }
     }
 
     /// Evenly spaced, holding all of `values` and a margin of `margin` times their span.
@@ -53,7 +57,11 @@ impl Axis {
         let (low, high) = span(values.into_iter().filter(|x| *x > 0.0));
         let (low, high) = if low > 0.0 { (low / 1.12, high * 1.12) } else { (0.1, 1.0) };
         let decades = (high / low).log10();
-        let labelled: &[u32] = if decades < 2.2 { &[1, 2, 5] } else { &[1] };
+        let labelled: &[u32] = match decades {
+            d if d < 1.6 => &[1, 2, 3, 5, 7],
+            d if d < 2.6 => &[1, 2, 5],
+            _ => &[1],
+        };
         let (mut ticks, mut minor) = (Vec::new(), Vec::new());
         for power in low.log10().floor() as i32..=high.log10().floor() as i32 {
             for digit in 1..10 {
@@ -98,17 +106,21 @@ impl Axis {
         self.without_label()
     }
 
-    /// Where `value` stands; beyond the axis, at its end.
+    /// Where `value` stands, be it beyond the axis.
     pub fn place(&self, value: f64) -> f64 {
-        let place = match self.scale {
+        match self.scale {
             Scale::Linear => value,
             Scale::Log => value.max(f64::MIN_POSITIVE).log10(),
             Scale::SignedLog { from } => value.signum() * (1.0 + value.abs() / from).log10(),
-        };
-        place.clamp(self.places.0, self.places.1)
+        }
     }
 
-    /// The value at `place`: the inverse of `place` within the axis.
+    /// Where `value` stands; beyond the axis, at its end.
+    pub fn place_within(&self, value: f64) -> f64 {
+        self.place(value).clamp(self.places.0, self.places.1)
+    }
+
+    /// The value at `place`.
     pub fn value(&self, place: f64) -> f64 {
         match self.scale {
             Scale::Linear => place,
@@ -140,9 +152,16 @@ fn widened(low: f64, high: f64) -> (f64, f64) {
     if high - low > least { (low, high) } else { (low - 50.0 * least, high + 50.0 * least) }
 }
 
-/// The step of 1, 2 or 5 times a power of ten that gives about `TICKS` ticks.
-fn step(span: f64) -> f64 {
-    let rough = span / TICKS;
+/// Ticks at multiples of `step`, with just the decimals that they need.
+fn linear_ticks((low, high): (f64, f64), step: f64) -> Vec<(f64, String)> {
+    let decimals = (-step.log10().floor()).max(0.0) as usize;
+    let first = (low / step - 1e-9).ceil() as i64;
+    let last = (high / step + 1e-9).floor() as i64;
+    (first..=last).map(|i| (i as f64 * step, minus(format!("{:.decimals$}", i as f64 * step)))).collect()
+}
+
+/// 1, 2 or 5 times a power of ten, near `rough`.
+fn step(rough: f64) -> f64 {
     let power = 10f64.powf(rough.log10().floor());
     let digit = [1.0, 2.0, 5.0].into_iter().find(|d| rough <= 1.4 * d * power).unwrap_or(10.0);
     digit * power

@@ -20,6 +20,8 @@ use plotters::style::{Color, FontTransform, IntoFont, TextStyle, WHITE};
 const FINENESS: f64 = 10.0;
 /// Plotters divides a font's size by this before it writes it.
 const FONT_FACTOR: f64 = 1.24;
+/// Half the height of capitals less half an x-height, in font sizes.
+const CENTRE: f64 = 0.09;
 /// The bundled font first (`png`), then what browsers have that looks like it.
 pub const FONT_FAMILY: &str = "DejaVu Sans, Verdana, sans-serif";
 
@@ -132,7 +134,10 @@ impl<'a> Canvas<'a> {
         let font = (FONT_FAMILY, size_px * FINENESS * FONT_FACTOR).into_font();
         let font = if anchor == Anchor::Upwards { font.transform(FontTransform::Rotate270) } else { font };
         let style = TextStyle::from(font).color(&color).pos(Pos::new(horizontal, vertical));
-        self.root.draw(&Text::new(text.to_string(), (fine(at_px.0), fine(at_px.1)), style))
+        // Plotters centres on half an x-height; the middle of digits and capitals is a little higher.
+        let lower_px = if anchor == Anchor::Below { 0.0 } else { CENTRE * size_px };
+        let shift_px = if anchor == Anchor::Upwards { (lower_px, 0.0) } else { (0.0, lower_px) };
+        self.root.draw(&Text::new(text.to_string(), (fine(at_px.0 + shift_px.0), fine(at_px.1 + shift_px.1)), style))
     }
 
     /// A straight line between points in px.

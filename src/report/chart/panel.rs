@@ -2,6 +2,7 @@
 
 use super::palette::{GRID, INK};
 use super::{Anchor, Axis, Canvas, Drawn, FINENESS, LABEL_PX, TEXT_PX, fine};
+use crate::model::Direction;
 use plotters::coord::cartesian::Cartesian2d;
 use plotters::coord::types::RangedCoordf64;
 use plotters::element::DashedPathElement;
@@ -69,6 +70,16 @@ pub enum Mark {
     Band,
 }
 
+impl Mark {
+    /// The triangle that points where the motion goes.
+    pub fn of(direction: Direction) -> Self {
+        match direction {
+            Direction::Up => Self::Up,
+            Direction::Down => Self::Down,
+        }
+    }
+}
+
 /// An area with axes.
 pub struct Panel<'a> {
     /// The horizontal axis.
@@ -116,8 +127,8 @@ impl<'a> Canvas<'a> {
         match mark {
             Mark::Line(width_px, None) => self.line((x, y), (x + 24.0, y), color, width_px),
             Mark::Line(width_px, Some((dash, gap))) => {
-                let dashes = (0..).map(|i| x + i as f64 * (dash + gap)).take_while(|from| *from < x + 24.0);
-                dashes.map(|from| self.line((from, y), ((from + dash).min(x + 24.0), y), color, width_px)).collect()
+                let mut dashes = (0..).map(|i| x + f64::from(i) * (dash + gap)).take_while(|from| *from < x + 24.0);
+                dashes.try_for_each(|from| self.line((from, y), ((from + dash).min(x + 24.0), y), color, width_px))
             }
             Mark::Band => self.fill((x, y - 6.0), (x + 24.0, y + 6.0), color, 0.25),
             _ => {
@@ -137,23 +148,26 @@ impl<'a> Canvas<'a> {
 }
 
 impl Panel<'_> {
-    /// A line through `points`; what lies beyond the axes runs along their ends.
+    /// A line through `points`, as far as it lies within the axes.
     pub fn line(&self, points: impl IntoIterator<Item = (f64, f64)>, stroke: Stroke) -> Drawn {
-        let places: Vec<(f64, f64)> = self.places(points);
+        let places = points.into_iter().map(|(x, y)| (self.x.place(x), self.y.place(y)));
         let style: ShapeStyle = stroke.color.stroke_width(fine(stroke.width_px) as u32);
-        match stroke.dash_px {
-            None => self.area.draw(&PathElement::new(places, style)),
-            Some((dash, gap)) => self.area.draw(&DashedPathElement::new(places, fine(dash), fine(gap), style)),
-        }
+        let runs = visible_runs(places, self.x.places, self.y.places);
+        runs.into_iter().try_for_each(|run| match stroke.dash_px {
+            None => self.area.draw(&PathElement::new(run, style)),
+            Some((dash, gap)) => {
+                self.area.draw(&DashedPathElement::new(run.iter().copied(), fine(dash), fine(gap), style))
+            }
+        })
     }
 
-    /// The area between two lines.
+    /// The area between two lines; beyond the axes it runs along their ends.
     pub fn band(&self, lower: &[(f64, f64)], upper: &[(f64, f64)], color: RGBColor, opacity: f64) -> Drawn {
         let outline = self.places(lower.iter().chain(upper.iter().rev()).copied());
         self.area.draw(&Polygon::new(outline, color.mix(opacity)))
     }
 
-    /// Small discs, many.
+    /// Small discs, many; those beyond the axes stand at their ends.
     pub fn dots(
         &self,
         points: impl IntoIterator<Item = (f64, f64)>,
@@ -168,7 +182,7 @@ impl Panel<'_> {
     /// One point.
     pub fn mark(&self, at: (f64, f64), mark: Mark, color: RGBColor) -> Drawn {
         use plotters::element::EmptyElement;
-        let place = (self.x.place(at.0), self.y.place(at.1));
+        let place = (self.x.place_within(at.0), self.y.place_within(at.1));
         mark_shapes(mark).into_iter().try_for_each(|shape| match shape {
             Shape::Disc(r) => self.area.draw(&(EmptyElement::at(place) + Circle::new((0, 0), r, color.filled()))),
             Shape::Ring(r) => {
@@ -183,7 +197,7 @@ impl Panel<'_> {
 
     fn places(&self, points: impl IntoIterator<Item = (f64, f64)>) -> Vec<(f64, f64)> {
         let finite = points.into_iter().filter(|(x, y)| x.is_finite() && y.is_finite());
-        finite.map(|(x, y)| (self.x.place(x), self.y.place(y))).collect()
+        finite.map(|(x, y)| (self.x.place_within(x), self.y.place_within(y))).collect()
     }
 }
 
@@ -207,6 +221,44 @@ fn mark_shapes(mark: Mark) -> Vec<Shape> {
         Mark::Square => vec![corners(&[(-4.5, -4.5), (4.5, -4.5), (4.5, 4.5), (-4.5, 4.5)])],
         Mark::Line(..) | Mark::Band => Vec::new(),
     }
+}
+
+/// The parts of a line that lie within `x` and `y`; a point that is not finite breaks it.
+fn visible_runs(places: impl Iterator<Item = (f64, f64)>, x: (f64, f64), y: (f64, f64)) -> Vec<Vec<(f64, f64)>> {
+    let mut runs: Vec<Vec<(f64, f64)>> = Vec::new();
+    let mut last: Option<(f64, f64)> = None;
+    for place in places {
+        let seen = last.and_then(|from| visible(from, place, x, y));
+        if let Some((from, to)) = seen {
+            match runs.last_mut() {
+                Some(run) if run.last() == Some(&from) => run.push(to),
+                _ => runs.push(vec![from, to]),
+            }
+        }
+        last = (place.0.is_finite() && place.1.is_finite()).then_some(place);
+    }
+    runs
+}
+
+/// The part of the way from `from` to `to` within `x` and `y`, by Liang and Barsky: each edge cuts the share of the way off
+/// that lies beyond it.
+fn visible(from: (f64, f64), to: (f64, f64), x: (f64, f64), y: (f64, f64)) -> Option<((f64, f64), (f64, f64))> {
+    let step = (to.0 - from.0, to.1 - from.1);
+    let (mut enter, mut leave) = (0.0f64, 1.0f64);
+    for (way, room) in
+        [(-step.0, from.0 - x.0), (step.0, x.1 - from.0), (-step.1, from.1 - y.0), (step.1, y.1 - from.1)]
+    {
+        match room / way {
+            _ if way == 0.0 && room < 0.0 => return None,
+            _ if way == 0.0 => {}
+            at if way < 0.0 => enter = enter.max(at),
+            at => leave = leave.min(at),
+        }
+    }
+    let at = |share: f64| (from.0 + share * step.0, from.1 + share * step.1);
+    // The ends themselves where nothing is cut off: so that neighbouring parts join exactly.
+    let ends = (if enter > 0.0 { at(enter) } else { from }, if leave < 1.0 { at(leave) } else { to });
+    (enter <= leave && (to.0.is_finite() && to.1.is_finite())).then_some(ends)
 }
 
 fn share(place: f64, (low, high): (f64, f64)) -> f64 {

@@ -3,11 +3,28 @@
 use crate::numerics::statistics::quantile;
 
 /// Samples that a bin needs before its quantiles mean anything.
-const BIN_SAMPLES_MIN: usize = 20;
+const BIN_SAMPLES_MIN: usize = 10;
 
 /// At most `wanted` of `0..total`, evenly spaced.
 pub fn every(total: usize, wanted: usize) -> impl Iterator<Item = usize> {
     (0..total).step_by(total.div_ceil(wanted.max(1)).max(1))
+}
+
+/// At most `wanted` of `points`, as many from each of `stretches` of x between `low` and `high`: what is rare is not lost among
+/// what is frequent.
+pub fn across(
+    points: &[(f64, f64)],
+    (low, high): (f64, f64),
+    place: impl Fn(f64) -> f64,
+    stretches: usize,
+    wanted: usize,
+) -> Vec<(f64, f64)> {
+    let mut held: Vec<Vec<(f64, f64)>> = vec![Vec::new(); stretches];
+    for point in points {
+        let share = (place(point.0) - low) / (high - low);
+        held[((share * stretches as f64) as usize).min(stretches - 1)].push(*point);
+    }
+    held.iter().flat_map(|mine| every(mine.len(), wanted.div_ceil(stretches)).map(|i| mine[i])).collect()
 }
 
 /// The lowest and the highest point of each of `buckets` stretches, in order: no peak is lost.
@@ -33,8 +50,10 @@ pub fn envelope(points: &[(f64, f64)], buckets: usize) -> Vec<(f64, f64)> {
 /// What the values in one stretch of x do.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Bin {
-    /// Middle of the stretch.
-    pub x: f64,
+    /// Where the stretch begins.
+    pub from: f64,
+    /// Where it ends.
+    pub to: f64,
     /// 10 % of the values lie below.
     pub low: f64,
     /// Half of them do.
@@ -43,10 +62,26 @@ pub struct Bin {
     pub high: f64,
 }
 
-/// `points` in `number` stretches of equal width over `low` to `high`; those with too few samples are left out.
-pub fn bins(points: &[(f64, f64)], (low, high): (f64, f64), number: usize) -> Vec<Bin> {
+impl Bin {
+    /// Its middle.
+    pub fn middle(&self) -> f64 {
+        (self.from + self.to) / 2.0
+    }
+}
+
+/// `of` along a run of neighbouring bins, from the first one's beginning to the last one's end.
+pub fn along(run: &[Bin], of: impl Fn(&Bin) -> f64) -> Vec<(f64, f64)> {
+    let middles = run.iter().map(|bin| (bin.middle(), of(bin)));
+    let first = run.first().map(|bin| (bin.from, of(bin)));
+    let last = run.last().map(|bin| (bin.to, of(bin)));
+    first.into_iter().chain(middles).chain(last).collect()
+}
+
+/// `points` in `number` stretches of equal width over `low` to `high`, in runs of neighbours: a stretch with too few samples
+/// ends a run, so that no line bridges what was not seen.
+pub fn bins(points: &[(f64, f64)], (low, high): (f64, f64), number: usize) -> Vec<Vec<Bin>> {
     let width = (high - low) / number as f64;
-    if !(width > 0.0) {
+    if width.is_nan() || width <= 0.0 {
         return Vec::new();
     }
     let mut held: Vec<Vec<f64>> = vec![Vec::new(); number];
@@ -58,13 +93,18 @@ pub fn bins(points: &[(f64, f64)], (low, high): (f64, f64), number: usize) -> Ve
     }
     let bin = |(i, values): (usize, &mut Vec<f64>)| {
         (values.len() >= BIN_SAMPLES_MIN).then(|| Bin {
-            x: low + (i as f64 + 0.5) * width,
+            from: low + i as f64 * width,
+            to: low + (i as f64 + 1.0) * width,
             low: quantile(values, 0.1),
             median: quantile(values, 0.5),
             high: quantile(values, 0.9),
         })
     };
-    held.iter_mut().enumerate().filter_map(bin).collect()
+    let all: Vec<Option<Bin>> = held.iter_mut().enumerate().map(bin).collect();
+    all.split(Option::is_none)
+        .filter(|run| !run.is_empty())
+        .map(|run| run.iter().flatten().copied().collect())
+        .collect()
 }
 
 /// The magnitude that all but the share `beyond` of `values` stay below; zero of nothing.

@@ -1,59 +1,68 @@
 //! A(v): the load amplitude of every leg, its mean and spread.
 
-use crate::identify::{Identification, LegFit, Route};
+use crate::identify::{Amplitude, Identification, LegFit, Route};
 use crate::model::Direction;
-use crate::report::chart::{Axis, Drawn, Frame, Mark, Stroke, palette, svg};
+use crate::report::chart::{Axis, Canvas, Drawn, Frame, Mark, Panel, Stroke, palette, span, svg};
 use crate::report::number::with_spread;
 use crate::report::wording::{Units, moving};
 
-/// A against speed, both directions; `None` without legs.
+/// A against speed, a panel for each direction, both to the same scale; `None` without legs.
 pub fn draw(found: &Identification) -> Drawn<Option<String>> {
     let Route::Sweeps(fits) = &found.route else { return Ok(None) };
     if found.legs.is_empty() {
         return Ok(None);
     }
     let units = Units::of(found.model.joint.kind);
-    let legs = |direction: Direction| found.legs.iter().filter(move |leg| leg.direction == direction);
-    let speeds = found.legs.iter().map(|leg| leg.speed_rad_s);
-    let bands = Direction::BOTH.into_iter().flat_map(|d| {
-        let a = fits.of(d).a;
-        [a.a_nm - a.sd_nm, a.a_nm + a.sd_nm]
-    });
-    let x = Axis::log(format!("speed ({})", units.speed), speeds.clone());
-    let y = Axis::around(format!("A ({})", units.torque), found.legs.iter().map(|leg| leg.a_nm).chain(bands), 0.06);
-    let ends = x.spread(speeds.clone().fold(f64::MAX, f64::min) / 1.1, speeds.fold(0.0, f64::max) * 1.1, 2);
-    svg(860, 420, "Load amplitude A against speed", |canvas| {
-        let panel = canvas.panel(Frame { left: 92.0, top: 40.0, right: 840.0, bottom: 364.0 }, x, y)?;
-        let mut entries = Vec::new();
-        for direction in Direction::BOTH {
-            let (a, color) = (fits.of(direction).a, palette::direction(direction));
-            let level = |at: f64| ends.iter().map(|v| (*v, at)).collect::<Vec<(f64, f64)>>();
-            if a.sd_nm.is_finite() {
-                panel.band(&level(a.a_nm - a.sd_nm), &level(a.a_nm + a.sd_nm), color, 0.14)?;
-            }
-            panel.line(level(a.a_nm), Stroke::solid(color, 1.8))?;
-            let mark = if direction == Direction::Up { Mark::Up } else { Mark::Down };
-            entries.push((
-                mark,
-                color,
-                format!("{}: {} {}", moving(direction), with_spread(a.a_nm, a.sd_nm), units.torque),
-            ));
+    let legs = Direction::BOTH.map(|d| found.legs.iter().filter(|leg| leg.direction == d).collect::<Vec<&LegFit>>());
+    let reach = [0, 1].map(|i| reach(&legs[i], fits.of(Direction::BOTH[i]).a)).into_iter().fold(0.0, f64::max);
+    let x = Axis::log(format!("speed ({})", units.speed), found.legs.iter().map(|leg| leg.speed_rad_s));
+    svg(860, 474, "Load amplitude A against speed", |canvas| {
+        for (i, direction) in Direction::BOTH.into_iter().enumerate() {
+            let a = fits.of(direction).a;
+            let top = 40.0 + 214.0 * i as f64;
+            let frame = Frame { left: 104.0, top, right: 840.0, bottom: top + 166.0 };
+            let y = Axis::linear(format!("A ({})", units.torque), a.a_nm - reach, a.a_nm + reach);
+            let x = if i == 0 { x.clone().without_texts() } else { x.clone() };
+            let panel = canvas.panel(frame, x, y)?;
+            heading(canvas, frame, direction, a, &units)?;
+            fill(&panel, &legs[i], direction, a)?;
         }
-        for direction in Direction::BOTH {
-            let mark = entries[usize::from(direction == Direction::Down)].0;
-            legs(direction).try_for_each(|leg| point(&panel, leg, mark))?;
-        }
-        canvas.legend((92.0, 840.0), 20.0, &entries)
+        Ok(())
     })
     .map(Some)
 }
 
-/// A leg's A with its standard error; both directions of one speed stand a little apart.
-fn point(panel: &crate::report::chart::Panel, leg: &LegFit, mark: Mark) -> Drawn {
-    let at = leg.speed_rad_s * if leg.direction == Direction::Up { 0.99 } else { 1.01 };
-    let color = palette::direction(leg.direction);
-    if leg.a_se_nm.is_finite() {
-        panel.line([(at, leg.a_nm - leg.a_se_nm), (at, leg.a_nm + leg.a_se_nm)], Stroke::solid(color, 1.0))?;
+/// How far from the mean the axis must go for points and band.
+fn reach(legs: &[&LegFit], a: Amplitude) -> f64 {
+    let (low, high) = span(legs.iter().map(|leg| leg.a_nm).chain([a.a_nm - a.sd_nm, a.a_nm + a.sd_nm]));
+    1.15 * (high - a.a_nm).max(a.a_nm - low)
+}
+
+fn heading(canvas: &Canvas, frame: Frame, direction: Direction, a: Amplitude, units: &Units) -> Drawn {
+    let (color, mark) = (palette::direction(direction), Mark::of(direction));
+    let text = format!(
+        "{}: {} {} (mean ± SD of {} legs)",
+        moving(direction),
+        with_spread(a.a_nm, a.sd_nm),
+        units.torque,
+        a.legs
+    );
+    canvas.legend((frame.left, frame.right), frame.top - 20.0, &[(mark, color, text)])
+}
+
+/// Mean, band and points; a point's bar is its standard error.
+fn fill(panel: &Panel, legs: &[&LegFit], direction: Direction, a: Amplitude) -> Drawn {
+    let color = palette::direction(direction);
+    let (low, high) = panel.x.places;
+    let level = |at: f64| [(panel.x.value(low), at), (panel.x.value(high), at)];
+    if a.sd_nm.is_finite() {
+        panel.band(&level(a.a_nm - a.sd_nm), &level(a.a_nm + a.sd_nm), color, 0.14)?;
     }
-    panel.mark((at, leg.a_nm), mark, color)
+    panel.line(level(a.a_nm), Stroke::solid(color, 1.8))?;
+    for leg in legs {
+        let (v, se) = (leg.speed_rad_s, leg.a_se_nm);
+        panel.line([(v, leg.a_nm - se), (v, leg.a_nm + se)], Stroke::solid(color, 1.0))?;
+        panel.mark((v, leg.a_nm), Mark::of(direction), color)?;
+    }
+    Ok(())
 }

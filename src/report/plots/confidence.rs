@@ -3,7 +3,7 @@
 use crate::identify::Identification;
 use crate::model::{Confidence, Direction, Status};
 use crate::report::chart::{Anchor, Axis, Canvas, Drawn, Frame, LABEL_PX, Mark, Panel, Stroke, TEXT_PX, palette, svg};
-use crate::report::number::significant;
+use crate::report::number::{significant, with_minus};
 use crate::report::parameters::{Parameter, parameters};
 use crate::report::wording::{moving, status_word};
 
@@ -69,10 +69,10 @@ fn rows(shown: &[Parameter]) -> Vec<Row<'_>> {
 }
 
 fn label(canvas: &Canvas, parameter: &Parameter, y_px: f64, status: Status) -> Drawn {
-    let value = format!("{} {}", significant(parameter.value, 4), parameter.unit);
+    let value = format!("{} {}", with_minus(&significant(parameter.value, 4)), parameter.unit);
     canvas.text((28.0, y_px), parameter.name, TEXT_PX, palette::INK, Anchor::Left)?;
     canvas.text((LEFT_PX - 10.0, y_px), value.trim(), TEXT_PX, palette::INK, Anchor::Right)?;
-    canvas.text((RIGHT_PX + 12.0, y_px), status_word(status), TEXT_PX, palette::status(status), Anchor::Left)
+    canvas.text((RIGHT_PX + 12.0, y_px), status_word(status), TEXT_PX, palette::INK, Anchor::Left)
 }
 
 /// The interval with its value at zero; an end beyond the axis, or open, as an arrow.

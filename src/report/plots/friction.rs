@@ -2,9 +2,10 @@
 
 use crate::identify::stribeck::ExponentialFit;
 use crate::identify::{FrictionFit, Identification, Route};
-use crate::model::Direction;
-use crate::report::chart::{Anchor, Axis, Canvas, Drawn, Frame, LABEL_PX, Mark, Stroke, palette, span, svg};
+use crate::model::{Both, Direction};
+use crate::report::chart::{Axis, Canvas, Drawn, Frame, Mark, Stroke, palette, span, svg};
 use crate::report::wording::{Units, exponentials, moving};
+use plotters::style::RGBColor;
 
 /// Points along a curve.
 const CURVE_POINTS: usize = 120;
@@ -14,7 +15,8 @@ pub fn draw(found: &Identification) -> Drawn<Option<String>> {
     let Route::Sweeps(fits) = &found.route else { return Ok(None) };
     let units = Units::of(found.model.joint.kind);
     let columns = [(fits.of(Direction::Up), 92.0, 420.0), (fits.of(Direction::Down), 518.0, 846.0)];
-    svg(860, 540, "Friction B against speed", |canvas| {
+    svg(860, 536, "Friction B against speed", |canvas| {
+        canvas.legend((92.0, 846.0), 16.0, &legend(fits))?;
         for (fit, left, right) in columns {
             column(canvas, fit, &units, (left, right))?;
         }
@@ -30,31 +32,45 @@ fn column(canvas: &Canvas, fit: &FrictionFit, units: &Units, (left, right): (f64
     let x = Axis::log(format!("speed ({})", units.speed), [slow, fast]);
     let (unit, factor) = units.torque_scale(fit.points.b_nm.iter().fold(0.0, |m: f64, b| m.max(b.abs())));
     let speeds = x.spread(slow, fast, CURVE_POINTS);
+    let mark = Mark::of(fit.direction);
     let heading = format!("{}: data support {}", moving(fit.direction), exponentials(fit.supported));
-    canvas.text((left, 18.0), &heading, LABEL_PX, color, Anchor::Left)?;
-    let upper = Frame { left, top: 78.0, right, bottom: 340.0 };
-    let y = Axis::around(format!("B ({unit})"), fit.points.b_nm.iter().map(|b| factor * b), 0.08);
+    canvas.legend((left, right), 46.0, &[(mark, color, heading)])?;
+    let upper = Frame { left, top: 66.0, right, bottom: 334.0 };
+    let met = fit.points.speed_rad_s.iter().map(|v| factor * fit.taken.b_nm(*v));
+    let y = Axis::around(format!("B ({unit})"), fit.points.b_nm.iter().map(|b| factor * b).chain(met), 0.08);
     let panel = canvas.panel(upper, x.clone().without_texts(), y)?;
-    let mark = if fit.direction == Direction::Up { Mark::Up } else { Mark::Down };
-    let mut entries = vec![(mark, color, "legs".to_string())];
-    if let Some(profile) = &fit.band {
+    if let Some(profile) = &fit.profile {
         let edge = |of: fn(&(f64, f64)) -> f64| -> Vec<(f64, f64)> {
             profile.band_speed_rad_s.iter().zip(&profile.band_nm).map(|(v, b)| (*v, factor * of(b))).collect()
         };
-        panel.band(&edge(|b| b.0), &edge(|b| b.1), palette::INK, 0.14)?;
-        entries.push((Mark::Band, palette::INK, "95 %".to_string()));
+        panel.band(&edge(|b| b.0), &edge(|b| b.1), palette::INK, 0.2)?;
     }
     for (v, b) in fit.points.speed_rad_s.iter().zip(&fit.points.b_nm) {
         panel.mark((*v, factor * b), mark, color)?;
     }
     for form in shown(fit) {
-        let stroke = stroke(fit, form);
-        panel.line(speeds.iter().map(|v| (*v, factor * form.b_nm(*v))), stroke)?;
-        let name = exponentials(form.rates.len()).replace("exponential", "exp.").replace("exp.s", "exp.");
-        entries.push((Mark::Line(stroke.width_px, stroke.dash_px), stroke.color, name));
+        panel.line(speeds.iter().map(|v| (*v, factor * form.b_nm(*v))), stroke(fit, form))?;
     }
-    canvas.legend((left, right), 40.0, &entries)?;
-    residuals(canvas, fit, units, Frame { left, top: 366.0, right, bottom: 484.0 }, x)
+    residuals(canvas, fit, units, Frame { left, top: 358.0, right, bottom: 480.0 }, x)
+}
+
+/// What the lines are, for both columns.
+fn legend(fits: &Both<FrictionFit>) -> Vec<(Mark, RGBColor, String)> {
+    let mut entries = Vec::new();
+    for fit in Direction::BOTH.map(|direction| fits.of(direction)) {
+        for form in shown(fit) {
+            let stroke = stroke(fit, form);
+            let mark = Mark::Line(stroke.width_px, stroke.dash_px);
+            let text = exponentials(form.rates.len()).to_string();
+            entries.push((mark, stroke.color, text));
+        }
+    }
+    entries.sort_by(|a, b| b.2.cmp(&a.2));
+    entries.dedup_by(|a, b| a.2 == b.2);
+    if fits.up.profile.is_some() || fits.down.profile.is_some() {
+        entries.push((Mark::Band, palette::INK, "95 % band of the form taken (bold line)".to_string()));
+    }
+    entries
 }
 
 /// The points less the form taken, and the other forms less it.
@@ -64,13 +80,12 @@ fn residuals(canvas: &Canvas, fit: &FrictionFit, units: &Units, frame: Frame, x:
     let left: Vec<(f64, f64)> = points.map(|(v, b)| (*v, b - fit.taken.b_nm(*v))).collect();
     let largest = left.iter().fold(0.0, |m: f64, p| m.max(p.1.abs()));
     let (unit, factor) = units.torque_scale(largest);
-    let y = Axis::linear(format!("left ({unit})"), -1.15 * factor * largest, 1.15 * factor * largest);
+    let y = Axis::low(format!("B \u{2212} fit ({unit})"), 1.15 * factor * largest);
     let (slow, fast) = span(fit.points.speed_rad_s.iter().copied());
     let speeds = x.spread(slow, fast, CURVE_POINTS);
     let panel = canvas.panel(frame, x, y)?;
-    let mark = if fit.direction == Direction::Up { Mark::Up } else { Mark::Down };
     for (v, b) in left {
-        panel.mark((v, factor * b), mark, color)?;
+        panel.mark((v, factor * b), Mark::of(fit.direction), color)?;
     }
     for form in shown(fit) {
         let apart = speeds.iter().map(|v| (*v, factor * (form.b_nm(*v) - fit.taken.b_nm(*v))));
@@ -87,10 +102,12 @@ fn shown(fit: &FrictionFit) -> impl Iterator<Item = &ExponentialFit> {
     })
 }
 
+/// Colour and dashes by the number of exponentials, the same in both columns; the form taken is bold.
 fn stroke(fit: &FrictionFit, form: &ExponentialFit) -> Stroke {
+    let width_px = if form.rates.len() == fit.taken.rates.len() { 2.4 } else { 1.6 };
     match form.rates.len() {
-        n if n == fit.taken.rates.len() => Stroke::solid(palette::INK, 2.0),
-        0 => Stroke::dashed(palette::PURPLE, 1.8, 2.0, 4.0),
-        _ => Stroke::dashed(palette::GREEN, 1.8, 7.0, 4.0),
+        0 => Stroke::dashed(palette::PURPLE, width_px, 2.0, 4.0),
+        1 => Stroke::dashed(palette::GREEN, width_px, 7.0, 4.0),
+        _ => Stroke::solid(palette::INK, width_px),
     }
 }

@@ -4,6 +4,7 @@ use crate::identify::{Identification, Residual};
 use crate::model::Direction;
 use crate::report::chart::{Axis, Drawn, Frame, Mark, Panel, Stroke, palette, span, svg, thin};
 use crate::report::wording::{Units, moving};
+use plotters::style::{RGBColor, WHITE};
 
 /// Samples drawn for each direction.
 const DOTS: usize = 1100;
@@ -62,17 +63,20 @@ fn draw(
     let largest = thin::magnitude(clouds.iter().flatten().map(|p| p.1), BEYOND);
     let (unit, factor) = units.torque_scale(largest);
     clouds.iter_mut().flatten().for_each(|p| p.1 *= factor);
-    let reach = 1.1 * factor * largest;
+    let quantiles = clouds.each_ref().map(|points| quantiles(&x, points, bins));
+    let widest = quantiles.iter().flatten().flatten().fold(0.0, |m: f64, b| m.max(b.low.abs()).max(b.high.abs()));
+    let reach = 1.1 * (factor * largest).max(widest);
     svg(860, 420, title, |canvas| {
         let panel = canvas.panel(FRAME, x, Axis::linear(format!("residual ({unit})"), -reach, reach))?;
         let mut entries = Vec::new();
         for (direction, points) in Direction::BOTH.into_iter().zip(&clouds) {
             let color = palette::direction(direction);
-            panel.dots(thin::every(points.len(), DOTS).map(|i| points[i]), 1.5, color, 0.28)?;
+            let ends = span(points.iter().map(|p| panel.x.place(p.0)));
+            panel.dots(thin::across(points, ends, |x| panel.x.place(x), bins, DOTS), 1.5, color, 0.28)?;
             entries.push((Mark::Disc(3.0), color, moving(direction).to_string()));
         }
-        for (direction, points) in Direction::BOTH.into_iter().zip(&clouds) {
-            quantiles(&panel, points, palette::direction(direction), bins)?;
+        for (direction, runs) in Direction::BOTH.into_iter().zip(&quantiles) {
+            runs.iter().try_for_each(|run| draw_quantiles(&panel, run, palette::direction(direction)))?;
         }
         entries.push((Mark::Line(2.6, None), palette::GREY, "median".to_string()));
         entries.push((Mark::Band, palette::GREY, "80 % of the samples".to_string()));
@@ -81,14 +85,19 @@ fn draw(
     .map(Some)
 }
 
-/// Median and the range of 80 %, in stretches that are even in place.
-fn quantiles(panel: &Panel, points: &[(f64, f64)], color: plotters::style::RGBColor, number: usize) -> Drawn {
-    let placed: Vec<(f64, f64)> = points.iter().map(|p| (panel.x.place(p.0), p.1)).collect();
-    let bins = thin::bins(&placed, span(placed.iter().map(|p| p.0)), number);
-    let along =
-        |of: fn(&thin::Bin) -> f64| bins.iter().map(|b| (panel.x.value(b.x), of(b))).collect::<Vec<(f64, f64)>>();
+/// Quantiles of `points` in stretches that are equally wide as drawn on `x`, in runs without a gap.
+fn quantiles(x: &Axis, points: &[(f64, f64)], number: usize) -> Vec<Vec<thin::Bin>> {
+    let placed: Vec<(f64, f64)> = points.iter().map(|p| (x.place(p.0), p.1)).collect();
+    thin::bins(&placed, span(placed.iter().map(|p| p.0)), number)
+}
+
+/// Median and the range of 80 %.
+fn draw_quantiles(panel: &Panel, run: &[thin::Bin], color: RGBColor) -> Drawn {
+    let along = |of: fn(&thin::Bin) -> f64| -> Vec<(f64, f64)> {
+        thin::along(run, of).into_iter().map(|(place, y)| (panel.x.value(place), y)).collect()
+    };
     panel.band(&along(|b| b.low), &along(|b| b.high), color, 0.18)?;
     // A white edge keeps the median readable on its own dots.
-    panel.line(along(|b| b.median), Stroke::solid(plotters::style::WHITE, 4.6))?;
+    panel.line(along(|b| b.median), Stroke::solid(WHITE, 4.6))?;
     panel.line(along(|b| b.median), Stroke::solid(color, 2.6))
 }

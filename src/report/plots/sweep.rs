@@ -2,7 +2,7 @@
 
 use crate::identify::Identification;
 use crate::model::Direction;
-use crate::report::chart::{Axis, Drawn, Frame, Mark, Stroke, palette, span, svg, thin};
+use crate::report::chart::{Anchor, Axis, Drawn, Frame, Mark, Stroke, TEXT_PX, palette, span, svg, thin};
 use crate::report::number::significant;
 use crate::report::wording::{Units, moving};
 
@@ -21,12 +21,10 @@ pub fn draw(found: &Identification) -> Drawn<Option<String>> {
         thin::envelope(&points, BUCKETS)
     };
     let heading = format!("{}, {} {}", trace.file, significant(trace.speed_rad_s, 3), units.speed);
-    svg(860, 420, &heading, |canvas| {
-        let panel = canvas.panel(
-            Frame { left: 92.0, top: 40.0, right: 840.0, bottom: 364.0 },
-            Axis::linear(format!("time (s), {heading}"), from_s, to_s),
-            y,
-        )?;
+    svg(860, 440, &heading, |canvas| {
+        let frame = Frame { left: 92.0, top: 62.0, right: 840.0, bottom: 384.0 };
+        let panel = canvas.panel(frame, Axis::linear("time (s)", from_s, to_s), y)?;
+        canvas.text((92.0, 16.0), &heading, TEXT_PX, palette::INK, Anchor::Left)?;
         panel.line(over_time(&trace.raw_nm), Stroke::solid(palette::PALE, 0.8))?;
         panel.line(over_time(&trace.filtered_nm), Stroke::solid(palette::INK, 1.3))?;
         let mut entries = vec![
@@ -43,7 +41,7 @@ pub fn draw(found: &Identification) -> Drawn<Option<String>> {
                 entries.push((Mark::Line(2.4, None), palette::direction(direction), text));
             }
         }
-        canvas.legend((92.0, 840.0), 20.0, &entries)
+        canvas.legend((92.0, 840.0), 42.0, &entries)
     })
     .map(Some)
 }

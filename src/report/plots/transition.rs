@@ -2,9 +2,11 @@
 
 use crate::identify::{CombinationFit, CurveFit, CurveKind, Identification};
 use crate::model::Direction;
-use crate::report::chart::{Anchor, Axis, Drawn, Frame, LABEL_PX, Mark, Panel, Stroke, TEXT_PX, palette, svg, thin};
+use crate::report::chart::{
+    Anchor, Axis, Canvas, Drawn, Frame, LABEL_PX, Mark, Panel, Stroke, TEXT_PX, palette, svg, thin,
+};
 use crate::report::identification::parameter;
-use crate::report::number::significant;
+use crate::report::number::{counted, r_squared, significant, with_minus};
 use crate::report::wording::{Units, moving};
 use plotters::style::RGBColor;
 
@@ -16,46 +18,50 @@ const MEDIANS: usize = 20;
 /// Share of change against share of travel with the curves; `None` without a usable reversal.
 pub fn draw(found: &Identification) -> Drawn<Option<String>> {
     let Some(fit) = found.combination.as_ref().filter(|fit| !fit.crossings.is_empty()) else { return Ok(None) };
-    let units = Units::of(found.model.joint.kind);
     let (low, high) = shares(fit);
     svg(860, 470, "Share of the change of friction against share of travel", |canvas| {
         let panel = canvas.panel(
             Frame { left: 78.0, top: 40.0, right: 570.0, bottom: 414.0 },
-            Axis::linear("share of the clearance's travel", 0.0, 1.0),
+            Axis::linear("share of the travel through the clearance", 0.0, 1.0),
             Axis::linear("share of the change of friction", low, high),
         )?;
-        let mut entries = Vec::new();
         for direction in Direction::BOTH {
             let points = points(fit, direction);
             let color = palette::direction(direction);
             panel.dots(thin::every(points.len(), DOTS).map(|i| points[i]), 1.4, color, 0.25)?;
         }
+        fit.curves.iter().enumerate().try_for_each(|(at, curve)| draw_curve(&panel, fit, at, curve, found))?;
+        let mut entries = Vec::new();
         for direction in Direction::BOTH {
-            let (color, mark) = (palette::direction(direction), mark(direction));
-            for bin in thin::bins(&points(fit, direction), (0.0, 1.0), MEDIANS) {
-                panel.mark((bin.x, bin.median), mark, color)?;
+            let (color, mark) = (palette::direction(direction), Mark::of(direction));
+            for bin in thin::bins(&points(fit, direction), (0.0, 1.0), MEDIANS).iter().flatten() {
+                panel.mark((bin.middle(), bin.median), mark, color)?;
             }
             entries.push((mark, color, format!("{}, median", moving(direction))));
         }
-        fit.curves.iter().enumerate().try_for_each(|(at, curve)| draw_curve(&panel, fit, at, curve, found))?;
         canvas.legend((78.0, 570.0), 20.0, &entries)?;
-        canvas.text((596.0, 50.0), &format!("{} reversals", fit.windows), LABEL_PX, palette::INK, Anchor::Left)?;
-        for (at, curve) in fit.curves.iter().enumerate() {
-            let top = 84.0 + 80.0 * at as f64;
-            let stroke = stroke(fit, at, curve.kind);
-            canvas.legend(
-                (596.0, 860.0),
-                top,
-                &[(Mark::Line(stroke.width_px, stroke.dash_px), stroke.color, name(fit, at, curve))],
-            )?;
-            let figures = format!("{}, R² {:.4}", units.torque(curve.rmse_nm), curve.r_squared);
-            canvas.text((626.0, top + 20.0), &figures, TEXT_PX, palette::GREY, Anchor::Left)?;
+        list_curves(canvas, fit, &Units::of(found.model.joint.kind))
+    })
+    .map(Some)
+}
+
+/// The curves with their figures, right of the panel.
+fn list_curves(canvas: &Canvas, fit: &CombinationFit, units: &Units) -> Drawn {
+    let heading = counted(fit.windows, "reversal", "reversals");
+    canvas.text((596.0, 50.0), &heading, LABEL_PX, palette::INK, Anchor::Left)?;
+    for (at, curve) in fit.curves.iter().enumerate() {
+        let top = 84.0 + 80.0 * at as f64;
+        let stroke = stroke(fit, at, curve.kind);
+        let sample = Mark::Line(stroke.width_px, stroke.dash_px);
+        canvas.legend((596.0, 860.0), top, &[(sample, stroke.color, name(fit, at, curve))])?;
+        let figures = format!("RMSE {}, R² {}", units.torque(curve.rmse_nm), with_minus(&r_squared(curve.r_squared)));
+        canvas.text((626.0, top + 20.0), &figures, TEXT_PX, palette::GREY, Anchor::Left)?;
+        if curve.kind != CurveKind::Sign {
             let clearance = format!("clearance {} mm", significant(1e3 * curve.backlash_m, 3));
             canvas.text((626.0, top + 38.0), &clearance, TEXT_PX, palette::GREY, Anchor::Left)?;
         }
-        Ok(())
-    })
-    .map(Some)
+    }
+    Ok(())
 }
 
 fn points(fit: &CombinationFit, direction: Direction) -> Vec<(f64, f64)> {
@@ -102,8 +108,4 @@ fn stroke(fit: &CombinationFit, at: usize, kind: CurveKind) -> Stroke {
         CurveKind::Power => (palette::GREEN, Some((5.0, 4.0))),
     };
     Stroke { color, width_px, dash_px: if at == fit.taken { None } else { dash_px } }
-}
-
-fn mark(direction: Direction) -> Mark {
-    if direction == Direction::Up { Mark::Up } else { Mark::Down }
 }

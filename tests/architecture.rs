@@ -1,0 +1,79 @@
+//! The house: `lib.rs` lists the rooms upstream first, and no room imports from one below it.
+
+use std::collections::BTreeMap;
+use std::fs;
+use std::path::{Path, PathBuf};
+
+fn rooms() -> Vec<String> {
+    let lib = fs::read_to_string("src/lib.rs").unwrap();
+    lib.lines().filter_map(|l| l.strip_prefix("pub mod ")?.strip_suffix(';').map(str::to_string)).collect()
+}
+
+fn sources(folder: &Path, out: &mut Vec<PathBuf>) {
+    for entry in fs::read_dir(folder).unwrap() {
+        let path = entry.unwrap().path();
+        if path.is_dir() {
+            sources(&path, out);
+        } else if path.extension().is_some_and(|e| e == "rs") {
+            out.push(path);
+        }
+    }
+}
+
+/// Every `crate::room` named in a file, with the room the file stands in.
+fn imports() -> Vec<(PathBuf, String, String)> {
+    let mut files = Vec::new();
+    sources(Path::new("src"), &mut files);
+    let mut found = Vec::new();
+    for file in files {
+        let room = file.iter().nth(1).unwrap().to_string_lossy().trim_end_matches(".rs").to_string();
+        for part in fs::read_to_string(&file).unwrap().split("crate::").skip(1) {
+            let name: String = part.chars().take_while(|c| c.is_alphanumeric() || *c == '_').collect();
+            found.push((file.clone(), room.clone(), name));
+        }
+    }
+    found
+}
+
+#[test]
+fn imports_run_one_way() {
+    let order: BTreeMap<String, usize> = rooms().into_iter().enumerate().map(|(i, room)| (room, i)).collect();
+    assert!(order.len() > 8, "lib.rs was not understood: {order:?}");
+    let mut checked = 0;
+    for (file, room, imported) in imports() {
+        let (Some(at), Some(from)) = (order.get(&room), order.get(&imported)) else { continue };
+        assert!(from <= at, "{} imports `{imported}`, which stands below `{room}` in lib.rs", file.display());
+        checked += 1;
+    }
+    assert!(checked > 50, "only {checked} imports were seen");
+}
+
+#[test]
+fn data_frames_stay_in_the_log_room() {
+    let mut files = Vec::new();
+    sources(Path::new("src"), &mut files);
+    for file in files.iter().filter(|f| !f.starts_with("src/log")) {
+        assert!(!fs::read_to_string(file).unwrap().contains("polars::"), "{} names polars", file.display());
+    }
+}
+
+#[test]
+fn only_the_command_line_and_reports_print() {
+    let mut files = Vec::new();
+    sources(Path::new("src"), &mut files);
+    for file in files.iter().filter(|f| !f.starts_with("src/cli") && !f.starts_with("src/report")) {
+        let text = fs::read_to_string(file).unwrap();
+        for word in ["println!", "eprintln!", "print!(", "stdout()", "stderr()"] {
+            assert!(!text.contains(word), "{} holds {word}", file.display());
+        }
+    }
+}
+
+#[test]
+fn every_room_has_its_line_in_the_drawing() {
+    let lib = fs::read_to_string("src/lib.rs").unwrap();
+    let lines: Vec<&str> = lib.lines().collect();
+    for (i, line) in lines.iter().enumerate().filter(|(_, l)| l.starts_with("pub mod ")) {
+        assert!(lines[i - 1].starts_with("/// "), "`{line}` lacks its line in the drawing");
+    }
+}

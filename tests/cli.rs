@@ -1,0 +1,217 @@
+//! The program end to end: what it writes, what it prints, how it ends.
+
+use crate::campaigns::{plan, record, truth};
+use serde_json::Value;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+use tautline::simulate::Plan;
+use tempfile::TempDir;
+
+fn tautline(arguments: &[&str]) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_tautline")).args(arguments).env_remove("NO_COLOR").output().unwrap()
+}
+
+fn text(bytes: &[u8]) -> String {
+    String::from_utf8(bytes.to_vec()).unwrap()
+}
+
+fn campaign() -> TempDir {
+    record(&truth(), &Plan { cosines: 1, rate_hz: 100.0, ..plan() })
+}
+
+/// The lines of `output`'s errors; it must have ended with status 2 and left `stdout` empty.
+fn refused(output: &Output) -> String {
+    assert_eq!(output.status.code(), Some(2), "{output:?}");
+    assert!(output.stdout.is_empty(), "{output:?}");
+    text(&output.stderr)
+}
+
+fn path(folder: &TempDir, name: &str) -> (PathBuf, String) {
+    let path = folder.path().join(name);
+    (path.clone(), path.to_string_lossy().into_owned())
+}
+
+#[test]
+fn identify_writes_all_its_files() {
+    let (campaign, out) = (campaign(), TempDir::new().unwrap());
+    let (folder, name) = path(&out, "result");
+    let done = tautline(&["identify", &campaign.path().to_string_lossy(), "-o", &name, "--png"]);
+    assert_eq!(done.status.code(), Some(0), "{done:?}");
+    assert!(text(&done.stdout).contains("mu_c") && !text(&done.stdout).contains('\u{1b}'), "colours in a pipe");
+    let model: Value = serde_json::from_str(&std::fs::read_to_string(folder.join("model.json")).unwrap()).unwrap();
+    assert_eq!(model["format"], "model/1");
+    for direction in ["up", "down"] {
+        for key in ["a_nm", "a_sd_nm", "rmse_nm", "r_squared", "points"] {
+            assert!(model["fit"][direction][key].is_number(), "fit.{direction}.{key}");
+        }
+        assert_eq!(model["confidence"][format!("friction.{direction}.mu_c")]["status"], "pinned");
+    }
+    let table = std::fs::read_to_string(folder.join("trials.csv")).unwrap();
+    assert!(table.starts_with("file,repeat,direction,speed_rad_s,samples,a_nm,b_nm,r_squared,rmse_nm"), "{table}");
+    assert_eq!(table.lines().count(), 17);
+    let report = std::fs::read_to_string(folder.join("report.html")).unwrap();
+    for outside in ["src=\"http", "href=\"http", "url(http", "@import", "<script src", "<link"] {
+        assert!(!report.contains(outside), "report.html reaches outside: {outside}");
+    }
+    let plots: Vec<_> = std::fs::read_dir(folder.join("plots")).unwrap().map(|e| e.unwrap().path()).collect();
+    let ending = |e: &str| plots.iter().filter(|p| p.extension().is_some_and(|x| x == e)).count();
+    assert!(ending("svg") >= 7 && ending("svg") == ending("png"), "{plots:?}");
+    // And the model can be read by what follows.
+    tautline::model::Model::read(&folder.join("model.json")).unwrap();
+}
+
+#[test]
+fn json_is_all_that_standard_output_holds() {
+    let (campaign, out) = (campaign(), TempDir::new().unwrap());
+    let done = tautline(&["identify", &campaign.path().to_string_lossy(), "-o", &path(&out, "r").1, "--json"]);
+    assert_eq!(done.status.code(), Some(0));
+    let result: Value = serde_json::from_slice(&done.stdout).unwrap();
+    assert_eq!(result["format"], "model/1");
+    assert!(done.stderr.is_empty(), "{}", text(&done.stderr));
+}
+
+#[test]
+fn the_same_campaign_gives_the_same_bytes() {
+    let (campaign, out) = (campaign(), TempDir::new().unwrap());
+    for (name, threads) in [("one", "1"), ("two", "2")] {
+        let done = Command::new(env!("CARGO_BIN_EXE_tautline"))
+            .args(["identify", &campaign.path().to_string_lossy(), "-o", &path(&out, name).1, "--quiet"])
+            .env("RAYON_NUM_THREADS", threads)
+            .output()
+            .unwrap();
+        assert!(done.status.success() && done.stdout.is_empty());
+    }
+    for file in ["model.json", "trials.csv", "report.html"] {
+        let read = |name: &str| std::fs::read(out.path().join(name).join(file)).unwrap();
+        assert!(read("one") == read("two"), "{file} differs between one and two threads");
+    }
+}
+
+#[test]
+fn the_steps_alone_reach_what_identify_reaches() {
+    let (campaign, out) = (campaign(), TempDir::new().unwrap());
+    let folder = campaign.path().to_string_lossy().into_owned();
+    let at = |name: &str| path(&out, name).1;
+    for arguments in [
+        vec!["fit", "trials", &folder, "-o", &at("a")],
+        vec!["fit", "friction", &folder, "--trials", &at("a/trials.csv"), "-o", &at("b")],
+        vec!["fit", "combination", &folder, "--model", &at("b/model.json"), "-o", &at("c")],
+        vec!["identify", &folder, "-o", &at("d")],
+    ] {
+        let done = tautline(&arguments);
+        assert!(done.status.success(), "{arguments:?}: {}", text(&done.stderr));
+    }
+    let read = |name: &str| tautline::model::Model::read(&out.path().join(name).join("model.json")).unwrap();
+    let (steps, whole) = (read("c"), read("d"));
+    assert_eq!(steps.friction, whole.friction);
+    assert_eq!(steps.combination, whole.combination);
+    assert_eq!(steps.confidence, whole.confidence);
+}
+
+#[test]
+fn an_existing_output_is_replaced_only_when_told() {
+    let (campaign, out) = (campaign(), TempDir::new().unwrap());
+    let (folder, name) = path(&out, "result");
+    let arguments = ["identify", &campaign.path().to_string_lossy(), "-o", &name, "--quiet"];
+    assert!(tautline(&arguments).status.success());
+    assert!(refused(&tautline(&arguments)).contains("--force"));
+    assert!(tautline(&[&arguments[..], &["--force"]].concat()).status.success());
+    // Never what is not ours.
+    std::fs::write(folder.join("thesis.tex"), "years of work").unwrap();
+    refused(&tautline(&[&arguments[..], &["--force"]].concat()));
+    assert!(folder.join("thesis.tex").exists() && folder.join("model.json").exists());
+}
+
+#[test]
+fn a_failed_run_leaves_nothing() {
+    let (campaign, out) = (campaign(), TempDir::new().unwrap());
+    std::fs::write(campaign.path().join("sweep_0.0500_1.csv"), "time_s,position_deg,torque_nm\n0,0,x\n").unwrap();
+    let errors = refused(&tautline(&["identify", &campaign.path().to_string_lossy(), "-o", &path(&out, "r").1]));
+    assert!(errors.contains("sweep_0.0500_1.csv") && errors.contains("row 2"), "{errors}");
+    assert_eq!(std::fs::read_dir(out.path()).unwrap().count(), 0, "something was left behind");
+}
+
+#[test]
+fn validate_lists_all_problems_at_once() {
+    let campaign = campaign();
+    let break_log = |file: &str, from: &str, to: &str| {
+        let file = campaign.path().join(file);
+        let log = std::fs::read_to_string(&file).unwrap();
+        assert!(log.contains(from), "{from}");
+        std::fs::write(file, log.replacen(from, to, 1)).unwrap();
+    };
+    break_log("sweep_0.0500_1.csv", "\n0.02000,", "\nNaN,");
+    break_log("sweep_0.4000_1.csv", "torque_nm", "torqe_nm");
+    std::fs::remove_file(campaign.path().join("cosine_1.csv")).unwrap();
+    std::fs::write(campaign.path().join("cosine_1.csv"), "time_s,position_deg,torque_nm\n").unwrap();
+    let done = tautline(&["validate", &campaign.path().to_string_lossy(), "--json"]);
+    assert_eq!(done.status.code(), Some(2));
+    let result: Value = serde_json::from_slice(&done.stdout).unwrap();
+    let files: Vec<String> =
+        result["problems"].as_array().unwrap().iter().map(|p| p["file"].as_str().unwrap().to_string()).collect();
+    for file in ["sweep_0.0500_1.csv", "sweep_0.4000_1.csv", "cosine_1.csv"] {
+        assert!(files.iter().any(|f| f.ends_with(file)), "{file} not among {files:?}");
+    }
+}
+
+#[test]
+fn a_sweep_that_misses_its_speed_is_refused() {
+    let (campaign, out) = (campaign(), TempDir::new().unwrap());
+    let file = campaign.path().join("campaign.toml");
+    let toml = std::fs::read_to_string(&file).unwrap();
+    assert!(toml.contains("speed_rad_s = 0.05\n"));
+    std::fs::write(&file, toml.replace("speed_rad_s = 0.05\n", "speed_rad_s = 0.5\n")).unwrap();
+    let errors = refused(&tautline(&["identify", &campaign.path().to_string_lossy(), "-o", &path(&out, "r").1]));
+    assert!(errors.contains("no plateau") && errors.contains("sweep_0.0500_1.csv"), "{errors}");
+}
+
+#[test]
+fn a_turned_sign_is_not_guessed() {
+    let (campaign, out) = (campaign(), TempDir::new().unwrap());
+    let file = campaign.path().join("campaign.toml");
+    let toml = std::fs::read_to_string(&file).unwrap();
+    std::fs::write(&file, toml.replace("torque_sign = -1", "torque_sign = 1")).unwrap();
+    let errors = refused(&tautline(&["identify", &campaign.path().to_string_lossy(), "-o", &path(&out, "r").1]));
+    assert!(errors.contains("torque_sign") && errors.contains("campaign.toml"), "{errors}");
+}
+
+#[test]
+fn wrong_usage_ends_with_status_2() {
+    for arguments in [
+        &["identify"][..],
+        &["identify", "nowhere", "-o", "never"],
+        &["frobnicate"],
+        &["simulate", "--model", "data/elbow/truth/model.json", "-o", "never", "--rate-hz=-5"],
+        &["simulate", "--model", "data/elbow/truth/model.json", "-o", "never", "--speeds", "0", "--cosines", "0"],
+    ] {
+        assert_eq!(tautline(arguments).status.code(), Some(2), "{arguments:?}");
+    }
+    assert!(!Path::new("never").exists());
+}
+
+#[test]
+fn help_has_examples_and_completions_are_generated() {
+    for command in
+        [&["--help"][..], &["identify", "--help"], &["fit", "--help"], &["simulate", "--help"], &["validate", "--help"]]
+    {
+        let help = tautline(command);
+        assert!(help.status.success() && text(&help.stdout).contains("Example"), "{command:?}");
+    }
+    for shell in ["bash", "zsh", "fish"] {
+        assert!(text(&tautline(&["completions", shell]).stdout).contains("tautline"));
+    }
+}
+
+#[test]
+fn simulate_repeats_by_its_seed() {
+    let out = TempDir::new().unwrap();
+    let make = |name: &str, seed: &str| {
+        let to = path(&out, name).1;
+        let short = ["--speeds", "1", "--repeats", "1", "--cosines", "0", "--rate-hz", "50", "--quiet", "--seed", seed];
+        let done = tautline(&[&["simulate", "--model", "data/elbow/truth/model.json", "-o", &to][..], &short].concat());
+        assert!(done.status.success(), "{done:?}");
+        std::fs::read(out.path().join(name).join("sweep_0.0200_1.csv")).unwrap()
+    };
+    assert!(make("a", "4") == make("b", "4"));
+    assert!(make("c", "4") != make("d", "5"));
+}

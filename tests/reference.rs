@@ -1,0 +1,48 @@
+//! Agreement with other programs, through values that committed scripts wrote.
+
+use serde_json::Value;
+use tautline::numerics::filter::LowPass;
+
+/// Largest difference relative to the signal's size: what the issue of two libraries' rounding leaves is 1e-13.
+const FILTER_AGREEMENT: f64 = 1e-9;
+
+fn numbers(value: &Value) -> Vec<f64> {
+    value.as_array().unwrap().iter().map(|x| x.as_f64().unwrap()).collect()
+}
+
+/// `scripts/reference/filter.py`: SciPy's `butter` and `sosfiltfilt`, edges included.
+#[test]
+fn low_pass_agrees_with_scipy() {
+    let reference: Value =
+        serde_json::from_str(&std::fs::read_to_string("tests/reference/filter.json").unwrap()).unwrap();
+    let cases = reference["cases"].as_array().unwrap();
+    assert!(cases.len() > 30);
+    for case in cases {
+        let order = case["order"].as_u64().unwrap() as usize;
+        let (cutoff_hz, rate_hz) = (case["cutoff_hz"].as_f64().unwrap(), case["rate_hz"].as_f64().unwrap());
+        let filter = LowPass::new(order, cutoff_hz, rate_hz).unwrap();
+        let expected = numbers(&case["filtered"]);
+        let filtered = filter.zero_phase(&numbers(&case["signal"]));
+        assert_eq!(filtered.len(), expected.len());
+        let size = expected.iter().fold(0f64, |m, x| m.max(x.abs()));
+        for (i, (ours, theirs)) in filtered.iter().zip(&expected).enumerate() {
+            let off = (ours - theirs).abs() / size;
+            assert!(off < FILTER_AGREEMENT, "order {order}, {cutoff_hz} of {rate_hz} Hz, sample {i}: off by {off:e}");
+        }
+    }
+}
+
+#[test]
+fn a_filter_that_cannot_be_is_refused() {
+    assert!(LowPass::new(0, 5.0, 100.0).is_none());
+    assert!(LowPass::new(4, 50.0, 100.0).is_none());
+    assert!(LowPass::new(4, f64::NAN, 100.0).is_none());
+    assert!(LowPass::new(4, -1.0, 100.0).is_none());
+}
+
+#[test]
+fn a_signal_shorter_than_the_padding_passes_unchanged() {
+    let filter = LowPass::new(4, 5.0, 100.0).unwrap();
+    let signal: Vec<f64> = (0..LowPass::padding(4)).map(|i| i as f64).collect::<Vec<f64>>();
+    assert_eq!(filter.zero_phase(&signal), signal);
+}
