@@ -4,20 +4,20 @@
 //!
 //! B(u) = beta_0 + beta_1 u + sum_i beta_{2+i} exp(-rate_i u)
 //!
-//! so only the rates are searched (variable projection). The sum of two exponentials has many local minima: a grid over
-//! both rates finds the basins, Levenberg-Marquardt polishes the best of them. The same grid gives the confidence: at each
-//! cell the cost is a parabola in every linear coefficient, so the set where the cost stays below the threshold, the profile
-//! likelihood interval, is the union over the cells of closed-form intervals. Nothing is linearised, and nothing breaks
-//! where the covariance matrix is singular.
+//! so only the rates are searched (variable projection). The sum of two exponentials has many local minima: walking each
+//! rate while the other follows at its best finds the valleys, Levenberg-Marquardt polishes the best of them. The same walk
+//! gives the confidence: at given rates the cost is a parabola in every linear coefficient, so the set where the cost stays
+//! below the threshold, the profile likelihood interval, is the union over the rates of closed-form intervals. Nothing is
+//! linearised, and nothing breaks where the covariance matrix is singular.
 
 use crate::numerics::linear::{LinearFit, solve};
 use crate::numerics::marquardt::{Residuals, Stopped, minimise};
 use crate::numerics::statistics::{fisher_f, root_mean_square};
 use nalgebra::{DMatrix, DVector};
 
-/// Cells of the grid along each rate.
+/// Places looked at along each rate.
 const GRID: usize = 32;
-/// A basin of the grid is polished if it is among this many best.
+/// A valley is polished if it is among this many best.
 const BASINS: usize = 6;
 /// The slowest rate searched turns its term by this much over the fastest speed: slower is a straight line.
 const SLOWEST: f64 = 0.2;
@@ -177,12 +177,12 @@ impl Points {
             return self.with_rates(&[]);
         }
         let limits = self.rate_limits();
-        let cells = grid(limits, exponentials);
-        let costs: Vec<f64> =
-            cells.iter().map(|r| self.project(r).map_or(f64::INFINITY, |fit| fit.residual_sum)).collect();
-        let mut order: Vec<usize> = (0..cells.len()).filter(|i| is_basin(*i, &cells, &costs)).collect();
-        order.sort_by(|a, b| costs[*a].total_cmp(&costs[*b]));
-        let polished = order.iter().take(BASINS).filter_map(|i| self.polish(&cells[*i], limits));
+        let mut starts = match exponentials {
+            1 => valleys(spaced(limits).into_iter().filter_map(|rate| self.cost(&[rate]).map(|cost| (vec![rate], cost)))),
+            _ => [0, 1].into_iter().flat_map(|place| self.valleys_along(place)).collect(),
+        };
+        starts.sort_by(|a, b| a.1.total_cmp(&b.1));
+        let polished = starts.iter().take(BASINS).filter_map(|(rates, _)| self.polish(rates, limits));
         let best = polished.min_by(|a, b| a.residual_sum.total_cmp(&b.residual_sum))?;
         Some(self.tamest(best))
     }
@@ -209,6 +209,38 @@ impl Points {
             Some(fit) if size(&fit) < size(&best) => fit,
             _ => best,
         }
+    }
+
+    fn cost(&self, rates: &[f64]) -> Option<f64> {
+        self.project(rates).map(|fit| fit.residual_sum)
+    }
+
+    /// The valleys of the cost as the rate at `place` is walked and the other follows at its best.
+    ///
+    /// A grid over both rates would miss the narrow ones, where a cell's corner stands high on the slope.
+    fn valleys_along(&self, place: usize) -> Vec<(Vec<f64>, f64)> {
+        let lines = spaced(self.rate_limits()).into_iter().filter_map(|held| self.line(place, held));
+        valleys(lines.map(|line| (line.rates(line.lowest), line.cost)))
+    }
+
+    /// The cost along one rate with the other, at `place`, `held`; `None` where the limits leave no room.
+    fn line(&self, place: usize, held: f64) -> Option<Line> {
+        let (low, high) = self.rate_limits();
+        let (low, high) = if place == 0 { (held * RATIO_MIN, high) } else { (low, held / RATIO_MIN) };
+        if low >= high {
+            return None;
+        }
+        let mut line = Line { place, held, from: low.ln(), to: high.ln(), lowest: 0.0, cost: f64::INFINITY };
+        let cost = |log: f64| self.cost(&line.rates(log)).unwrap_or(f64::INFINITY);
+        let step = (line.to - line.from) / (GRID - 1) as f64;
+        let at = |i: usize| line.from + step * i as f64;
+        let costs: Vec<f64> = (0..GRID).map(|i| cost(at(i))).collect();
+        let best = (0..GRID).min_by(|a, b| costs[*a].total_cmp(&costs[*b])).unwrap_or(0);
+        let lowest = valley(at(best.saturating_sub(1)), at((best + 1).min(GRID - 1)), &cost);
+        // An end of the line may lie lower than all within.
+        let lowest = [lowest, at(best)].into_iter().min_by(|a, b| cost(*a).total_cmp(&cost(*b))).unwrap_or(lowest);
+        (line.lowest, line.cost) = (lowest, cost(lowest));
+        Some(line)
     }
 
     /// The fit with these rates, slow first; `None` when they cannot be told apart.
@@ -280,25 +312,10 @@ impl Points {
         if best.len() == 1 {
             return vec![vec![held]];
         }
-        let pair = |other: f64| if place == 0 { vec![held, other] } else { vec![other, held] };
-        let (low, high) = self.rate_limits();
-        let (low, high) = if place == 0 { (held * RATIO_MIN, high) } else { (low, held / RATIO_MIN) };
-        if low >= high {
-            return Vec::new();
-        }
-        let cost = |log: f64| self.project(&pair(log.exp())).map_or(f64::INFINITY, |fit| fit.residual_sum);
-        let (from, to) = (low.ln(), high.ln());
-        let step = (to - from) / (GRID - 1) as f64;
-        let at = |i: usize| from + step * i as f64;
-        let costs: Vec<f64> = (0..GRID).map(|i| cost(at(i))).collect();
-        let lowest = (0..GRID).min_by(|a, b| costs[*a].total_cmp(&costs[*b])).unwrap_or(0);
-        let middle = valley(at(lowest.saturating_sub(1)), at((lowest + 1).min(GRID - 1)), &cost);
-        if cost(middle) > threshold {
-            return Vec::new();
-        }
-        let end = |outside: f64| crossing(middle, outside, |x| cost(x) <= threshold);
-        let (first, last) = (end(from), end(to));
-        (0..ACROSS).map(|i| pair((first + (last - first) * i as f64 / (ACROSS - 1) as f64).exp())).collect()
+        let Some(line) = self.line(place, held).filter(|line| line.cost <= threshold) else { return Vec::new() };
+        let below = |log: f64| self.cost(&line.rates(log)).is_some_and(|cost| cost <= threshold);
+        let (first, last) = (crossing(line.lowest, line.from, below), crossing(line.lowest, line.to, below));
+        (0..ACROSS).map(|i| line.rates(first + (last - first) * i as f64 / (ACROSS - 1) as f64)).collect()
     }
 
     /// Widens `profile` by what `rates` allow below the thresholds.
@@ -344,14 +361,30 @@ fn around(at: f64, limits: (f64, f64)) -> Vec<f64> {
     spaced(limits).into_iter().chain(offsets.filter(|r| (limits.0..=limits.1).contains(r))).collect()
 }
 
-/// Single rates or ordered pairs, told apart, over `limits`.
-fn grid(limits: (f64, f64), exponentials: usize) -> Vec<Vec<f64>> {
-    let rates = spaced(limits);
-    if exponentials == 1 {
-        return rates.into_iter().map(|r| vec![r]).collect();
+/// One rate held, the other free between `from` and `to` (logarithms), with its lowest place and the cost there.
+#[derive(Debug, Clone, Copy)]
+struct Line {
+    place: usize,
+    held: f64,
+    from: f64,
+    to: f64,
+    lowest: f64,
+    cost: f64,
+}
+
+impl Line {
+    /// Both rates, slow first, where the free one's logarithm is `log`.
+    fn rates(&self, log: f64) -> Vec<f64> {
+        if self.place == 0 { vec![self.held, log.exp()] } else { vec![log.exp(), self.held] }
     }
-    let pairs = rates.iter().enumerate().flat_map(|(i, slow)| rates[i + 1..].iter().map(|fast| vec![*slow, *fast]));
-    pairs.collect()
+}
+
+/// Those of `places`, with their costs, that neither neighbour undercuts.
+fn valleys(places: impl Iterator<Item = (Vec<f64>, f64)>) -> Vec<(Vec<f64>, f64)> {
+    let places: Vec<(Vec<f64>, f64)> = places.collect();
+    let cost = |i: Option<usize>| i.and_then(|i| places.get(i)).map_or(f64::INFINITY, |p| p.1);
+    let lowest = |i: &usize| places[*i].1 <= cost(i.checked_sub(1)) && places[*i].1 <= cost(Some(i + 1));
+    (0..places.len()).filter(lowest).map(|i| places[i].clone()).collect()
 }
 
 /// The lowest place of `cost` between `a` and `b`, by golden section.
@@ -374,14 +407,6 @@ fn crossing(mut inside: f64, mut outside: f64, holds: impl Fn(f64) -> bool) -> f
         if holds(middle) { inside = middle } else { outside = middle }
     }
     inside
-}
-
-/// Whether no neighbour of cell `i` is lower. Neighbours are one grid step away in either rate.
-fn is_basin(i: usize, cells: &[Vec<f64>], costs: &[f64]) -> bool {
-    let step =
-        cells.windows(2).map(|w| (w[1][w[1].len() - 1] / w[0][w[0].len() - 1]).ln().abs()).fold(f64::MAX, f64::min);
-    let near = |other: &Vec<f64>| other.iter().zip(&cells[i]).all(|(a, b)| (a / b).ln().abs() < 1.5 * step);
-    costs[i].is_finite() && !cells.iter().zip(costs).any(|(cell, cost)| *cost < costs[i] && near(cell))
 }
 
 /// The search over rates in the unit box: the slow rate by its share of the log range, the fast one by its share of what

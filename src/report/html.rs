@@ -182,13 +182,11 @@ fn cell(parameter: &Parameter) -> Cell {
         (false, None) => Chip { class: "left-out", word: "as declared", meaning: "taken from the campaign" },
     };
     Cell {
-        value: shown.map_or_else(
-            || significant(parameter.value, 4),
-            |c| match c.status {
-                Status::Pinned => as_precise_as(parameter.value, (c.high - c.low) / 2.0),
-                _ => significant(parameter.value, 4),
-            },
-        ),
+        value: match shown {
+            _ if parameter.left_out => "–".to_string(),
+            Some(c) if c.status == Status::Pinned => as_precise_as(parameter.value, (c.high - c.low) / 2.0),
+            _ => significant(parameter.value, 4),
+        },
         interval: shown.map_or(String::new(), |c| interval(parameter.value, c.low, c.high)),
         cv: shown.map_or(String::new(), |c| percent(c.cv)),
         chip,

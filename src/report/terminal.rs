@@ -129,7 +129,7 @@ const CELL: usize = 50;
 
 /// Value, interval and status, filled up to `width` without counting the colours.
 fn cell(parameter: &Parameter, width: usize) -> String {
-    let value = significant(parameter.value, 4);
+    let value = if parameter.left_out { "-".to_string() } else { significant(parameter.value, 4) };
     let unit = if parameter.direction.is_none() && !parameter.unit.is_empty() {
         format!(" {}", parameter.unit)
     } else {
