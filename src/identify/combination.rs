@@ -139,8 +139,7 @@ pub fn fit_combination(
     let deadband_rad = trials.iter().map(|t| t.series.deadband_rad).fold(0.0, f64::max);
     let span = settings.estimate_backlash.then(|| ((MIN_DEADBANDS * deadband_rad).max(1e-3 * reach_rad), reach_rad));
     let fitting = Fitting { windows: &all, model, backlash_span_rad: span };
-    let (curves, sums): (Vec<CurveFit>, Vec<Vec<f64>>) =
-        CurveKind::ALL.par_iter().map(|kind| fitting.fit(*kind)).unzip();
+    let (curves, sums): (Vec<CurveFit>, Vec<Vec<f64>>) = CurveKind::ALL.iter().map(|kind| fitting.fit(*kind)).unzip();
     let supported = best_supported(&sums);
     let taken = settings.wanted.and_then(|w| curves.iter().position(|c| c.kind == w)).unwrap_or(supported);
     let backlash_rad = curves[taken].backlash_m / model.joint.pulley_radius_m;
@@ -220,7 +219,7 @@ struct Fitting<'a> {
 impl Fitting<'_> {
     fn sums(&self, curve: &Combination, backlash_rad: f64) -> Vec<f64> {
         let sum = |w: &Window| w.residual_nm(self.model, curve, backlash_rad).iter().map(|r| r * r).sum();
-        self.windows.iter().map(sum).collect()
+        self.windows.par_iter().map(sum).collect()
     }
 
     fn cost(&self, curve: &Combination, backlash_rad: f64) -> f64 {
@@ -270,7 +269,7 @@ impl Fitting<'_> {
         };
         let residuals = |q: &[f64]| -> Vec<Vec<f64>> {
             let curve = fit.kind.with(q.get(1).map_or(1.0, |x| x.exp()));
-            self.windows.iter().map(|w| w.residual_nm(self.model, &curve, q[0].exp())).collect()
+            self.windows.par_iter().map(|w| w.residual_nm(self.model, &curve, q[0].exp())).collect()
         };
         let free: Vec<usize> =
             if self.backlash_span_rad.is_some() { (0..start.len()).collect() } else { (1..start.len()).collect() };
@@ -319,11 +318,7 @@ const BACKLASH_STEP: f64 = 1.3;
 const BACKLASH_DOUBT: f64 = 0.8;
 
 /// Standard errors of the `free` parameters, clustered by window: errors of one reversal hang together.
-fn standard_errors(
-    residuals: &dyn Fn(&[f64]) -> Vec<Vec<f64>>,
-    start: &[f64],
-    free: &[usize],
-) -> Vec<(usize, f64)> {
+fn standard_errors(residuals: &dyn Fn(&[f64]) -> Vec<Vec<f64>>, start: &[f64], free: &[usize]) -> Vec<(usize, f64)> {
     use nalgebra::{DMatrix, DVector};
     const STEP: f64 = 1e-3;
     let here = residuals(start);

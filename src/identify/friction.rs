@@ -18,10 +18,14 @@ const CONSPIRING: f64 = 3.0;
 /// Speeds at which the confidence band of B is drawn.
 const BAND_POINTS: usize = 60;
 
+/// Friction between rest and the slowest sweep may be this many times the largest that the sweeps saw: static friction is
+/// seldom over twice the sliding one.
+const EXTRAPOLATION: f64 = 2.5;
+
 /// Which form of (19) the model takes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Form {
-    /// Two exponentials, as the paper: seven parameters.
+    /// Two exponentials, as the paper: seven parameters; fewer where they would run away towards rest.
     #[default]
     Two,
     /// One exponential; it goes to b_j, c_j, and b_c is zero.
@@ -103,7 +107,9 @@ fn fit_direction(
         Form::One => 1,
         Form::Supported => supported,
     };
-    let Some(taken) = forms.iter().rev().find(|fit| fit.rates.len() <= wanted).cloned() else {
+    let fits =
+        |fit: &&ExponentialFit| fit.rates.len() <= wanted && (fit.rates.is_empty() || holds_at_rest(fit, &points));
+    let Some(taken) = forms.iter().rev().find(fits).cloned() else {
         return Problem::error(campaign, "B(v) has no solution", "check the sweeps' speeds").alone();
     };
     let (slow, fast) = points.speed_range_rad_s();
@@ -141,21 +147,29 @@ fn check_amplitude(a: &Amplitude, direction: Direction, gravity_nm: f64, campaig
     Ok(())
 }
 
+/// Whether a fit stays sane below the speeds that it saw: every reversal passes there.
+fn holds_at_rest(fit: &ExponentialFit, points: &Points) -> bool {
+    let largest_nm = points.b_nm.iter().fold(0f64, |m, b| m.max(b.abs()));
+    let (slowest, _) = points.speed_range_rad_s();
+    let sign = mean(&points.b_nm).signum();
+    // It does not turn its sign either, but for what a sensor's offset may do.
+    let sane = -0.5 * largest_nm..=EXTRAPOLATION * largest_nm;
+    [0.0, 0.25, 0.5].iter().all(|share| sane.contains(&(sign * fit.b_nm(share * slowest))))
+}
+
 fn why(forms: &[ExponentialFit], supported: usize) -> String {
     let words = ["no exponential", "one exponential", "two exponentials"];
+    let leave = |fit: &ExponentialFit| {
+        let verb = if fit.rates.len() == 2 { "leave" } else { "leaves" };
+        format!("{} {verb} {:.2e} N m", words[fit.rates.len()], fit.rmse_nm)
+    };
     let compare = |fewer: &ExponentialFit, more: &ExponentialFit| {
         let (k, n) = (more.parameters() as f64, more.points as f64);
         let extra = k - fewer.parameters() as f64;
         let f = (fewer.residual_sum - more.residual_sum) / extra / (more.residual_sum / (n - k));
         let p = fisher_tail(f, extra, n - k);
         let chance = if p < 1e-4 { "p < 0.0001".to_string() } else { format!("p = {p:.4}") };
-        format!(
-            "{} leave {:.2e} N m, {} leave {:.2e} N m (F test {chance})",
-            words[fewer.rates.len()],
-            fewer.rmse_nm,
-            words[more.rates.len()],
-            more.rmse_nm,
-        )
+        format!("{}, {} (F test {chance})", leave(fewer), leave(more))
     };
     let steps: Vec<String> = forms.windows(2).map(|pair| compare(&pair[0], &pair[1])).collect();
     let verdict = format!("the data support {}", words[supported]);
@@ -164,6 +178,31 @@ fn why(forms: &[ExponentialFit], supported: usize) -> String {
     } else {
         format!("{verdict}: {}", steps.join("; "))
     }
+}
+
+/// A word when the model takes fewer exponentials than were asked for, or more than the data support.
+pub fn form_warning(fit: &FrictionFit, form: Form) -> Option<String> {
+    let wanted = match form {
+        Form::Two => 2,
+        Form::One => 1,
+        Form::Supported => fit.supported,
+    };
+    let (taken, asked) = (fit.taken.rates.len(), fit.form(wanted));
+    let moving = fit.direction.name();
+    if taken > fit.supported {
+        return Some(format!(
+            "B(v) moving {moving} is taken with {taken} exponentials where the data support {}: beyond the speeds of the \
+             sweeps it may run away; --form supported is safer there",
+            fit.supported
+        ));
+    }
+    (taken < wanted).then(|| {
+        let reason = match asked {
+            None => "there are too few speeds for more",
+            Some(_) => "more would run away between rest and the slowest sweep, where every reversal passes",
+        };
+        format!("B(v) moving {moving} is taken with {taken} of {wanted} exponentials: {reason}")
+    })
 }
 
 /// From the coefficients of B to the parameters: times (1 - mu_c) / r1 = G / (r2 A), signs by direction.

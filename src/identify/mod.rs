@@ -144,6 +144,7 @@ fn from_sweeps(campaign: &Campaign, mut readings: Vec<Reading>, settings: Settin
     let fits = friction::fit_friction(&legs, &a, &campaign.joint, gravity_nm, settings.form, &campaign.file)?;
     let mut model = with_friction(blank_model(campaign), &fits);
     let mut warnings: Vec<String> = readings.iter().flat_map(|r| r.warnings.iter().map(Problem::to_string)).collect();
+    warnings.extend([&fits.up, &fits.down].into_iter().filter_map(|fit| friction::form_warning(fit, settings.form)));
     let (rows, trials) = (readings.iter().map(|r| r.rows).sum(), readings.len());
     let trace = readings.iter_mut().find_map(|r| r.trace.take());
     let (prepared, entries): (Vec<Prepared>, Vec<_>) = readings
@@ -267,8 +268,10 @@ fn doubts(model: &Model, sweeps: bool) -> Vec<String> {
             ));
         }
     }
+    // What the form taken leaves out has no interval at all; reports say so at its place.
     let bad = |status: Status| -> Vec<&str> {
-        model.confidence.iter().filter(|(_, c)| c.status == status).map(|(name, _)| name.as_str()).collect()
+        let known = |c: &Confidence| c.status == status && (status != Status::Flat || c.low.is_finite());
+        model.confidence.iter().filter(|(_, c)| known(c)).map(|(name, _)| name.as_str()).collect()
     };
     for (status, meaning) in [
         (Status::TradeOff, "known only together with others (trade_off): do not read as separate values"),

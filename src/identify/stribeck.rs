@@ -178,7 +178,9 @@ impl Points {
         }
         let limits = self.rate_limits();
         let mut starts = match exponentials {
-            1 => valleys(spaced(limits).into_iter().filter_map(|rate| self.cost(&[rate]).map(|cost| (vec![rate], cost)))),
+            1 => {
+                valleys(spaced(limits).into_iter().filter_map(|rate| self.cost(&[rate]).map(|cost| (vec![rate], cost))))
+            }
             _ => [0, 1].into_iter().flat_map(|place| self.valleys_along(place)).collect(),
         };
         starts.sort_by(|a, b| a.1.total_cmp(&b.1));

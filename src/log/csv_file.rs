@@ -133,11 +133,41 @@ fn name(field: &[u8]) -> String {
 
 /// The finite number in `field`, blanks around it allowed.
 fn number(field: &[u8]) -> Option<f64> {
+    if let Some(number) = plain_decimal(field) {
+        return Some(number);
+    }
     let parsed: Option<f64> = match fast_float2::parse(field) {
         Ok(number) => Some(number),
         Err(_) => fast_float2::parse(field.trim_ascii()).ok(),
     };
     parsed.filter(|number| number.is_finite())
+}
+
+/// The number in a field like `-12.345678`, the common case, at half the time of the general parser.
+///
+/// With at most 15 digits both the digits and the power of ten are exact as f64, so that one division rounds correctly
+/// (Clinger, How to read floating point numbers accurately, 1990). `None` leaves the field to the general parser.
+fn plain_decimal(field: &[u8]) -> Option<f64> {
+    const POWERS: [f64; 16] = [1e0, 1e1, 1e2, 1e3, 1e4, 1e5, 1e6, 1e7, 1e8, 1e9, 1e10, 1e11, 1e12, 1e13, 1e14, 1e15];
+    let (negative, text) = match field.split_first() {
+        Some((b'-', rest)) => (true, rest),
+        _ => (false, field),
+    };
+    // A point between digits, 15 of them at most.
+    if text.len() > 16 || text.len() < 3 {
+        return None;
+    }
+    let (mut digits, mut point) = (0u64, None);
+    for (i, byte) in text.iter().enumerate() {
+        match byte {
+            b'0'..=b'9' => digits = 10 * digits + u64::from(byte - b'0'),
+            b'.' if point.is_none() => point = Some(i),
+            _ => return None,
+        }
+    }
+    let decimals = text.len() - 1 - point.filter(|at| *at > 0)?;
+    let magnitude = digits as f64 / POWERS.get(decimals).filter(|_| decimals > 0)?;
+    Some(if negative { -magnitude } else { magnitude })
 }
 
 fn ragged(file: &Path, record: &ByteRecord, expected: usize) -> Problem {

@@ -84,3 +84,25 @@ proptest! {
         let _ = read_first(folder(CAMPAIGN, format!("t,pos,trq\n{rows}")).path());
     }
 }
+
+proptest! {
+    /// The reader's short cut for plain decimals rounds as the standard library does, to the last bit.
+    #[test]
+    fn decimals_read_to_the_last_bit(numbers in prop::collection::vec((any::<bool>(), 0u64..10_000_000, 0usize..9, 0u64..1_000_000_000), 40)) {
+        let texts: Vec<String> = numbers
+            .iter()
+            .map(|(negative, whole, digits, decimals)| {
+                let sign = if *negative { "-" } else { "" };
+                let decimals: String = format!("{decimals:09}").chars().take(*digits).collect();
+                format!("{sign}{whole}.{decimals}")
+            })
+            .collect();
+        let rows = texts.iter().enumerate().map(|(i, x)| format!("{:.2},{i},{x}\n", i as f64 * 0.02));
+        let log = read_first(folder(CAMPAIGN, format!("t,pos,trq\n{}", rows.collect::<String>())).path());
+        let log = log.map_err(|problems| TestCaseError::fail(problems.to_string()))?;
+        prop_assert_eq!(log.torque_nm.len(), texts.len());
+        for (ours, text) in log.torque_nm.iter().zip(&texts) {
+            prop_assert_eq!((-ours).to_bits(), text.parse::<f64>().unwrap().to_bits(), "{}", text);
+        }
+    }
+}
