@@ -1,10 +1,13 @@
 #!/usr/bin/env python3
 """Writes tests/reference/filter.json: SciPy's zero-phase Butterworth low-pass on short signals, for tests/reference.rs.
 
-usage: scripts/reference/filter.py      (needs numpy and scipy; run from the top of the project)
+usage: scripts/reference/filter.py [--check]      (needs numpy and scipy; run from the top of the project)
+
+With --check nothing is written; it ends with status 1 when the file is not what SciPy gives today.
 """
 import json
 import pathlib
+import sys
 
 import numpy as np
 import scipy
@@ -21,5 +24,10 @@ for order in (1, 2, 3, 4, 5, 6, 8):
         cases.append({"order": order, "cutoff_hz": cutoff_hz, "rate_hz": rate_hz, "signal": signal.tolist(),
                       "filtered": sosfiltfilt(sections, signal).tolist()})
 out = pathlib.Path("tests/reference/filter.json")
+if "--check" in sys.argv:
+    stored = json.loads(out.read_text())["cases"]
+    off = max(np.max(np.abs(np.subtract(a["filtered"], b["filtered"]))) for a, b in zip(stored, cases, strict=True))
+    print(f"{out}: {len(cases)} cases, off by at most {off:.1e}")
+    sys.exit(off > 1e-11)
 out.write_text(json.dumps({"scipy": scipy.__version__, "cases": cases}) + "\n")
 print(f"{out}: {len(cases)} cases")
