@@ -5,9 +5,9 @@
 //! cannot show keeps its neutral value and is marked `flat`.
 
 use super::combination::{CombinationFit, CurveFit, CurveKind, Settings, best_supported, overlay};
+use super::moving::{Free, Limits, MAX_BACKLASH};
 use super::predicted::Prepared;
-use super::refine::limits;
-use super::whole::{Free, Limits, MAX_BACKLASH, Part, WholeFit, fit_whole, rmse_nm, square_sums};
+use super::whole::{Part, WholeFit, fit_whole, rmse_nm, square_sums};
 use crate::model::{Direction, Friction, Model};
 use crate::numerics::statistics::{mean, standard_deviation};
 use rayon::prelude::*;
@@ -127,7 +127,7 @@ struct Search<'a> {
 
 impl<'a> Search<'a> {
     fn new(trials: &'a [Prepared], folds: &[usize], model: &Model, lowpass_hz: f64, estimate_backlash: bool) -> Self {
-        let limits = limits(trials, model);
+        let limits = Limits::new(trials, model);
         let widest_rad = if estimate_backlash { MAX_BACKLASH * limits.stroke_rad } else { model.joint.backlash_rad() };
         let part = |trial, samples| Part::new(trial, samples, widest_rad, lowpass_hz);
         let halves = match trials {

@@ -1,12 +1,15 @@
 //! The protocol: legs -> A, B(v) -> friction -> combination -> `Model` with its confidence.
 
 pub mod combination;
+mod confidence;
 pub mod free;
 pub mod friction;
 pub mod legs;
+mod moving;
 pub mod predicted;
 pub mod reading;
 pub mod refine;
+mod scale;
 pub mod stribeck;
 pub mod whole;
 mod windows;

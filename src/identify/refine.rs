@@ -1,7 +1,8 @@
 //! `--refine`: all parameters together on the whole series, from the protocol's result, judged on trials it did not see.
 
+use super::moving::{Free, Limits};
 use super::predicted::Prepared;
-use super::whole::{Free, Limits, Part, WholeFit, fit_whole, rmse_nm, square_sums};
+use super::whole::{Part, WholeFit, fit_whole, rmse_nm, square_sums};
 use crate::model::{Combination, Direction, Friction, Model};
 use crate::numerics::statistics::{mean, standard_deviation};
 
@@ -23,7 +24,7 @@ pub fn refine(trials: &[Prepared], folds: &[usize], model: &Model, lowpass_hz: f
     let free = free_parameters(model);
     let parts: Vec<Part> =
         trials.iter().map(|trial| Part::new(trial, 0..trial.len(), model.joint.backlash_rad(), lowpass_hz)).collect();
-    let limits = limits(trials, model);
+    let limits = Limits::new(trials, model);
     let before = square_sums(&parts, model);
     let mut after = before.clone();
     for fold in 0..2 {
@@ -63,20 +64,4 @@ fn free_parameters(model: &Model) -> Vec<Free> {
         free.push(Free::Curve);
     }
     free
-}
-
-/// What the campaign's motion and torque allow of a model's parameters.
-pub fn limits(trials: &[Prepared], model: &Model) -> Limits {
-    let over = |values: &dyn Fn(&Prepared) -> f64| trials.iter().map(values).fold(f64::MIN_POSITIVE, f64::max);
-    let largest = |values: &[f64]| values.iter().fold(0f64, |m, x| m.max(x.abs()));
-    let stroke = |t: &Prepared| {
-        let (low, high) = t.series.position_rad.iter().fold((f64::MAX, f64::MIN), |(l, h), x| (l.min(*x), h.max(*x)));
-        high - low
-    };
-    Limits {
-        force_n: over(&|t| largest(&t.series.torque_nm)) / model.joint.winch_radius_m,
-        speed_rad_s: over(&|t| largest(&t.series.velocity_rad_s)),
-        pulley_radius_m: model.joint.pulley_radius_m,
-        stroke_rad: over(&stroke),
-    }
 }

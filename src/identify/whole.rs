@@ -5,10 +5,11 @@
 //! dy/dBu = K~/D, dy/dBd = (1 - K~)/D, dy/dmu_up = K~ y/D, dy/dmu_down = (1 - K~) y/D.
 //! The curve's parameter and the clearance move K~ itself; theirs are by difference.
 
-use super::combination::CurveKind;
-use super::friction::interval;
+use super::confidence::interval;
+use super::moving::{Free, Limits};
 use super::predicted::Prepared;
-use crate::model::{Combination, Confidence, Direction, Friction, Model, settle};
+use crate::model::{Confidence, Direction, Model, settle};
+use crate::numerics::cluster;
 use crate::numerics::marquardt::{Minimum, Residuals, Stopped, minimise};
 use crate::numerics::statistics::student_t;
 use nalgebra::{DMatrix, DVector};
@@ -23,75 +24,6 @@ const STEP: f64 = 1e-4;
 const TOLERANCE: f64 = 1e-8;
 /// Evaluations allowed, per parameter.
 const PATIENCE: usize = 12;
-
-/// The largest clearance looked for, as a share of the longest stroke: beyond, no sample would ever be off a transition.
-pub const MAX_BACKLASH: f64 = 0.5;
-
-/// A parameter that may move.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Free {
-    /// One of `Friction::NAMES`, by place. Rates move by their logarithm.
-    Friction(Direction, usize),
-    /// p or n, by its logarithm.
-    Curve,
-    /// X_cl, by its logarithm.
-    Backlash,
-}
-
-impl Free {
-    /// Dotted name as in `model.json`.
-    pub fn name(self, curve: &Combination) -> String {
-        match self {
-            Self::Friction(direction, i) => format!("friction.{}.{}", direction.name(), Friction::NAMES[i]),
-            Self::Curve => {
-                format!("combination.{}", if matches!(curve, Combination::Power { .. }) { "n" } else { "p" })
-            }
-            Self::Backlash => "joint.backlash_m".to_string(),
-        }
-    }
-
-    fn is_rate(self) -> bool {
-        matches!(self, Self::Friction(_, 3 | 5))
-    }
-
-    fn is_logarithmic(self) -> bool {
-        self.is_rate() || matches!(self, Self::Curve | Self::Backlash)
-    }
-
-    /// The parameter as it moves: its logarithm or itself.
-    fn read(self, model: &Model) -> f64 {
-        let value = match self {
-            Self::Friction(direction, i) => model.friction.of(direction).values()[i],
-            Self::Curve => match model.combination {
-                Combination::Arctan { p, .. } => p,
-                Combination::Power { n } => n,
-                _ => 1.0,
-            },
-            Self::Backlash => model.joint.backlash_m,
-        };
-        if self.is_logarithmic() { value.abs().max(f64::MIN_POSITIVE).ln() } else { value }
-    }
-
-    fn write(self, model: &mut Model, moved: f64) {
-        let value = if self.is_logarithmic() { moved.exp() } else { moved };
-        match self {
-            Self::Friction(direction, i) => {
-                let branch = model.friction.of_mut(direction);
-                let mut values = branch.values();
-                values[i] = if self.is_rate() { direction.sign() * value } else { value };
-                *branch = Friction::from_values(values);
-            }
-            Self::Curve => {
-                model.combination = match model.combination {
-                    Combination::Power { .. } => CurveKind::Power.with(value),
-                    Combination::Arctan { .. } => CurveKind::Arctan.with(value),
-                    other => other,
-                }
-            }
-            Self::Backlash => model.joint.backlash_m = value,
-        }
-    }
-}
 
 /// The samples of one trial that a fit or a judgement uses.
 #[derive(Debug, Clone)]
@@ -153,41 +85,6 @@ pub fn fit_whole(parts: &[Part], start: &Model, free: &[Free], limits: &Limits) 
     WholeFit { model, rmse_nm, confidence, stopped: minimum.stopped }
 }
 
-/// What parameters may be.
-#[derive(Debug, Clone, Copy)]
-pub struct Limits {
-    /// Largest friction as a force at the winch, N.
-    pub force_n: f64,
-    /// Fastest motion, rad/s.
-    pub speed_rad_s: f64,
-    /// r2, m.
-    pub pulley_radius_m: f64,
-    /// Longest stroke, rad.
-    pub stroke_rad: f64,
-}
-
-impl Limits {
-    /// (low, high) of `free` as it moves; widened to hold the start `from`, which is never argued with.
-    fn of(&self, free: Free, from: f64) -> (f64, f64) {
-        let rates = ((0.2 / self.speed_rad_s).ln(), (100.0 / self.speed_rad_s).ln());
-        let (low, high) = match free {
-            // Below zero where the load pulls the other way: mu_c y must oppose the motion whatever the sign of y.
-            Free::Friction(_, 0) => (-5.0, 0.9),
-            Free::Friction(_, 3) => (rates.0 - self.pulley_radius_m.ln(), rates.1 - self.pulley_radius_m.ln()),
-            Free::Friction(_, 5) => rates,
-            Free::Friction(_, 6) => (0.0, 10.0 * self.force_n / self.speed_rad_s),
-            Free::Friction(..) => (-10.0 * self.force_n, 10.0 * self.force_n),
-            Free::Curve => (0.02f64.ln(), 100f64.ln()),
-            Free::Backlash => {
-                let stroke_m = self.stroke_rad * self.pulley_radius_m;
-                ((1e-4 * stroke_m).ln(), (MAX_BACKLASH * stroke_m).ln())
-            }
-        };
-        let room = 0.5 * from.abs();
-        (if from < low { from - room } else { low }, if from > high { from + room } else { high })
-    }
-}
-
 struct Whole<'a> {
     parts: &'a [Part<'a>],
     start: &'a Model,
@@ -211,19 +108,15 @@ impl Whole<'_> {
     fn confidence(&self, minimum: &Minimum, model: &Model) -> Vec<(String, Confidence)> {
         let errors = self.residuals(&minimum.parameters);
         let jacobian = self.jacobian(&minimum.parameters);
-        let n = self.free.len();
-        let mut meat = DMatrix::zeros(n, n);
         let strokes = self.strokes();
-        for stroke in &strokes {
-            let rows = jacobian.rows(stroke.start, stroke.len());
-            let score = rows.transpose() * errors.rows(stroke.start, stroke.len());
-            meat += &score * score.transpose();
-        }
+        let score = |stroke: &Range<usize>| {
+            jacobian.rows(stroke.start, stroke.len()).tr_mul(&errors.rows(stroke.start, stroke.len()))
+        };
+        let scores: Vec<DVector<f64>> = strokes.iter().map(score).collect();
         let bread = minimum.unscaled_covariance.map(|x| if x.is_nan() { 0.0 } else { x });
-        let freedom = (strokes.len() as f64 - n as f64).max(1.0);
-        let covariance = &bread * meat * &bread * (strokes.len() as f64 / freedom);
+        let covariance = cluster::covariance(&bread, &scores);
         let sigma = (minimum.residual_sum / minimum.residual_count as f64).sqrt();
-        let t = student_t(freedom);
+        let t = student_t(cluster::freedom(strokes.len(), self.free.len()));
         let known = |(i, free): (usize, &Free)| {
             let moved = minimum.parameters[i];
             let singular = minimum.unscaled_covariance[(i, i)].is_nan();

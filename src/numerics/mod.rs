@@ -6,6 +6,12 @@ pub mod linear;
 /// Levenberg-Marquardt within bounds, with covariance.
 pub mod marquardt;
 
+/// Least cost and crossings along one line.
+pub mod line;
+
+/// Standard errors from clusters of samples.
+pub mod cluster;
+
 /// Zero-phase Butterworth low-pass.
 pub mod filter;
 

@@ -1,0 +1,167 @@
+//! One curve on the windows: its parameter, the clearance, their intervals.
+
+use super::{CurveFit, CurveKind};
+use crate::identify::confidence::interval;
+use crate::identify::windows::Window;
+use crate::model::{Combination, Confidence, Model};
+use crate::numerics::cluster;
+use crate::numerics::line::lowest;
+use crate::numerics::statistics::student_t;
+use nalgebra::{DMatrix, DVector};
+use rayon::prelude::*;
+
+/// Golden sections: each leaves 0.618 of the log range, 18 of them 0.15 % of it.
+const SECTIONS: usize = 18;
+/// A clearance smaller or larger by this factor ...
+const BACKLASH_STEP: f64 = 1.3;
+/// ... that leaves less than this share of the sum of squares contradicts the declared one.
+const BACKLASH_DOUBT: f64 = 0.8;
+
+/// All curves are fitted to these.
+pub(super) struct Fitting<'a> {
+    pub windows: &'a [Window<'a>],
+    pub model: &'a Model,
+    /// Where X_cl / r2 is looked for; `None` keeps the model's.
+    pub backlash_span_rad: Option<(f64, f64)>,
+}
+
+impl Fitting<'_> {
+    fn sums(&self, curve: &Combination, backlash_rad: f64) -> Vec<f64> {
+        let sum = |w: &Window| w.residual_nm(self.model, curve, backlash_rad).iter().map(|r| r * r).sum();
+        self.windows.par_iter().map(sum).collect()
+    }
+
+    fn cost(&self, curve: &Combination, backlash_rad: f64) -> f64 {
+        self.sums(curve, backlash_rad).iter().sum()
+    }
+
+    /// One curve's fit, and its sum of squares in each window.
+    pub fn fit(&self, kind: CurveKind) -> (CurveFit, Vec<f64>) {
+        let at = |backlash_rad: f64| match kind.range() {
+            None => (1.0, self.cost(&kind.with(1.0), backlash_rad)),
+            Some(range) => golden(range, |x| self.cost(&kind.with(x), backlash_rad)),
+        };
+        let declared_rad = self.model.joint.backlash_rad();
+        let backlash_rad = match self.backlash_span_rad {
+            Some(span) if kind != CurveKind::Sign => scan_then_golden(span, |x| at(x).1),
+            _ => declared_rad,
+        };
+        let curve = kind.with(at(backlash_rad).0);
+        let window_sums = self.sums(&curve, backlash_rad);
+        let residual_sum: f64 = window_sums.iter().sum();
+        let spread = |w: &Window| w.spread();
+        let samples: usize = self.windows.iter().map(|w| w.judged.len()).sum();
+        let fit = CurveFit {
+            kind,
+            curve,
+            backlash_m: backlash_rad * self.model.joint.pulley_radius_m,
+            rmse_nm: (residual_sum / samples as f64).sqrt(),
+            r_squared: 1.0 - residual_sum / self.windows.iter().map(spread).sum::<f64>(),
+        };
+        (fit, window_sums)
+    }
+
+    /// Intervals of p or n and X_cl by the sandwich over windows, whose errors are independent where samples' are not; and
+    /// a word when the reversals contradict the declared clearance.
+    pub fn confidence(&self, fit: &CurveFit, declared_rad: f64) -> (Vec<(String, Confidence)>, Vec<String>) {
+        let mut known = Vec::new();
+        let mut warnings = Vec::new();
+        if fit.kind == CurveKind::Sign || fit.backlash_m <= 0.0 {
+            return (known, warnings);
+        }
+        let backlash_rad = fit.backlash_m / self.model.joint.pulley_radius_m;
+        let (names, start): (Vec<&str>, Vec<f64>) = match fit.curve {
+            Combination::Arctan { p, .. } => {
+                (vec!["joint.backlash_m", "combination.p"], vec![backlash_rad.ln(), p.ln()])
+            }
+            Combination::Power { n } => (vec!["joint.backlash_m", "combination.n"], vec![backlash_rad.ln(), n.ln()]),
+            _ => (vec!["joint.backlash_m"], vec![backlash_rad.ln()]),
+        };
+        let residuals = |q: &[f64]| -> Vec<Vec<f64>> {
+            let curve = fit.kind.with(q.get(1).map_or(1.0, |x| x.exp()));
+            self.windows.par_iter().map(|w| w.residual_nm(self.model, &curve, q[0].exp())).collect()
+        };
+        let free: Vec<usize> =
+            if self.backlash_span_rad.is_some() { (0..start.len()).collect() } else { (1..start.len()).collect() };
+        for (i, se) in standard_errors(&residuals, &start, &free) {
+            let range = if i == 0 { self.backlash_span_rad } else { fit.kind.range() };
+            let at_bound = range.is_some_and(|(low, high)| start[i] - low.ln() < 0.02 || high.ln() - start[i] < 0.02);
+            let half = student_t(cluster::freedom(self.windows.len(), free.len())) * se;
+            let scale = if i == 0 { self.model.joint.pulley_radius_m } else { 1.0 };
+            let ends = [scale * (start[i] - half).exp(), scale * (start[i] + half).exp()];
+            let interval = interval(scale * start[i].exp(), ends, 0.0, half / se, 0.0, at_bound);
+            known.push((names[i].to_string(), interval));
+        }
+        if let Some((_, Confidence { low, high, cv, status })) = known.iter().find(|(name, _)| name == "combination.p")
+        {
+            let of_k = |p: f64| 1.0 / (2.0 * p).atan();
+            let k = Confidence { low: of_k(*high), high: of_k(*low), cv: *cv, status: *status };
+            known.push(("combination.k".to_string(), k));
+        }
+        warnings.extend(self.doubt(fit, declared_rad));
+        (known, warnings)
+    }
+
+    /// A word when another clearance leaves much less than the declared one, the curve fitted anew to each.
+    fn doubt(&self, fit: &CurveFit, declared_rad: f64) -> Option<String> {
+        if self.backlash_span_rad.is_some() {
+            return None;
+        }
+        let cost = |backlash_rad: f64| match fit.kind.range() {
+            None => self.cost(&fit.curve, backlash_rad),
+            Some(range) => golden(range, |x| self.cost(&fit.kind.with(x), backlash_rad)).1,
+        };
+        let here = self.cost(&fit.curve, declared_rad);
+        let words = [("smaller", 1.0 / BACKLASH_STEP), ("larger", BACKLASH_STEP)];
+        let better = words.into_iter().find(|(_, factor)| cost(declared_rad * factor) < BACKLASH_DOUBT * here)?;
+        Some(format!(
+            "the reversals ask for a {} clearance than the declared backlash_m = {:.2} mm; try --estimate-backlash",
+            better.0,
+            1e3 * fit.backlash_m
+        ))
+    }
+}
+
+/// Standard errors of the `free` parameters, clustered by window: errors of one reversal hang together.
+fn standard_errors(residuals: &dyn Fn(&[f64]) -> Vec<Vec<f64>>, start: &[f64], free: &[usize]) -> Vec<(usize, f64)> {
+    const STEP: f64 = 1e-3;
+    let here = residuals(start);
+    let slopes: Vec<Vec<Vec<f64>>> = free
+        .iter()
+        .map(|i| {
+            let moved = |by: f64| {
+                let mut q = start.to_vec();
+                q[*i] += by;
+                residuals(&q)
+            };
+            let (ahead, behind) = (moved(STEP), moved(-STEP));
+            let slope = |(a, b): (&Vec<f64>, &Vec<f64>)| a.iter().zip(b).map(|(x, y)| (x - y) / (2.0 * STEP)).collect();
+            ahead.iter().zip(&behind).map(slope).collect()
+        })
+        .collect();
+    let n = free.len();
+    let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(x, y)| x * y).sum::<f64>();
+    let score = |(w, errors): (usize, &Vec<f64>)| DVector::from_fn(n, |i, _| dot(&slopes[i][w], errors));
+    let scores: Vec<DVector<f64>> = here.iter().enumerate().map(score).collect();
+    let normal = |i: usize, j: usize| slopes[i].iter().zip(&slopes[j]).map(|(a, b)| dot(a, b)).sum();
+    let Some(bread) = DMatrix::from_fn(n, n, normal).try_inverse() else {
+        return free.iter().map(|i| (*i, f64::INFINITY)).collect();
+    };
+    let covariance = cluster::covariance(&bread, &scores);
+    free.iter().enumerate().map(|(k, i)| (*i, covariance[(k, k)].max(0.0).sqrt())).collect()
+}
+
+/// The place in `range` with the least cost, looked for in its logarithm, and that cost.
+fn golden((low, high): (f64, f64), cost: impl Fn(f64) -> f64) -> (f64, f64) {
+    let (log, least) = lowest(low.ln(), high.ln(), SECTIONS, |log| cost(log.exp()));
+    (log.exp(), least)
+}
+
+/// A coarse scan first, for the cost over X_cl need not have a single valley; then golden section in the best one.
+fn scan_then_golden((low, high): (f64, f64), cost: impl Fn(f64) -> f64 + Sync) -> f64 {
+    const SCAN: usize = 12;
+    let at = |i: usize| low * (high / low).powf(i as f64 / (SCAN - 1) as f64);
+    let costs: Vec<f64> = (0..SCAN).into_par_iter().map(|i| cost(at(i))).collect();
+    let best = (0..SCAN).min_by(|a, b| costs[*a].total_cmp(&costs[*b])).unwrap_or(0);
+    golden((at(best.saturating_sub(1)), at((best + 1).min(SCAN - 1))), cost).0
+}

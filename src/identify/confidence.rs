@@ -1,0 +1,28 @@
+//! From an interval to a verdict: pinned, trade-off, flat, at bound.
+
+use crate::model::{Confidence, Status};
+
+/// A parameter is pinned when its standard error is at most this share of it.
+pub const PINNED_CV: f64 = 0.10;
+/// A parameter whose standard error exceeds this share of it even with all others known is flat.
+pub const FLAT_CV: f64 = 0.5;
+
+/// The confidence of `value` within `ends` (in any order), `beside` added in quadrature on both sides.
+///
+/// `half_widths` is the half width in standard errors; `alone` the coefficient of variation were all else known.
+pub fn interval(value: f64, ends: [f64; 2], beside: f64, half_widths: f64, alone: f64, at_bound: bool) -> Confidence {
+    let (low, high) = (ends[0].min(ends[1]), ends[0].max(ends[1]));
+    let (low, high) = (value - (value - low).hypot(beside), value + (high - value).hypot(beside));
+    let cv = (high - low) / 2.0 / half_widths / value.abs();
+    let cv = if cv.is_nan() { f64::INFINITY } else { cv };
+    let status = if at_bound {
+        Status::AtBound
+    } else if cv <= PINNED_CV {
+        Status::Pinned
+    } else if alone <= FLAT_CV {
+        Status::TradeOff
+    } else {
+        Status::Flat
+    };
+    Confidence { low, high, cv, status }
+}

@@ -1,0 +1,127 @@
+//! Which parameters a fit on whole series may move, how, and how far.
+
+use super::combination::CurveKind;
+use super::predicted::Prepared;
+use crate::model::{Combination, Direction, Friction, Model};
+
+/// The largest clearance looked for, as a share of the longest stroke: beyond, no sample would ever be off a transition.
+pub const MAX_BACKLASH: f64 = 0.5;
+
+/// A parameter that may move.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Free {
+    /// One of `Friction::NAMES`, by place. Rates move by their logarithm.
+    Friction(Direction, usize),
+    /// p or n, by its logarithm.
+    Curve,
+    /// X_cl, by its logarithm.
+    Backlash,
+}
+
+impl Free {
+    /// Dotted name as in `model.json`.
+    pub fn name(self, curve: &Combination) -> String {
+        match self {
+            Self::Friction(direction, i) => format!("friction.{}.{}", direction.name(), Friction::NAMES[i]),
+            Self::Curve => {
+                format!("combination.{}", if matches!(curve, Combination::Power { .. }) { "n" } else { "p" })
+            }
+            Self::Backlash => "joint.backlash_m".to_string(),
+        }
+    }
+
+    fn is_rate(self) -> bool {
+        matches!(self, Self::Friction(_, 3 | 5))
+    }
+
+    fn is_logarithmic(self) -> bool {
+        self.is_rate() || matches!(self, Self::Curve | Self::Backlash)
+    }
+
+    /// The parameter of `model` as it moves: its logarithm or itself.
+    pub fn read(self, model: &Model) -> f64 {
+        let value = match self {
+            Self::Friction(direction, i) => model.friction.of(direction).values()[i],
+            Self::Curve => match model.combination {
+                Combination::Arctan { p, .. } => p,
+                Combination::Power { n } => n,
+                _ => 1.0,
+            },
+            Self::Backlash => model.joint.backlash_m,
+        };
+        if self.is_logarithmic() { value.abs().max(f64::MIN_POSITIVE).ln() } else { value }
+    }
+
+    /// Sets the parameter of `model` from how it moves.
+    pub fn write(self, model: &mut Model, moved: f64) {
+        let value = if self.is_logarithmic() { moved.exp() } else { moved };
+        match self {
+            Self::Friction(direction, i) => {
+                let branch = model.friction.of_mut(direction);
+                let mut values = branch.values();
+                values[i] = if self.is_rate() { direction.sign() * value } else { value };
+                *branch = Friction::from_values(values);
+            }
+            Self::Curve => {
+                model.combination = match model.combination {
+                    Combination::Power { .. } => CurveKind::Power.with(value),
+                    Combination::Arctan { .. } => CurveKind::Arctan.with(value),
+                    other => other,
+                }
+            }
+            Self::Backlash => model.joint.backlash_m = value,
+        }
+    }
+}
+
+/// What parameters may be.
+#[derive(Debug, Clone, Copy)]
+pub struct Limits {
+    /// Largest friction as a force at the winch, N.
+    pub force_n: f64,
+    /// Fastest motion, rad/s.
+    pub speed_rad_s: f64,
+    /// r2, m.
+    pub pulley_radius_m: f64,
+    /// Longest stroke, rad.
+    pub stroke_rad: f64,
+}
+
+impl Limits {
+    /// What the campaign's motion and torque allow of a model's parameters.
+    pub fn new(trials: &[Prepared], model: &Model) -> Self {
+        let over = |values: &dyn Fn(&Prepared) -> f64| trials.iter().map(values).fold(f64::MIN_POSITIVE, f64::max);
+        let largest = |values: &[f64]| values.iter().fold(0f64, |m, x| m.max(x.abs()));
+        let stroke = |t: &Prepared| {
+            let (low, high) =
+                t.series.position_rad.iter().fold((f64::MAX, f64::MIN), |(l, h), x| (l.min(*x), h.max(*x)));
+            high - low
+        };
+        Self {
+            force_n: over(&|t| largest(&t.series.torque_nm)) / model.joint.winch_radius_m,
+            speed_rad_s: over(&|t| largest(&t.series.velocity_rad_s)),
+            pulley_radius_m: model.joint.pulley_radius_m,
+            stroke_rad: over(&stroke),
+        }
+    }
+
+    /// (low, high) of `free` as it moves; widened to hold the start `from`, which is never argued with.
+    pub fn of(&self, free: Free, from: f64) -> (f64, f64) {
+        let rates = ((0.2 / self.speed_rad_s).ln(), (100.0 / self.speed_rad_s).ln());
+        let (low, high) = match free {
+            // Below zero where the load pulls the other way: mu_c y must oppose the motion whatever the sign of y.
+            Free::Friction(_, 0) => (-5.0, 0.9),
+            Free::Friction(_, 3) => (rates.0 - self.pulley_radius_m.ln(), rates.1 - self.pulley_radius_m.ln()),
+            Free::Friction(_, 5) => rates,
+            Free::Friction(_, 6) => (0.0, 10.0 * self.force_n / self.speed_rad_s),
+            Free::Friction(..) => (-10.0 * self.force_n, 10.0 * self.force_n),
+            Free::Curve => (0.02f64.ln(), 100f64.ln()),
+            Free::Backlash => {
+                let stroke_m = self.stroke_rad * self.pulley_radius_m;
+                ((1e-4 * stroke_m).ln(), (MAX_BACKLASH * stroke_m).ln())
+            }
+        };
+        let room = 0.5 * from.abs();
+        (if from < low { from - room } else { low }, if from > high { from + room } else { high })
+    }
+}
