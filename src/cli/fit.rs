@@ -5,7 +5,7 @@ use super::outcome::Talk;
 use super::progress;
 use crate::identify::combination::fit_combination;
 use crate::identify::friction::fit_friction;
-use crate::identify::{Reading, blank_model, legs, read_trials, with_friction};
+use crate::identify::{Reading, blank_model, legs, of_the_joint_alone, read_trials, with_friction};
 use crate::log::Campaign;
 use crate::model::Model;
 use crate::problem::{Problem, Result};
@@ -139,7 +139,7 @@ fn combination(common: &Common, model: &Path, choices: &Choices, talk: &Talk) ->
     let campaign = Campaign::read(&common.campaign)?;
     let mut model = Model::read(model)?;
     let output = Output::begin(&common.output, common.force, &["model.json"])?;
-    let prepared: Vec<_> = readings(&campaign, talk)?.into_iter().map(|r| r.prepared).collect();
+    let (prepared, _) = of_the_joint_alone(readings(&campaign, talk)?);
     let settings = choices.settings(false).combination;
     let Some(fit) = fit_combination(&prepared, &model, campaign.signal.lowpass_hz, settings) else {
         let what = "no reversal could be used";

@@ -150,11 +150,7 @@ fn from_sweeps(campaign: &Campaign, mut readings: Vec<Reading>, settings: Settin
     warnings.extend([&fits.up, &fits.down].into_iter().filter_map(|fit| friction::form_warning(fit, settings.form)));
     let (rows, trials) = (readings.iter().map(|r| r.rows).sum(), readings.len());
     let trace = readings.iter_mut().find_map(|r| r.trace.take());
-    let (prepared, entries): (Vec<Prepared>, Vec<_>) = readings
-        .into_iter()
-        .filter(|r| r.entry.protocol != Protocol::Interaction)
-        .map(|r| (r.prepared, r.entry))
-        .unzip();
+    let (prepared, entries) = of_the_joint_alone(readings);
     let combination = combination::fit_combination(&prepared, &model, lowpass_hz, settings.combination);
     match &combination {
         Some(fit) => {
@@ -190,6 +186,12 @@ pub fn with_friction(mut model: Model, fits: &Both<FrictionFit>) -> Model {
     model
 }
 
+/// The trials in which nothing but the joint itself acts, thinned, with their entries.
+pub fn of_the_joint_alone(readings: Vec<Reading>) -> (Vec<Prepared>, Vec<TrialEntry>) {
+    let alone = readings.into_iter().filter(|r| r.entry.protocol != Protocol::Interaction);
+    alone.map(|r| (r.prepared, r.entry)).unzip()
+}
+
 fn from_free_motion(campaign: &Campaign, readings: Vec<Reading>, settings: Settings) -> Result<Identification> {
     let lowpass_hz = campaign.signal.lowpass_hz;
     let mut warnings: Vec<String> = readings.iter().flat_map(|r| r.warnings.iter().map(Problem::to_string)).collect();
@@ -199,11 +201,7 @@ fn from_free_motion(campaign: &Campaign, readings: Vec<Reading>, settings: Setti
             .to_string(),
     );
     let (rows, trials) = (readings.iter().map(|r| r.rows).sum(), readings.len());
-    let (prepared, entries): (Vec<Prepared>, Vec<_>) = readings
-        .into_iter()
-        .filter(|r| r.entry.protocol != Protocol::Interaction)
-        .map(|r| (r.prepared, r.entry))
-        .unzip();
+    let (prepared, entries) = of_the_joint_alone(readings);
     let moving = |p: &Prepared| p.series.velocity_rad_s.iter().any(|v| *v > 0.0) && !p.reversals().is_empty();
     if !prepared.iter().any(moving) {
         let what = "no sweep, and no trial in which the joint turns: friction cannot be told from the load";

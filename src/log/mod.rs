@@ -1,4 +1,4 @@
-//! A recorded campaign: `campaign.toml` -> [`Campaign`]; trial by trial, a CSV or Parquet log -> [`Log`] in SI.
+//! A recorded campaign: `campaign.toml` -> `Campaign`; trial by trial, a CSV or Parquet log -> `Log` in SI.
 
 mod campaign;
 mod checks;

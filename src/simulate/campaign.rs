@@ -83,7 +83,7 @@ impl Plan {
             file: folder.join("campaign.toml"),
             joint: model.joint.clone(),
             dynamics: model.dynamics,
-            signal: self.signal.clone(),
+            signal: self.signal,
             columns: Columns {
                 time: column(("time_s", Unit::Second)),
                 position: column(position),
