@@ -2,7 +2,7 @@
 
 use super::columns::Columns;
 use crate::document::{Document, Section};
-use crate::dynamics::{Dynamics, JointKind};
+use crate::dynamics::Dynamics;
 use crate::model::Joint;
 use crate::problem::{Problem, Result};
 use std::collections::BTreeMap;
@@ -109,7 +109,7 @@ impl Campaign {
 
     fn from_section(root: &Section<'_>, folder: &Path, file: &Path) -> Option<Self> {
         let format = root.need("format").choice(&[(FORMAT, ())]);
-        let joint = root.need("joint").section(joint);
+        let joint = root.need("joint").section(Joint::read);
         let dynamics = root.need("dynamics").section(dynamics);
         let signal = root.need("signal").section(signal);
         let kind = joint.as_ref().map(|joint| joint.kind).unwrap_or_default();
@@ -127,28 +127,6 @@ impl Campaign {
         let (joint, dynamics, signal) = (joint?, dynamics?, signal?);
         Some(Self { folder, file, joint, dynamics, signal, columns: columns?, trials: trials? })
     }
-}
-
-fn joint(section: &Section<'_>) -> Option<Joint> {
-    let name = section.need("name").text();
-    let kinds = [JointKind::Revolute, JointKind::Prismatic].map(|kind| (kind.name(), kind));
-    let kind = section.may("kind").choice(&kinds).unwrap_or_default();
-    let radius = |key: &str| {
-        let radius_m = section.need(key).positive()?;
-        if kind == JointKind::Prismatic && radius_m != 1.0 {
-            section.reject(key, format!("is {radius_m} on a prismatic joint"), "set it to 1.0: there is no arm");
-        }
-        Some(radius_m)
-    };
-    let (winch_radius_m, pulley_radius_m) = (radius("winch_radius_m"), radius("pulley_radius_m"));
-    let backlash_m = section.need("backlash_m").not_negative();
-    Some(Joint {
-        name: name?,
-        kind,
-        winch_radius_m: winch_radius_m?,
-        pulley_radius_m: pulley_radius_m?,
-        backlash_m: backlash_m?,
-    })
 }
 
 fn dynamics(section: &Section<'_>) -> Option<Dynamics> {

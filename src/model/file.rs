@@ -24,7 +24,7 @@ impl Model {
             for key in EXTRA_KEYS {
                 root.may(key);
             }
-            let joint = root.need("joint").section(read_joint);
+            let joint = root.need("joint").section(Joint::read);
             let dynamics = root.need("dynamics").section(|s| {
                 let gravity_nm = s.need("gravity_nm").number();
                 let inertia_kg_m2 = s.need("inertia_kg_m2").not_negative();
@@ -96,22 +96,6 @@ impl Confidence {
     fn to_json(self) -> Value {
         json!({ "low": self.low, "high": self.high, "cv": self.cv, "status": self.status.name() })
     }
-}
-
-fn read_joint(s: &Section) -> Option<Joint> {
-    let name = s.need("name").text();
-    let kinds = [JointKind::Revolute, JointKind::Prismatic].map(|kind| (kind.name(), kind));
-    let kind = s.may("kind").choice(&kinds).unwrap_or_default();
-    let winch_radius_m = s.need("winch_radius_m").positive();
-    let pulley_radius_m = s.need("pulley_radius_m").positive();
-    let backlash_m = s.need("backlash_m").not_negative();
-    Some(Joint {
-        name: name?,
-        kind,
-        winch_radius_m: winch_radius_m?,
-        pulley_radius_m: pulley_radius_m?,
-        backlash_m: backlash_m?,
-    })
 }
 
 /// A branch; its rates must make the exponentials decay with speed in its own direction.
