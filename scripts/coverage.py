@@ -4,7 +4,7 @@
 usage: scripts/coverage.py [--campaigns 500] [--binary target/release/tautline] [--within 0.93 0.97]
 
 Each campaign is the whole protocol at 200 Hz with white noise, seed 1, 2, ... A: mean of the legs +- half width as reported.
-B: each leg's B +- its own standard error and that of A. Also: every friction parameter's interval, and those called pinned.
+B: each leg's B +- its own standard error and that of A. Also: every friction parameter's interval, those called pinned, and p of the change-over.
 Ends with status 1 when A or B is held less or more often than `--within`. (Standard library only.)
 """
 import argparse
@@ -36,7 +36,7 @@ def one(binary, seed, model):
     """Held or not: per quantity a list of truth values."""
     held = collections.defaultdict(list)
     with tempfile.TemporaryDirectory() as scratch:
-        simulate = [binary, "simulate", "--model", TRUTH, "-o", f"{scratch}/c", "--rate-hz", "200", "--cosines", "0",
+        simulate = [binary, "simulate", "--model", TRUTH, "-o", f"{scratch}/c", "--rate-hz", "200", "--cosines", "1",
                     "--seed", str(seed), "--quiet"]
         subprocess.run(simulate, check=True)
         subprocess.run([binary, "identify", f"{scratch}/c", "-o", f"{scratch}/o", "--quiet"], check=True)
@@ -56,6 +56,8 @@ def one(binary, seed, model):
             held["any friction parameter"].append(inside)
             if known["status"] == "pinned":
                 held["pinned friction parameter"].append(inside)
+    known = found["confidence"]["combination.p"]
+    held["p of the change-over"].append(known["low"] <= model["combination"]["p"] <= known["high"])
     return held
 
 

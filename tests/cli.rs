@@ -123,6 +123,53 @@ fn an_existing_output_is_replaced_only_when_told() {
 }
 
 #[test]
+fn a_recorded_campaign_is_never_replaced_by_a_simulated_one() {
+    let recorded = campaign();
+    let to = recorded.path().to_string_lossy().into_owned();
+    let short = ["--speeds", "1", "--repeats", "1", "--cosines", "0", "--rate-hz", "50", "--force"];
+    let simulate = [&["simulate", "--model", "data/elbow/truth/model.json", "-o", &to][..], &short].concat();
+    assert!(refused(&tautline(&simulate)).contains("simulated.json"));
+    assert!(recorded.path().join("cosine_1.csv").exists());
+    // Its own output it may replace.
+    std::fs::write(recorded.path().join("simulated.json"), "{}").unwrap();
+    assert!(tautline(&simulate).status.success());
+    assert!(!recorded.path().join("cosine_1.csv").exists());
+}
+
+#[test]
+fn interrupted_work_leaves_nothing() {
+    let out = TempDir::new().unwrap();
+    let to = path(&out, "long").1;
+    let mut child = Command::new(env!("CARGO_BIN_EXE_tautline"))
+        .args(["simulate", "--model", "data/elbow/truth/model.json", "-o", &to, "--rate-hz", "4000", "--quiet"])
+        .spawn()
+        .unwrap();
+    let staged = || std::fs::read_dir(out.path()).unwrap().count() > 0;
+    for _ in 0..500 {
+        if staged() {
+            break;
+        }
+        std::thread::sleep(std::time::Duration::from_millis(10));
+    }
+    assert!(staged(), "nothing was begun");
+    // SIGINT, as Ctrl-C sends it.
+    assert!(Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap().success());
+    assert_eq!(child.wait().unwrap().code(), Some(130));
+    assert!(!staged(), "{:?}", std::fs::read_dir(out.path()).unwrap().collect::<Vec<_>>());
+}
+
+#[test]
+fn a_full_disk_is_no_success() {
+    let (campaign, out) = (campaign(), TempDir::new().unwrap());
+    let Ok(full) = std::fs::OpenOptions::new().write(true).open("/dev/full") else { return };
+    let status = Command::new(env!("CARGO_BIN_EXE_tautline"))
+        .args(["identify", &campaign.path().to_string_lossy(), "-o", &path(&out, "r").1, "--json"])
+        .stdout(full)
+        .status();
+    assert_eq!(status.unwrap().code(), Some(2));
+}
+
+#[test]
 fn a_failed_run_leaves_nothing() {
     let (campaign, out) = (campaign(), TempDir::new().unwrap());
     std::fs::write(campaign.path().join("sweep_0.0500_1.csv"), "time_s,position_deg,torque_nm\n0,0,x\n").unwrap();

@@ -120,3 +120,39 @@ fn a_campaign_without_sweeps_says_what_it_cannot_know() {
     assert!(free.held_out_nm < 0.020, "{}", free.held_out_nm);
     assert!(found.warnings.iter().any(|w| w.contains("--estimate-backlash")), "{:?}", found.warnings);
 }
+
+/// Every position 12 degrees off: A sin(theta) + B no longer describes the legs, and no interval knows it.
+#[test]
+fn a_wrong_zero_of_the_position_is_doubted() {
+    let sensors = Sensors { torque_noise_nm: 0.01, encoder_counts: 524_288.0 };
+    let folder = record(&truth(), &Plan { repeats: 2, sensors, ..plan() });
+    for entry in std::fs::read_dir(folder.path()).unwrap() {
+        let file = entry.unwrap().path();
+        if file.extension().is_some_and(|e| e == "csv") {
+            let text = std::fs::read_to_string(&file).unwrap();
+            let shift = |line: &str| {
+                let mut fields: Vec<String> = line.split(',').map(str::to_string).collect();
+                if let Ok(degrees) = fields[1].parse::<f64>() {
+                    fields[1] = format!("{:.6}", degrees + 12.0);
+                }
+                fields.join(",") + "\n"
+            };
+            std::fs::write(&file, text.lines().map(shift).collect::<String>()).unwrap();
+        }
+    }
+    let found = identified(folder.path(), Settings::default());
+    assert!(found.warnings.iter().any(|w| w.contains("strays from A sin(theta) + B")), "{:?}", found.warnings);
+    assert_ne!(found.model.confidence["friction.up.mu_c"].status, Status::Pinned);
+}
+
+#[test]
+fn gravity_of_zero_that_the_torque_contradicts_is_refused() {
+    let folder = record(&truth(), &plan());
+    let file = folder.path().join("campaign.toml");
+    let text = std::fs::read_to_string(&file).unwrap();
+    assert!(text.contains("gravity_nm = 0.6916"));
+    std::fs::write(&file, text.replace("gravity_nm = 0.6916", "gravity_nm = 0.0")).unwrap();
+    let campaign = tautline::log::Campaign::read(folder.path()).unwrap();
+    let problems = tautline::identify::run(&campaign, Settings::default(), &|| ()).unwrap_err().to_string();
+    assert!(problems.contains("gravity_nm"), "{problems}");
+}

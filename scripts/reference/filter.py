@@ -28,6 +28,6 @@ if "--check" in sys.argv:
     stored = json.loads(out.read_text())["cases"]
     off = max(np.max(np.abs(np.subtract(a["filtered"], b["filtered"]))) for a, b in zip(stored, cases, strict=True))
     print(f"{out}: {len(cases)} cases, off by at most {off:.1e}")
-    sys.exit(off > 1e-11)
+    sys.exit(int(off > 1e-11))
 out.write_text(json.dumps({"scipy": scipy.__version__, "cases": cases}) + "\n")
 print(f"{out}: {len(cases)} cases")

@@ -16,6 +16,6 @@ pub struct Arguments {
 pub fn run(arguments: &Arguments) -> Result<ExitCode> {
     let mut script = Vec::new();
     clap_complete::generate(arguments.shell, &mut super::Arguments::command(), "tautline", &mut script);
-    super::outcome::say(|out| out.write_all(&script));
+    super::outcome::say(|out| out.write_all(&script))?;
     Ok(ExitCode::SUCCESS)
 }

@@ -1,16 +1,17 @@
 //! `tautline fit`: the steps of the protocol one by one, each writing what the next reads.
 
 use super::identify::Choices;
+use super::interrupt;
 use super::outcome::Talk;
 use super::progress;
 use crate::identify::combination::fit_combination;
-use crate::identify::friction::fit_friction;
+use crate::identify::friction::{fit_friction, form_warning, line_warning};
 use crate::identify::{Reading, blank_model, legs, of_the_joint_alone, read_trials, with_friction};
 use crate::log::Campaign;
 use crate::model::Model;
 use crate::problem::{Problem, Result};
 use crate::report::wording::Units;
-use crate::report::{Output, identification, json_text, read_trials_csv, terminal, write_trials};
+use crate::report::{identification, json_text, read_trials_csv, terminal, write_trials};
 use clap::Subcommand;
 use serde_json::json;
 use std::io::Write;
@@ -86,7 +87,7 @@ fn readings(campaign: &Campaign, talk: &Talk) -> Result<Vec<Reading>> {
 
 fn trials(common: &Common, talk: &Talk) -> Result<()> {
     let campaign = Campaign::read(&common.campaign)?;
-    let output = Output::begin(&common.output, common.force, &["trials.csv"])?;
+    let output = interrupt::output(&common.output, common.force, &["trials.csv"])?;
     let mut legs: Vec<_> = readings(&campaign, talk)?.into_iter().flat_map(|r| r.legs).collect();
     let a = legs::amplitudes(&legs, &campaign.file)?;
     legs::fix_a(&mut legs, &a);
@@ -106,19 +107,22 @@ fn trials(common: &Common, talk: &Talk) -> Result<()> {
             writeln!(out, "A up    {:.4} N m, SD {:.4}", up.a_nm, up.sd_nm)?;
             writeln!(out, "A down  {:.4} N m, SD {:.4}", down.a_nm, down.sd_nm)
         },
-    );
-    Ok(())
+    )
 }
 
 fn friction(common: &Common, trials: &Path, choices: &Choices, talk: &Talk) -> Result<()> {
     let campaign = Campaign::read(&common.campaign)?;
     let legs = read_trials_csv(trials)?;
-    let output = Output::begin(&common.output, common.force, &["model.json"])?;
+    let output = interrupt::output(&common.output, common.force, &["model.json"])?;
     let a = legs::amplitudes(&legs, trials)?;
     let form = choices.settings(false).form;
     let fits = fit_friction(&legs, &a, &campaign.joint, campaign.dynamics.gravity_nm, form, trials)?;
     let model = with_friction(blank_model(&campaign), &fits);
+    let both = [&fits.up, &fits.down];
+    let warnings: Vec<String> =
+        both.iter().flat_map(|fit| form_warning(fit, form).into_iter().chain(line_warning(fit))).collect();
     let mut json = model.to_json();
+    json["warnings"] = json!(warnings);
     json["forms"] = json!({
         "up": identification::branch_forms(&fits.up),
         "down": identification::branch_forms(&fits.down),
@@ -129,19 +133,23 @@ fn friction(common: &Common, trials: &Path, choices: &Choices, talk: &Talk) -> R
         || json,
         |out| {
             terminal::sweeps(out, &fits, &Units::of(model.joint.kind))?;
-            terminal::parameter_table(out, &model)
+            terminal::parameter_table(out, &model)?;
+            list(out, &warnings)
         },
-    );
-    Ok(())
+    )
+}
+
+fn list(out: &mut impl Write, warnings: &[String]) -> std::io::Result<()> {
+    warnings.iter().try_for_each(|warning| writeln!(out, "  ! {warning}"))
 }
 
 fn combination(common: &Common, model: &Path, choices: &Choices, talk: &Talk) -> Result<()> {
     let campaign = Campaign::read(&common.campaign)?;
     let mut model = Model::read(model)?;
-    let output = Output::begin(&common.output, common.force, &["model.json"])?;
+    let output = interrupt::output(&common.output, common.force, &["model.json"])?;
     let (prepared, _) = of_the_joint_alone(readings(&campaign, talk)?);
     let settings = choices.settings(false).combination;
-    let Some(fit) = fit_combination(&prepared, &model, campaign.signal.lowpass_hz, settings) else {
+    let Some(fit) = fit_combination(&prepared, &model, campaign.signal.lowpass_hz, settings, None) else {
         let what = "no reversal could be used";
         return Problem::error(&campaign.file, what, "record motion that turns, out of clipping").alone();
     };
@@ -149,9 +157,15 @@ fn combination(common: &Common, model: &Path, choices: &Choices, talk: &Talk) ->
     model.joint.backlash_m = fit.curve().backlash_m;
     model.confidence.extend(fit.confidence.iter().cloned());
     let mut json = model.to_json();
+    json["warnings"] = json!(fit.warnings);
     json["combinations"] = identification::combinations(&fit);
     output.write("model.json", json_text(&json))?;
     output.finish()?;
-    talk.result(|| json, |out| terminal::curves(out, &fit, &Units::of(model.joint.kind)));
-    Ok(())
+    talk.result(
+        || json,
+        |out| {
+            terminal::curves(out, &fit, &Units::of(model.joint.kind))?;
+            list(out, &fit.warnings)
+        },
+    )
 }

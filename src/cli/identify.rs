@@ -1,12 +1,13 @@
 //! `tautline identify`.
 
+use super::interrupt;
 use super::outcome::Talk;
 use super::progress;
 use crate::identify::{self, CurveKind, Form, Settings, combination};
 use crate::log::Campaign;
 use crate::problem::Result;
 use crate::report::terminal::write_summary;
-use crate::report::{IDENTIFICATION_FILES, Output, identification, write_identification};
+use crate::report::{IDENTIFICATION_FILES, identification, write_identification};
 use clap::ValueEnum;
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -87,9 +88,11 @@ impl Choices {
 
 pub fn run(arguments: &Arguments, talk: &Talk) -> Result<ExitCode> {
     let campaign = Campaign::read(&arguments.campaign)?;
-    let output = Output::begin(&arguments.output, arguments.force, IDENTIFICATION_FILES)?;
+    let output = interrupt::output(&arguments.output, arguments.force, IDENTIFICATION_FILES)?;
     let bar = progress::bar(talk, "reading", campaign.trials.len());
-    let found = identify::run(&campaign, arguments.choices.settings(arguments.refine), &|| bar.inc(1));
+    let found = identify::run(&campaign, arguments.choices.settings(arguments.refine), &|| {
+        progress::step(&bar, "fitting");
+    });
     bar.finish_and_clear();
     let found = found?;
     let name = campaign_name(&campaign);
@@ -98,7 +101,7 @@ pub fn run(arguments: &Arguments, talk: &Talk) -> Result<ExitCode> {
     talk.result(
         || identification::to_json(&found, &name),
         |out| write_summary(out, &found, &name, Some(&arguments.output)),
-    );
+    )?;
     Ok(ExitCode::SUCCESS)
 }
 

@@ -5,6 +5,7 @@
 mod completions;
 mod fit;
 mod identify;
+mod interrupt;
 mod outcome;
 mod progress;
 mod simulate;
@@ -49,6 +50,7 @@ enum Command {
 /// Parses the command line, runs the command, reports what failed.
 pub fn run() -> ExitCode {
     let Arguments { command, talk } = Arguments::parse();
+    interrupt::catch();
     let done = match command {
         Command::Identify(arguments) => identify::run(&arguments, &talk),
         Command::Fit(arguments) => fit::run(&arguments, &talk),

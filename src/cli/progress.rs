@@ -13,3 +13,13 @@ pub fn bar(talk: &Talk, what: &'static str, length: usize) -> ProgressBar {
         Err(_) => bar,
     }
 }
+
+/// One step on; after the last, the bar says what goes on behind it.
+pub fn step(bar: &ProgressBar, then: &'static str) {
+    bar.inc(1);
+    if Some(bar.position()) == bar.length() {
+        bar.set_style(ProgressStyle::default_spinner());
+        bar.set_message(then);
+        bar.enable_steady_tick(std::time::Duration::from_millis(100));
+    }
+}

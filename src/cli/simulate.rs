@@ -1,11 +1,12 @@
 //! `tautline simulate`.
 
+use super::interrupt;
 use super::outcome::Talk;
 use super::progress;
 use crate::log::Signal;
 use crate::model::Model;
 use crate::problem::{Problem, Problems, Result};
-use crate::report::Output;
+use crate::report::json_text;
 use crate::simulate::{Plan, Sensors};
 use clap::ValueEnum;
 use rayon::prelude::*;
@@ -131,7 +132,11 @@ pub fn run(arguments: &Arguments, talk: &Talk) -> Result<ExitCode> {
     let plan = arguments.plan()?;
     let model = Model::read(&arguments.model)?;
     let trials = plan.trials();
-    let output = Output::begin(&arguments.output, arguments.force, &["campaign.toml", "*.csv", "*.parquet"])?;
+    let output = interrupt::output(
+        &arguments.output,
+        arguments.force,
+        &["simulated.json", "campaign.toml", "*.csv", "*.parquet"],
+    )?;
     let bar = progress::bar(talk, "simulating", trials.len());
     trials.par_iter().try_for_each(|trial| {
         output.write(&trial.entry.file, &plan.log_bytes(&model, trial)?)?;
@@ -140,11 +145,13 @@ pub fn run(arguments: &Arguments, talk: &Talk) -> Result<ExitCode> {
     })?;
     bar.finish_and_clear();
     output.write("campaign.toml", plan.campaign(&model, &arguments.output, &trials).to_toml().as_bytes())?;
+    let mark = json!({ "tautline": env!("CARGO_PKG_VERSION"), "seed": plan.seed, "model": model.to_json() });
+    output.write("simulated.json", json_text(&mark))?;
     output.finish()?;
     let (folder, name, count) = (arguments.output.display(), &model.joint.name, trials.len());
     talk.result(
         || json!({ "campaign": arguments.output, "trials": count, "seed": plan.seed }),
         |out| writeln!(out, "{folder}: {count} trials of {name}, seed {}", plan.seed),
-    );
+    )?;
     Ok(ExitCode::SUCCESS)
 }

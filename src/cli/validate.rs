@@ -28,13 +28,13 @@ pub fn run(arguments: &Arguments, talk: &Talk) -> Result<ExitCode> {
     let errors = problems.iter().filter(|p| p.severity == Severity::Error).count();
     let text = match (errors, problems.len()) {
         (0, 0) => format!("{}: {trials} trials, no problem found\n", arguments.campaign.display()),
-        (0, n) => format!("{}: {trials} trials, usable, {n} warnings\n", arguments.campaign.display()),
-        (e, n) => format!("{}: {e} errors, {} warnings\n", arguments.campaign.display(), n - e),
+        (0, n) => format!("{}: {trials} trials, usable; warnings: {n}\n", arguments.campaign.display()),
+        (e, n) => format!("{}: not usable; errors: {e}, warnings: {}\n", arguments.campaign.display(), n - e),
     };
     let rows: Vec<Value> = problems.iter().map(problem_json).collect();
     let json = json!({ "campaign": arguments.campaign, "trials": trials, "errors": errors, "problems": rows });
     complain(&Problems(problems));
-    talk.result(|| json, |out| out.write_all(text.as_bytes()));
+    talk.result(|| json, |out| out.write_all(text.as_bytes()))?;
     Ok(if errors == 0 { ExitCode::SUCCESS } else { ExitCode::from(BAD_INPUT) })
 }
 

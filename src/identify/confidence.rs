@@ -7,6 +7,19 @@ pub const PINNED_CV: f64 = 0.10;
 /// A parameter whose standard error exceeds this share of it even with all others known is flat.
 pub const FLAT_CV: f64 = 0.5;
 
+/// Takes the word `pinned` from parameters whose model does not describe the data: an interval knows only noise.
+pub fn demote<'a>(known: impl Iterator<Item = &'a mut Confidence>) {
+    for confidence in known.filter(|c| c.status == Status::Pinned) {
+        confidence.status = Status::TradeOff;
+    }
+}
+
+/// What is known of k, given what is known of p: k = 1 / atan(2 p).
+pub fn of_k(of_p: Confidence) -> Confidence {
+    let k = |p: f64| 1.0 / (2.0 * p.max(0.0)).atan();
+    Confidence { low: k(of_p.high), high: k(of_p.low), ..of_p }
+}
+
 /// The confidence of `value` within `ends` (in any order), `beside` added in quadrature on both sides.
 ///
 /// `half_widths` is the half width in standard errors; `alone` the coefficient of variation were all else known.

@@ -70,15 +70,15 @@ const DOUBT: f64 = 0.9;
 
 /// Fits `trials`, starting from `model`'s geometry and rigid body; `folds` says which half each trial belongs to.
 pub fn fit_free(trials: &[Prepared], folds: &[usize], model: &Model, lowpass_hz: f64, settings: Settings) -> FreeFit {
-    let search = Search::new(trials, folds, model, lowpass_hz, settings.estimate_backlash);
-    let warnings =
-        if settings.estimate_backlash { Vec::new() } else { doubt(trials, folds, model, lowpass_hz, &search) };
+    let search = Search::new(trials, folds, model, lowpass_hz, settings.estimate_backlash, &CurveKind::ALL);
     let judged: Vec<Vec<(f64, f64)>> =
         CurveKind::ALL.iter().map(|kind| search.held_out(FreeForm::Load, *kind)).collect();
     let sums: Vec<Vec<f64>> = judged.iter().map(|parts| parts.iter().map(|p| p.0).collect()).collect();
     let supported = best_supported(&sums);
     let taken = settings.wanted.and_then(|w| CurveKind::ALL.iter().position(|k| *k == w)).unwrap_or(supported);
     let kind = CurveKind::ALL[taken];
+    let warnings =
+        if settings.estimate_backlash { None } else { doubt(trials, folds, model, lowpass_hz, &search, kind) };
     let forms: Vec<(FreeForm, Vec<(f64, f64)>)> =
         FreeForm::ALL.iter().map(|form| (*form, search.held_out(*form, kind))).collect();
     let (form, held_out) = &forms[best_form(&forms)];
@@ -93,7 +93,7 @@ pub fn fit_free(trials: &[Prepared], folds: &[usize], model: &Model, lowpass_hz:
     let curves = CurveKind::ALL.iter().zip(&judged).map(curve).collect();
     let combination = overlay(trials, &fit.model, lowpass_hz, curves, supported, taken);
     FreeFit {
-        combination: CombinationFit { warnings, ..combination },
+        combination: CombinationFit { warnings: warnings.into_iter().collect(), ..combination },
         forms: forms.iter().map(|(form, sums)| (*form, rmse_nm(sums))).collect(),
         form: *form,
         held_out_nm: rmse_nm(held_out),
@@ -101,19 +101,28 @@ pub fn fit_free(trials: &[Prepared], folds: &[usize], model: &Model, lowpass_hz:
     }
 }
 
-/// A word when free motion contradicts the declared clearance.
-fn doubt(trials: &[Prepared], folds: &[usize], model: &Model, lowpass_hz: f64, declared: &Search) -> Vec<String> {
-    let free = Search::new(trials, folds, model, lowpass_hz, true);
-    let error = |search: &Search| search.fit(&free.all(), FreeForm::Load, CurveKind::Linear).rmse_nm;
+/// A word when free motion contradicts the declared clearance, judged by the curve of `kind`.
+fn doubt(
+    trials: &[Prepared],
+    folds: &[usize],
+    model: &Model,
+    lowpass_hz: f64,
+    declared: &Search,
+    kind: CurveKind,
+) -> Option<String> {
+    // A jump does not know the clearance; a straight line through one does.
+    let kind = if kind == CurveKind::Sign { CurveKind::Linear } else { kind };
+    let free = Search::new(trials, folds, model, lowpass_hz, true, &[kind]);
+    let error = |search: &Search| search.fit(&free.all(), FreeForm::Load, kind).rmse_nm;
     if error(&free) > DOUBT * error(declared) {
-        return Vec::new();
+        return None;
     }
-    let asked_mm = 1e3 * free.start(CurveKind::Linear).joint.backlash_m;
+    let asked_mm = 1e3 * free.start(kind).joint.backlash_m;
     let declared_mm = 1e3 * model.joint.backlash_m;
-    vec![format!(
+    Some(format!(
         "the reversals ask for a clearance near {asked_mm:.2} mm, not the declared backlash_m = {declared_mm:.2} mm; try \
          --estimate-backlash"
-    )]
+    ))
 }
 
 /// Two halves of a campaign, each fitted and each judged by the other's fit.
@@ -126,7 +135,14 @@ struct Search<'a> {
 }
 
 impl<'a> Search<'a> {
-    fn new(trials: &'a [Prepared], folds: &[usize], model: &Model, lowpass_hz: f64, estimate_backlash: bool) -> Self {
+    fn new(
+        trials: &'a [Prepared],
+        folds: &[usize],
+        model: &Model,
+        lowpass_hz: f64,
+        estimate_backlash: bool,
+        kinds: &[CurveKind],
+    ) -> Self {
         let limits = Limits::new(trials, model);
         let widest_rad = if estimate_backlash { MAX_BACKLASH * limits.stroke_rad } else { model.joint.backlash_rad() };
         let part = |trial, samples| Part::new(trial, samples, widest_rad, lowpass_hz);
@@ -145,7 +161,10 @@ impl<'a> Search<'a> {
         let starts: Vec<Model> = CurveKind::ALL.iter().map(with_curve).collect();
         let mut search = Self { halves, starts, limits, estimate_backlash };
         if estimate_backlash {
-            search.starts = CurveKind::ALL.par_iter().map(|kind| search.with_backlash(*kind)).collect();
+            let start = |kind: &CurveKind| {
+                if kinds.contains(kind) { search.with_backlash(*kind) } else { search.start(*kind).clone() }
+            };
+            search.starts = CurveKind::ALL.par_iter().map(start).collect();
         }
         search
     }

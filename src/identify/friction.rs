@@ -1,5 +1,6 @@
 //! Step 5 of the protocol: mu_c from A (18), the other six parameters from B(v) (19), each with what the data know of it.
 
+use super::confidence::demote;
 use super::legs::{Amplitude, LegFit, weights};
 use super::scale::{CONSPIRING, Scale};
 use super::stribeck::{ExponentialFit, Points, Profile};
@@ -91,7 +92,7 @@ fn fit_direction(
     let points = Points::new(weighted.collect());
     let forms: Vec<ExponentialFit> = (0..=2).filter_map(|n| points.fit(n)).collect();
     let Some(best) = forms.iter().min_by(|x, y| x.aicc().total_cmp(&y.aicc())) else {
-        let what = format!("{} legs move {}: too few speeds for B(v)", mine.len(), direction.name());
+        let what = format!("{} of all legs move {}: too few speeds for B(v)", mine.len(), direction.name());
         return Problem::error(campaign, what, "record sweeps at six speeds or more, at least two").alone();
     };
     let supported = best.rates.len();
@@ -110,12 +111,16 @@ fn fit_direction(
     let profile = points.profile(&taken, band, CONSPIRING);
     let mean_sine = mean(&mine.iter().map(|leg| leg.mean_sine).collect::<Vec<f64>>());
     let scale = Scale::new(&a, direction, joint, gravity_nm, mean_sine);
+    let mut confidence = scale.confidence(&taken, profile.as_ref(), &points);
+    if !a.describes() {
+        demote(confidence.iter_mut());
+    }
     let spread_nm =
         standard_deviation(&points.b_nm) * ((points.b_nm.len() as f64 - 1.0) / points.b_nm.len() as f64).sqrt();
     Ok(FrictionFit {
         direction,
         friction: scale.friction(&taken),
-        confidence: scale.confidence(&taken, profile.as_ref(), &points),
+        confidence,
         r_squared: 1.0 - (taken.rmse_nm / spread_nm).powi(2),
         why: why(&forms, supported),
         supported,
@@ -136,6 +141,14 @@ fn check_amplitude(a: &Amplitude, direction: Direction, gravity_nm: f64, campaig
         return Problem::error(campaign, what, "turn torque_sign, or correct gravity_nm or the position's zero")
             .in_column("torque_sign")
             .alone();
+    }
+    if gravity_nm == 0.0 && a.a_nm.abs() > a.half_width_nm {
+        let what = format!(
+            "gravity_nm = 0, yet moving {} the torque follows sin(theta) with A = {:.4} N m",
+            direction.name(),
+            a.a_nm
+        );
+        return Problem::error(campaign, what, "give the gravity torque at 90 deg").in_column("gravity_nm").alone();
     }
     Ok(())
 }
@@ -171,6 +184,18 @@ fn why(forms: &[ExponentialFit], supported: usize) -> String {
     } else {
         format!("{verdict}: {}", steps.join("; "))
     }
+}
+
+/// A word when the torque of the legs does not follow A sin(theta) + B.
+pub fn line_warning(fit: &FrictionFit) -> Option<String> {
+    (!fit.a.describes()).then(|| {
+        format!(
+            "moving {}, every leg strays from A sin(theta) + B in the same way ({:.0} times what noise would do): check the zero \
+             of the position and what else loads the joint; until then nothing of this direction counts as pinned",
+            fit.direction.name(),
+            fit.a.misfit
+        )
+    })
 }
 
 /// A word when the model takes fewer exponentials than were asked for, or more than the data support.

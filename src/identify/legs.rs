@@ -6,7 +6,7 @@
 //! Then A is the mean over the legs of a direction, and B of a leg its mean of y - A sin(theta).
 
 use crate::model::{Both, Direction};
-use crate::numerics::statistics::{mean, standard_deviation, student_t};
+use crate::numerics::statistics::{mean, root_mean_square, standard_deviation, student_t};
 use crate::prepare::{Leg, Trial};
 use crate::problem::{Problem, Result};
 use std::path::Path;
@@ -59,6 +59,21 @@ pub struct Amplitude {
     pub half_width_nm: f64,
     /// Legs.
     pub legs: usize,
+    /// Root mean square of the legs' own standard errors of A over their scatter: 1 when only noise separates the torque from
+    /// A sin(theta) + B, far above when every leg strays from it in the same way.
+    pub misfit: f64,
+}
+
+/// Beyond this `misfit` many legs do not follow A sin(theta) + B (white noise leaves 0.7 to 1.4); of few legs, whose scatter is
+/// itself uncertain, more is asked.
+const MISFIT: f64 = 2.0;
+const MISFIT_OF_FEW: f64 = 6.0;
+
+impl Amplitude {
+    /// Whether the torque of the legs follows A sin(theta) + B.
+    pub fn describes(&self) -> bool {
+        self.legs < 3 || self.misfit < MISFIT + MISFIT_OF_FEW / (self.legs as f64 - 1.0)
+    }
 }
 
 /// Regresses every leg of `trial`; `gravity_nm` scales a measured load beside sin(theta).
@@ -148,11 +163,14 @@ impl Line {
 
 /// Step 3: A of `direction`, the mean over its legs; `None` without legs in that direction.
 pub fn amplitude(legs: &[LegFit], direction: Direction) -> Option<Amplitude> {
-    let values: Vec<f64> = legs.iter().filter(|leg| leg.direction == direction).map(|leg| leg.a_nm).collect();
+    let mine = || legs.iter().filter(|leg| leg.direction == direction);
+    let values: Vec<f64> = mine().map(|leg| leg.a_nm).collect();
     let n = values.len();
     let sd_nm = standard_deviation(&values);
     let half_width_nm = if n > 1 { student_t(n as f64 - 1.0) * sd_nm / (n as f64).sqrt() } else { f64::INFINITY };
-    (n > 0).then(|| Amplitude { a_nm: mean(&values), sd_nm, half_width_nm, legs: n })
+    let errors: Vec<f64> = mine().map(|leg| leg.a_se_nm).collect();
+    let misfit = root_mean_square(&errors) / sd_nm;
+    (n > 0).then(|| Amplitude { a_nm: mean(&values), sd_nm, half_width_nm, legs: n, misfit })
 }
 
 /// Step 3 for both directions; `campaign` is named when one has no legs.

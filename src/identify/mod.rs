@@ -24,6 +24,7 @@ pub use windows::Crossing;
 
 use crate::log::{Campaign, Protocol, TrialEntry};
 use crate::model::{Both, Combination, Confidence, Direction, Friction, Model, Status};
+use crate::numerics::statistics::root_mean_square;
 use crate::problem::{Problem, Result};
 use predicted::Prepared;
 use rayon::prelude::*;
@@ -94,7 +95,7 @@ pub struct Residual {
 impl Residual {
     /// Root mean square, N m.
     pub fn rmse_nm(&self) -> f64 {
-        crate::numerics::statistics::root_mean_square(&self.residual_nm)
+        root_mean_square(&self.residual_nm)
     }
 }
 
@@ -146,12 +147,14 @@ fn from_sweeps(campaign: &Campaign, mut readings: Vec<Reading>, settings: Settin
     let gravity_nm = campaign.dynamics.gravity_nm;
     let fits = friction::fit_friction(&legs, &a, &campaign.joint, gravity_nm, settings.form, &campaign.file)?;
     let mut model = with_friction(blank_model(campaign), &fits);
+    let sliding_nm = root_mean_square(&legs.iter().map(|leg| leg.rmse_nm).collect::<Vec<f64>>());
     let mut warnings: Vec<String> = readings.iter().flat_map(|r| r.warnings.iter().map(Problem::to_string)).collect();
     warnings.extend([&fits.up, &fits.down].into_iter().filter_map(|fit| friction::form_warning(fit, settings.form)));
     let (rows, trials) = (readings.iter().map(|r| r.rows).sum(), readings.len());
     let trace = readings.iter_mut().find_map(|r| r.trace.take());
     let (prepared, entries) = of_the_joint_alone(readings);
-    let combination = combination::fit_combination(&prepared, &model, lowpass_hz, settings.combination);
+    let combination =
+        combination::fit_combination(&prepared, &model, lowpass_hz, settings.combination, Some(sliding_nm));
     match &combination {
         Some(fit) => {
             model.combination = fit.curve().curve;
@@ -167,9 +170,11 @@ fn from_sweeps(campaign: &Campaign, mut readings: Vec<Reading>, settings: Settin
     });
     if let Some(refined) = refinement.as_ref().filter(|r| r.gained) {
         model = Model { confidence: model.confidence, ..refined.fit.model.clone() };
-        model.confidence.extend(refined.fit.confidence.iter().cloned());
+        learn(&mut model, &refined.fit.confidence);
     }
     let residuals = residuals(&prepared, &entries, &model);
+    warnings.extend([&fits.up, &fits.down].into_iter().filter_map(|fit| friction::line_warning(fit)));
+    warnings.extend(extrapolation_warning(&residuals, fits.up.points.speed_range_rad_s().1, settings.refine));
     let route = Route::Sweeps(Box::new(fits));
     Ok(Identification { model, route, legs, combination, refinement, residuals, trace, warnings, trials, rows })
 }
@@ -217,7 +222,7 @@ fn from_free_motion(campaign: &Campaign, readings: Vec<Reading>, settings: Setti
             model.confidence.insert(format!("friction.{}.{name}", direction.name()), unseen);
         }
     }
-    model.confidence.extend(fit.fit.confidence.iter().cloned());
+    learn(&mut model, &fit.fit.confidence);
     if settings.refine {
         warnings.push("--refine changes nothing here: without sweeps all parameters are fitted together anyway".into());
     }
@@ -227,6 +232,15 @@ fn from_free_motion(campaign: &Campaign, readings: Vec<Reading>, settings: Setti
     let route = Route::Free(Box::new(fit));
     let (legs, refinement, trace) = (Vec::new(), None, None);
     Ok(Identification { model, route, legs, combination, refinement, residuals, trace, warnings, trials, rows })
+}
+
+/// Takes over what a fit knows of its parameters, and of k what it knows of p.
+fn learn(model: &mut Model, known: &[(String, Confidence)]) {
+    model.confidence.extend(known.iter().cloned());
+    if let Some(of_p) = model.confidence.get("combination.p") {
+        let of_k = confidence::of_k(*of_p);
+        model.confidence.insert("combination.k".to_string(), of_k);
+    }
 }
 
 /// The half that each trial belongs to: by its repeat number where that differs; else in the order a, b, b, a, which shares
@@ -256,15 +270,43 @@ fn residual(trial: &Prepared, file: &str, protocol: Protocol, model: &Model) -> 
     }
 }
 
+/// Beyond the sweeps' speeds the residual may be this many times that within before a word is due.
+const EXTRAPOLATED: f64 = 2.0;
+
+/// A word when the model does worse at speeds that no sweep reached.
+fn extrapolation_warning(residuals: &[Residual], fastest_rad_s: f64, refined: bool) -> Option<String> {
+    let (mut within, mut beyond) = (Vec::new(), Vec::new());
+    let mut top_rad_s = 0f64;
+    for (v, r) in residuals.iter().flat_map(|t| t.velocity_rad_s.iter().zip(&t.residual_nm)) {
+        if v.abs() > 1.1 * fastest_rad_s {
+            beyond.push(*r)
+        } else {
+            within.push(*r)
+        }
+        top_rad_s = top_rad_s.max(v.abs());
+    }
+    let (here_nm, there_nm) = (root_mean_square(&within), root_mean_square(&beyond));
+    (there_nm > EXTRAPOLATED * here_nm).then(|| {
+        let cure = if refined { "" } else { "; record faster sweeps, or try --refine" };
+        format!(
+            "the sweeps reach {fastest_rad_s:.2} rad/s, other trials {top_rad_s:.2}: beyond the sweeps the model leaves \
+             {:.1} mN m, within {:.1}{cure}",
+            1e3 * there_nm,
+            1e3 * here_nm
+        )
+    })
+}
+
 /// What a reader should not take at face value.
 fn doubts(model: &Model, sweeps: bool) -> Vec<String> {
     let mut doubts = Vec::new();
     for direction in Direction::BOTH {
         let mu_c = model.friction.of(direction).mu_c;
         // On free motion a load that pulls the other way makes it negative, rightly.
-        if sweeps && !(0.0..1.0).contains(&mu_c) {
+        if sweeps && !(0.0..0.9).contains(&mu_c) {
             doubts.push(format!(
-                "mu_c = {mu_c:.3} moving {} is not a friction coefficient: check gravity_nm, the radii and the zero of the position",
+                "mu_c = {mu_c:.3} moving {} is no likely friction coefficient: check gravity_nm, the radii, the torque's unit and the \
+                 zero of the position",
                 direction.name()
             ));
         }

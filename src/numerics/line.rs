@@ -3,8 +3,8 @@
 /// The golden ratio less one: each section leaves this share of the interval.
 const GOLDEN: f64 = 0.618_033_988_749_895;
 
-/// The place between `a` and `b` with the least `cost`, and that cost, by `sections` golden sections: exact to 0.618 to the
-/// power of `sections` times the interval if the cost has a single valley there.
+/// The place between `a` and `b` with the least `cost`, and that cost: `sections` golden sections narrow the interval to
+/// 0.618 to their power if the cost has a single valley there, and a parabola through the last three places goes beyond.
 pub fn lowest(mut a: f64, mut b: f64, sections: usize, cost: impl Fn(f64) -> f64) -> (f64, f64) {
     let (mut c, mut d) = (b - GOLDEN * (b - a), a + GOLDEN * (b - a));
     let (mut at_c, mut at_d) = (cost(c), cost(d));
@@ -19,7 +19,14 @@ pub fn lowest(mut a: f64, mut b: f64, sections: usize, cost: impl Fn(f64) -> f64
             at_d = cost(d);
         }
     }
-    if at_c < at_d { (c, at_c) } else { (d, at_d) }
+    let middle = (c + d) / 2.0;
+    let at_middle = cost(middle);
+    let bend = at_c - 2.0 * at_middle + at_d;
+    let vertex = middle + 0.25 * (d - c) * (at_c - at_d) / bend;
+    // Only a valley inside the interval is one.
+    let vertex = if bend > 0.0 { vertex.clamp(a, b) } else { middle };
+    let places = [(c, at_c), (d, at_d), (middle, at_middle), (vertex, cost(vertex))];
+    places.into_iter().fold((c, f64::INFINITY), |best, place| if place.1 < best.1 { place } else { best })
 }
 
 /// Where between `inside` and `outside` a condition ceases to hold, by `halvings`; `outside` itself if it holds there.

@@ -46,13 +46,21 @@ pub fn find_legs(
     let margin = (FILTER_PERIODS / lowpass_hz * log.rate_hz) as usize;
     let speeds = window_speeds(position_rad, half, log.rate_hz);
     let mut legs: Vec<Leg> = Vec::new();
+    let mut longest_rad = 0f64;
     for direction in Direction::BOTH {
         for run in plateaus(&speeds, direction.sign() * speed_rad_s) {
             let travel = (position_rad[run.end - 1] - position_rad[run.start]).abs();
+            longest_rad = longest_rad.max(travel);
             if travel >= MIN_TRAVEL * range_rad {
                 legs.extend(trim(position_rad, direction, run, backlash_rad, margin));
             }
         }
+    }
+    if legs.is_empty() && longest_rad > 0.0 && REVERSAL_BACKLASHES * backlash_rad >= 0.5 * longest_rad {
+        let what = format!(
+            "after the declared clearance of {backlash_rad:.3} rad at the joint nothing is left of a leg of {longest_rad:.3} rad"
+        );
+        return Problem::error(&log.file, what, "correct backlash_m (metres on the cable) in campaign.toml").alone();
     }
     if legs.is_empty() {
         return no_plateau(log, &speeds, speed_rad_s).alone();

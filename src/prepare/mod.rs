@@ -6,6 +6,7 @@ mod series;
 pub use legs::{Leg, find_legs};
 pub use series::Series;
 
+use crate::dynamics::JointKind;
 use crate::log::{Campaign, Log, Protocol, TrialEntry};
 use crate::numerics::difference::{acceleration, velocity};
 use crate::numerics::filter::LowPass;
@@ -73,6 +74,10 @@ pub fn prepare(campaign: &Campaign, index: usize, log: Log) -> Result<Trial> {
     let load_torque_nm = log.load_torque_nm.as_ref().map(|load| motion.zero_phase(load));
     let deadband_rad = deadband_rad(&log.position_rad, &position_rad);
     let legs = match entry.protocol {
+        Protocol::Uniform { .. } if campaign.joint.kind == JointKind::Prismatic => {
+            let what = "a uniform sweep of a prismatic joint: without an angle there is no y = A sin(theta) + B";
+            return Problem::error(&log.file, what, "mark the trial `free`").alone();
+        }
         Protocol::Uniform { speed_rad_s } => {
             find_legs(&log, &position_rad, speed_rad_s, campaign.joint.backlash_rad(), campaign.signal.lowpass_hz)?
         }

@@ -1,11 +1,13 @@
 //! `report.html`: one file, no link to anything outside.
 
-use super::identification::{overall_rmse_nm, parameter};
-use super::number::{as_precise_as, count, interval, percent, r_squared, significant, with_spread};
-use super::parameters::{Parameter, combination, friction};
+use super::identification::{curves_of_model, overall_rmse_nm, parameter};
+use super::number::{as_precise_as, count, percent, r_squared, significant, with_spread};
+use super::parameters::{Parameter, combination, friction_found};
 use super::plots::Figure;
 use super::verdict::{Verdict, verdict};
-use super::wording::{LEFT_OUT, LEFT_OUT_MEANING, Units, exponentials, moving, status_meaning, status_word};
+use super::wording::{
+    LEFT_OUT, LEFT_OUT_MEANING, Units, amplitude_spread, exponentials, moving, status_meaning, status_word,
+};
 use crate::identify::{CombinationFit, CurveKind, FrictionFit, Identification, LegFit, Route};
 use crate::model::{Direction, Status};
 use askama::Template;
@@ -106,7 +108,7 @@ pub fn report<'a>(
     figures: &'a [(&Figure, String)],
 ) -> askama::Result<String> {
     let units = Units::of(found.model.joint.kind);
-    let [up, down] = Direction::BOTH.map(|direction| friction(&found.model, direction));
+    let [up, down] = Direction::BOTH.map(|direction| friction_found(&found.model, direction, &found.route));
     let Verdict { short, steps } = verdict(found);
     let view = |(figure, svg): &'a (&Figure, String)| FigureView {
         name: figure.name,
@@ -126,7 +128,7 @@ pub fn report<'a>(
         statuses: Status::ALL.into_iter().map(status_chip).chain([left_out_chip()]).collect(),
         forms: forms(found, &units),
         free_forms: free_forms(found, &units),
-        curves: found.combination.as_ref().map(|fit| curves(fit, &units)).unwrap_or_default(),
+        curves: curves_of_model(found).map(|fit| curves(&fit, &units)).unwrap_or_default(),
         reversals: found.combination.as_ref().map_or(String::new(), |fit| count(fit.windows)),
         figures: figures.iter().map(view).collect(),
         legs: found.legs.iter().map(leg_row).collect(),
@@ -150,14 +152,13 @@ fn cards(found: &Identification, units: &Units) -> Vec<Card> {
         Route::Sweeps(fits) => {
             for direction in Direction::BOTH {
                 let a = fits.of(direction).a;
-                let value = format!("{} {}", as_precise_as(a.a_nm, a.sd_nm), units.torque);
-                let note = format!("± {} SD over {} legs", as_precise_as(a.sd_nm, a.sd_nm), a.legs);
-                add(&format!("A {}", moving(direction)), value, note);
+                let value = format!("{} {}", as_precise_as(a.a_nm, a.half_width_nm), units.torque);
+                add(&format!("A {}", moving(direction)), value, amplitude_spread(&a));
             }
         }
         Route::Free(free) => add("held-out RMSE", units.torque(free.held_out_nm), free.form.name().to_string()),
     }
-    if let Some(fit) = &found.combination {
+    if let Some(fit) = curves_of_model(found) {
         let curve = fit.curve();
         let own =
             parameter(&curve.curve).map_or(String::new(), |(name, x)| format!(", {name} = {}", significant(x, 3)));
@@ -187,7 +188,7 @@ fn cell(parameter: &Parameter) -> Cell {
             Some(c) if c.status == Status::Pinned => as_precise_as(parameter.value, (c.high - c.low) / 2.0),
             _ => significant(parameter.value, 4),
         },
-        interval: shown.map_or(String::new(), |c| interval(parameter.value, c.low, c.high)),
+        interval: parameter.interval(),
         cv: shown.map_or(String::new(), |c| percent(c.cv)),
         chip,
     }

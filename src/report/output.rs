@@ -24,7 +24,8 @@ impl Output {
     /// Starts an output that will stand at `path`.
     ///
     /// `names` lists all that the command writes, relative to `path`; `*` stands for any beginning of a file's name
-    /// (`plots/*.svg`). With `force` an existing folder is replaced if it holds nothing else.
+    /// (`plots/*.svg`). With `force` an existing folder is replaced if it holds the first of them and nothing that is not among
+    /// them: nothing but a former output is ever deleted.
     ///
     /// Errors: `path` exists and may not be replaced, or its parent cannot be written.
     pub fn begin(path: &Path, force: bool, names: &'static [&'static str]) -> Result<Self> {
@@ -50,6 +51,11 @@ impl Output {
                 failed(parent, "cannot be written", &error)
             }
         }
+    }
+
+    /// Where it is being written meanwhile.
+    pub fn staging(&self) -> &Path {
+        self.staging.path()
     }
 
     /// Where the output will stand.
@@ -123,13 +129,23 @@ fn check_replaceable(path: &Path, force: bool, names: &[&str]) -> Result<()> {
         return Problem::error(path, "the folder exists", "name another, or replace it with --force").alone();
     }
     match first_stranger(path, Path::new(""), names) {
-        Ok(None) => Ok(()),
+        Ok(None) if is_former_output(path, names) => Ok(()),
+        Ok(None) => {
+            let what = format!("lacks the `{}` that this command would have written", names.first().unwrap_or(&""));
+            Problem::error(path, what, "name another output: --force replaces only former outputs").alone()
+        }
         Ok(Some(name)) => {
             let what = format!("holds `{}`, which this command does not write", name.display());
             Problem::error(path, what, "name another output: --force replaces only former outputs").alone()
         }
         Err(error) => failed(path, "cannot be read", &error),
     }
+}
+
+/// Whether `path` is empty or holds the first of `names`: a recorded campaign looks like a simulated one but for its mark.
+fn is_former_output(path: &Path, names: &[&str]) -> bool {
+    let empty = std::fs::read_dir(path).is_ok_and(|mut entries| entries.next().is_none());
+    empty || names.first().is_some_and(|mark| path.join(mark).is_file())
 }
 
 /// Something in `folder`/`below` that matches none of `names`, if there is anything.

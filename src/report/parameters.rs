@@ -1,7 +1,9 @@
 //! The parameters of a model as rows, for every table and figure that shows them.
 
+use super::number::interval;
 use super::wording::{FRICTION_MEANINGS, Units};
-use crate::model::{Combination, Confidence, Direction, Friction, Model};
+use crate::identify::{FrictionFit, Route};
+use crate::model::{Combination, Confidence, Direction, Friction, Joint, Model, Status};
 
 /// One parameter, in the unit in which it is shown.
 #[derive(Debug, Clone, PartialEq)]
@@ -20,6 +22,22 @@ pub struct Parameter {
     pub confidence: Option<Confidence>,
     /// Whether the form that the model takes does without it.
     pub left_out: bool,
+    /// Whether the interval's lower and upper end are where the search for it ended, not what the data say.
+    pub searched: [bool; 2],
+}
+
+impl Parameter {
+    /// Its interval in words; empty where nothing is known of it.
+    pub fn interval(&self) -> String {
+        let Some(known) = self.confidence.filter(|_| !self.left_out) else { return String::new() };
+        let text = interval(self.value, known.low, known.high);
+        match (text.split_once(" to "), self.searched) {
+            (Some((_, high)), [true, false]) => format!("search limit to {high}"),
+            (Some((low, _)), [false, true]) => format!("{low} to search limit"),
+            (Some(_), [true, true]) => "all that was searched".to_string(),
+            _ => text,
+        }
+    }
 }
 
 /// Friction of both branches, `up` first, in the order of `Friction::NAMES`, then the combination.
@@ -36,7 +54,9 @@ pub fn friction(model: &Model, direction: Direction) -> [Parameter; 7] {
         let name = Friction::NAMES[i];
         let value = branch.values()[i];
         let confidence = model.confidence.get(&format!("friction.{}.{name}", direction.name())).copied();
-        let open = confidence.is_some_and(|c| c.low == f64::NEG_INFINITY && c.high == f64::INFINITY);
+        // What ended at its bound was fitted, even if the bound is zero.
+        let open = confidence
+            .is_some_and(|c| c.low == f64::NEG_INFINITY && c.high == f64::INFINITY && c.status != Status::AtBound);
         // A Stribeck term without amplitude is no term, whatever its rate says.
         let no_term = matches!(i, 2 | 3) && branch.b_c == 0.0 || matches!(i, 4 | 5) && branch.b_j == 0.0;
         Parameter {
@@ -47,8 +67,33 @@ pub fn friction(model: &Model, direction: Direction) -> [Parameter; 7] {
             value,
             confidence,
             left_out: no_term || open && value == 0.0,
+            searched: [false; 2],
         }
     })
+}
+
+/// The same with a note of where the rates' intervals ended with the search, which only the route tells.
+pub fn friction_found(model: &Model, direction: Direction, route: &Route) -> [Parameter; 7] {
+    let rows = friction(model, direction);
+    match route {
+        Route::Sweeps(fits) => rows.map(|row| with_search_limits(row, fits.of(direction), &model.joint)),
+        Route::Free(_) => rows,
+    }
+}
+
+/// An end this close to a limit, relative to it, is the limit.
+const AT_LIMIT: f64 = 1e-6;
+
+fn with_search_limits(row: Parameter, fit: &FrictionFit, joint: &Joint) -> Parameter {
+    let per_rate = match row.name {
+        "c_c" => 1.0 / joint.pulley_radius_m,
+        "c_j" => 1.0,
+        _ => return row,
+    };
+    let (slow, fast) = fit.points.rate_limits();
+    let at_limit = |end: f64| [slow, fast].iter().any(|limit| (end.abs() / (limit * per_rate) - 1.0).abs() < AT_LIMIT);
+    let searched = row.confidence.map_or([false; 2], |c| [at_limit(c.low), at_limit(c.high)]);
+    Parameter { searched, ..row }
 }
 
 /// The curve's and the clearance.
@@ -58,7 +103,16 @@ pub fn combination(model: &Model) -> Vec<Parameter> {
         let confidence =
             model.confidence.get(key).map(|c| Confidence { low: factor * c.low, high: factor * c.high, ..*c });
         let (direction, value) = (None, factor * value);
-        rows.push(Parameter { direction, name, meaning, unit, value, confidence, left_out: false });
+        rows.push(Parameter {
+            direction,
+            name,
+            meaning,
+            unit,
+            value,
+            confidence,
+            left_out: false,
+            searched: [false; 2],
+        });
     };
     match model.combination {
         Combination::Arctan { k, p } => {

@@ -3,9 +3,9 @@
 //! Colours only repeat what words say. Written through anstream's streams, which drop them where `NO_COLOR` asks for it or
 //! nobody looks.
 
-use super::identification::{overall_rmse_nm, parameter};
-use super::number::{counted, interval, r_squared, significant, with_spread};
-use super::parameters::{Parameter, combination, friction};
+use super::identification::{curves_of_model, overall_rmse_nm, parameter};
+use super::number::{counted, r_squared, significant};
+use super::parameters::{Parameter, combination, friction, friction_found};
 use super::verdict::refinement;
 use super::wording::{LEFT_OUT, Units, exponentials, moving, status_word};
 use crate::identify::{CombinationFit, FreeFit, FrictionFit, Identification, Route};
@@ -36,9 +36,9 @@ pub fn write_summary(
         Route::Sweeps(fits) => sweeps(out, fits, &units)?,
         Route::Free(free) => free_motion(out, free, &units)?,
     }
-    parameter_table(out, &found.model)?;
-    if let Some(fit) = &found.combination {
-        curves(out, fit, &units)?;
+    friction_table(out, &Direction::BOTH.map(|direction| friction_found(&found.model, direction, &found.route)))?;
+    if let Some(fit) = curves_of_model(found) {
+        curves(out, &fit, &units)?;
     }
     for row in combination(&found.model) {
         writeln!(out, "  {:<10} {}", row.name, cell(&row, 0))?;
@@ -55,7 +55,8 @@ pub fn write_summary(
         }
     }
     if let Some(path) = written {
-        writeln!(out, "\nwritten to {BOLD}{}{BOLD:#}: model.json, report.html, plots", path.display())?;
+        let table = if found.legs.is_empty() { "" } else { "trials.csv, " };
+        writeln!(out, "\nwritten to {BOLD}{}{BOLD:#}: model.json, {table}report.html, plots", path.display())?;
     }
     Ok(())
 }
@@ -88,12 +89,11 @@ pub fn sweeps(out: &mut impl Write, fits: &Both<FrictionFit>, units: &Units) -> 
     heading(out, "Load and friction at constant speed")?;
     for direction in Direction::BOTH {
         let fit = fits.of(direction);
-        let a = with_spread(fit.a.a_nm, fit.a.sd_nm);
-        let legs = counted(fit.a.legs, "leg", "legs");
+        let a = units.amplitude(&fit.a);
         let rmse = units.torque(fit.taken.rmse_nm);
         let r_squared = r_squared(fit.r_squared);
         let name = moving(direction);
-        writeln!(out, "  {name:<12} A = {a} {} over {legs}; B(v) met to {rmse}, R² {r_squared}", units.torque)?;
+        writeln!(out, "  {name:<12} A = {a}; B(v) met to {rmse}, R² {r_squared}")?;
     }
     for direction in Direction::BOTH {
         let fit = fits.of(direction);
@@ -114,11 +114,14 @@ fn free_motion(out: &mut impl Write, free: &FreeFit, units: &Units) -> io::Resul
 
 /// Both directions side by side.
 pub fn parameter_table(out: &mut impl Write, model: &Model) -> io::Result<()> {
+    friction_table(out, &Direction::BOTH.map(|direction| friction(model, direction)))
+}
+
+fn friction_table(out: &mut impl Write, [up, down]: &[[Parameter; 7]; 2]) -> io::Result<()> {
     heading(out, "Friction parameters, with 95 % intervals")?;
-    let [up, down] = Direction::BOTH.map(|direction| friction(model, direction));
     let head = |direction| format!("{:<width$}", moving(direction), width = CELL);
     writeln!(out, "  {DIM}{:<6} {:<8} {} {}{DIM:#}", "", "unit", head(Direction::Up), head(Direction::Down))?;
-    for (up, down) in up.iter().zip(&down) {
+    for (up, down) in up.iter().zip(down) {
         writeln!(out, "  {:<6} {:<8} {} {}", up.name, up.unit, cell(up, CELL), cell(down, 0))?;
     }
     Ok(())
@@ -136,10 +139,11 @@ fn cell(parameter: &Parameter, width: usize) -> String {
         String::new()
     };
     let value = format!("{value}{unit}");
-    let (range, word, style) = match &parameter.confidence {
-        _ if parameter.left_out => (String::new(), LEFT_OUT, DIM),
-        None => (String::new(), "as declared", DIM),
-        Some(c) => (interval(parameter.value, c.low, c.high), status_word(c.status), style(c.status)),
+    let range = parameter.interval();
+    let (word, style) = match &parameter.confidence {
+        _ if parameter.left_out => (LEFT_OUT, DIM),
+        None => ("as declared", DIM),
+        Some(c) => (status_word(c.status), style(c.status)),
     };
     let plain = format!("{value:<10} {range:<25} {word}");
     let fill = width.saturating_sub(plain.chars().count());

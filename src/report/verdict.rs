@@ -1,7 +1,7 @@
 //! An identification in plain words with its numbers: what was found, how sure, what to distrust.
 
-use super::identification::{overall_rmse_nm, parameter};
-use super::number::{counted, r_squared, significant, with_spread};
+use super::identification::{curves_of_model, overall_rmse_nm, parameter};
+use super::number::{counted, r_squared, significant};
 use super::parameters::parameters;
 use super::wording::{Units, exponentials, moving};
 use crate::identify::{CombinationFit, FreeFit, FrictionFit, Identification, Refinement, Route};
@@ -23,7 +23,7 @@ pub fn verdict(found: &Identification) -> Verdict {
         Route::Sweeps(fits) => vec![load(fits, &units), friction(fits, &units)],
         Route::Free(free) => vec![free_motion(free, &units)],
     };
-    steps.push(found.combination.as_ref().map_or_else(no_combination, |fit| combination(fit, &units)));
+    steps.push(curves_of_model(found).map_or_else(no_combination, |fit| combination(&fit, &units)));
     steps.extend(found.refinement.as_ref().map(|refined| refinement(refined, &units)));
     let mut short = vec![source(found)];
     short.extend(whole_series(found, &units));
@@ -52,9 +52,9 @@ fn load(fits: &Both<FrictionFit>, units: &Units) -> String {
     let a = |d: Direction| {
         let a = fits.of(d).a;
         let mu_c = significant(fits.of(d).friction.mu_c, 3);
-        format!("{} {} {} (μ_c = {mu_c})", with_spread(a.a_nm, a.sd_nm), units.torque, moving(d))
+        format!("{} {} (μ_c = {mu_c})", moving(d), units.amplitude(&a))
     };
-    format!("The load amplitude A is {} and {}.", a(Direction::Up), a(Direction::Down))
+    format!("The load amplitude A: {}; {}.", a(Direction::Up), a(Direction::Down))
 }
 
 fn friction(fits: &Both<FrictionFit>, units: &Units) -> String {

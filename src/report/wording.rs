@@ -1,7 +1,9 @@
 //! The words of a report: units of the joint's kind, what each parameter means, what each status means.
 
 use crate::dynamics::JointKind;
+use crate::identify::Amplitude;
 use crate::model::{Direction, Friction, Status};
+use crate::report::number::{as_precise_as, significant};
 
 /// Names of units as a reader sees them; the fields called `_nm` and `_rad` hold N and m for a prismatic joint.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -51,7 +53,24 @@ impl Units {
     /// `value_nm` with three digits and the unit that suits it.
     pub fn torque(&self, value_nm: f64) -> String {
         let (unit, factor) = self.torque_scale(value_nm.abs());
-        format!("{} {unit}", super::number::significant(factor * value_nm, 3))
+        format!("{} {unit}", significant(factor * value_nm, 3))
+    }
+
+    /// A with what is known of it.
+    pub fn amplitude(&self, a: &Amplitude) -> String {
+        match a.half_width_nm.is_finite() {
+            true => format!("{} {}, {}", as_precise_as(a.a_nm, a.half_width_nm), self.torque, amplitude_spread(a)),
+            false => format!("{} {}, {}", significant(a.a_nm, 4), self.torque, amplitude_spread(a)),
+        }
+    }
+}
+
+/// How well A is known, and, which is not the same, how far its legs scatter.
+pub fn amplitude_spread(a: &Amplitude) -> String {
+    let figure = |x: f64| as_precise_as(x, x);
+    match a.half_width_nm.is_finite() {
+        true => format!("95 % ± {}, SD {} over {} legs", figure(a.half_width_nm), figure(a.sd_nm), a.legs),
+        false => "from a single leg".to_string(),
     }
 }
 

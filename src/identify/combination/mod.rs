@@ -6,6 +6,7 @@
 
 mod fitting;
 
+use super::confidence::demote;
 use super::predicted::Prepared;
 use super::windows::{Crossing, Window, windows};
 use crate::model::{Combination, Confidence, Model};
@@ -19,10 +20,15 @@ const P_RANGE: (f64, f64) = (0.02, 100.0);
 const N_RANGE: (f64, f64) = (0.02, 10.0);
 /// A window follows the motion after a reversal for this many clearances.
 const REACH_BACKLASHES: f64 = 1.5;
+/// A window follows it for at least this share of the median stroke, should the declared clearance be next to nothing.
+const REACH_LEAST: f64 = 0.02;
 /// When the clearance is estimated, up to this share of the median stroke.
 const REACH_STROKE: f64 = 0.5;
 /// The smallest clearance looked for, in deadbands of the encoder.
 const MIN_DEADBANDS: f64 = 3.0;
+
+/// A curve that leaves more than this many times what sliding leaves does not describe the change-over.
+const MISFIT: f64 = 4.0;
 
 /// Settings of this stage.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -118,19 +124,21 @@ impl CombinationFit {
     }
 }
 
-/// Fits all curves to the reversals in `trials` with the friction of `model`; `None` when there is no usable reversal.
+/// Fits all curves to the reversals in `trials` with the friction of `model`; `noise_nm` is what the model leaves of sliding at
+/// constant speed, if that is known. `None` when there is no usable reversal.
 pub fn fit_combination(
     trials: &[Prepared],
     model: &Model,
     lowpass_hz: f64,
     settings: Settings,
+    noise_nm: Option<f64>,
 ) -> Option<CombinationFit> {
     let stroke_rad = median_stroke_rad(trials);
     let declared_rad = model.joint.backlash_rad();
     let reach_rad = if settings.estimate_backlash {
         (REACH_STROKE * stroke_rad).max(REACH_BACKLASHES * declared_rad)
     } else {
-        (REACH_BACKLASHES * declared_rad).min(stroke_rad)
+        (REACH_BACKLASHES * declared_rad).max(REACH_LEAST * stroke_rad).min(stroke_rad)
     };
     let all: Vec<Window> =
         trials.par_iter().flat_map_iter(|trial| windows(trial, model, reach_rad, lowpass_hz)).collect();
@@ -139,12 +147,16 @@ pub fn fit_combination(
     }
     let deadband_rad = trials.iter().map(|t| t.series.deadband_rad).fold(0.0, f64::max);
     let span = settings.estimate_backlash.then(|| ((MIN_DEADBANDS * deadband_rad).max(1e-3 * reach_rad), reach_rad));
-    let fitting = Fitting { windows: &all, model, backlash_span_rad: span };
+    let fitting = Fitting { windows: &all, model, backlash_span_rad: span, stroke_rad, noise_nm };
     let (curves, sums): (Vec<CurveFit>, Vec<Vec<f64>>) = CurveKind::ALL.iter().map(|kind| fitting.fit(*kind)).unzip();
     let supported = best_supported(&sums);
     let taken = settings.wanted.and_then(|w| curves.iter().position(|c| c.kind == w)).unwrap_or(supported);
     let backlash_rad = curves[taken].backlash_m / model.joint.pulley_radius_m;
-    let (confidence, warnings) = fitting.confidence(&curves[taken], declared_rad);
+    let (mut confidence, mut warnings) = fitting.confidence(&curves[taken], declared_rad);
+    if let Some(noise_nm) = noise_nm.filter(|noise_nm| curves[taken].rmse_nm > MISFIT * noise_nm) {
+        warnings.push(misfit(&curves[taken], noise_nm));
+        demote(confidence.iter_mut().map(|(_, known)| known));
+    }
     Some(CombinationFit {
         windows: all.len(),
         samples: all.iter().map(|w| w.judged.len()).sum(),
@@ -155,6 +167,16 @@ pub fn fit_combination(
         confidence,
         warnings,
     })
+}
+
+fn misfit(fit: &CurveFit, noise_nm: f64) -> String {
+    format!(
+        "no curve describes the change-over: `{}` leaves {:.1} mN m after reversals where sliding leaves {:.1}; its parameters \
+         are not to be read",
+        fit.kind.name(),
+        1e3 * fit.rmse_nm,
+        1e3 * noise_nm
+    )
 }
 
 /// `curves` already judged, with the points of figure 6 that `model` makes of `trials`.

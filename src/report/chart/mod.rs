@@ -62,6 +62,12 @@ pub mod palette {
         }
     }
 
+    /// `color`, standing back.
+    pub fn lighter(color: RGBColor) -> RGBColor {
+        let mixed = |part: u8| 255 - (255 - part) / 5 * 2;
+        RGBColor(mixed(color.0), mixed(color.1), mixed(color.2))
+    }
+
     /// The colour of a status.
     pub fn status(status: Status) -> RGBColor {
         match status {

@@ -18,8 +18,9 @@ const RIGHT_PX: f64 = 756.0;
 
 /// One row per parameter; `None` when nothing is known of any.
 pub fn draw(found: &Identification) -> Drawn<Option<String>> {
-    let shown: Vec<Parameter> =
-        parameters(&found.model).into_iter().filter(|p| !p.left_out && p.confidence.is_some()).collect();
+    // Nothing is relative to a value of zero.
+    let shows = |p: &Parameter| !p.left_out && p.confidence.is_some() && p.value != 0.0;
+    let shown: Vec<Parameter> = parameters(&found.model).into_iter().filter(shows).collect();
     if shown.is_empty() {
         return Ok(None);
     }

@@ -8,7 +8,9 @@ use crate::report::wording::{Units, exponentials, moving};
 use plotters::style::RGBColor;
 
 /// Points along a curve.
-const CURVE_POINTS: usize = 120;
+const CURVE_POINTS: usize = 400;
+/// The panel of residuals may grow to this many times the largest of them to hold the band.
+const BAND_ROOM: f64 = 2.5;
 
 /// B against speed, a column for each direction; `None` without legs.
 pub fn draw(found: &Identification) -> Drawn<Option<String>> {
@@ -39,12 +41,8 @@ fn column(canvas: &Canvas, fit: &FrictionFit, units: &Units, (left, right): (f64
     let met = fit.points.speed_rad_s.iter().map(|v| factor * fit.taken.b_nm(*v));
     let y = Axis::around(format!("B ({unit})"), fit.points.b_nm.iter().map(|b| factor * b).chain(met), 0.08);
     let panel = canvas.panel(upper, x.clone().without_texts(), y)?;
-    if let Some(profile) = &fit.profile {
-        let edge = |of: fn(&(f64, f64)) -> f64| -> Vec<(f64, f64)> {
-            profile.band_speed_rad_s.iter().zip(&profile.band_nm).map(|(v, b)| (*v, factor * of(b))).collect()
-        };
-        panel.band(&edge(|b| b.0), &edge(|b| b.1), palette::INK, 0.2)?;
-    }
+    let [lower, upper_edge] = band(fit, factor, |_| 0.0);
+    panel.band(&lower, &upper_edge, palette::INK, 0.2)?;
     for (v, b) in fit.points.speed_rad_s.iter().zip(&fit.points.b_nm) {
         panel.mark((*v, factor * b), mark, color)?;
     }
@@ -52,6 +50,14 @@ fn column(canvas: &Canvas, fit: &FrictionFit, units: &Units, (left, right): (f64
         panel.line(speeds.iter().map(|v| (*v, factor * form.b_nm(*v))), stroke(fit, form))?;
     }
     residuals(canvas, fit, units, Frame { left, top: 358.0, right, bottom: 480.0 }, x)
+}
+
+/// The lower and the upper edge of the form's 95 % band, less `level` at each speed; empty where there is none.
+fn band(fit: &FrictionFit, factor: f64, level: impl Fn(f64) -> f64) -> [Vec<(f64, f64)>; 2] {
+    let profile = fit.profile.as_ref();
+    let places = || profile.into_iter().flat_map(|p| p.band_speed_rad_s.iter().copied().zip(p.band_nm.iter().copied()));
+    let edge = |of: fn((f64, f64)) -> f64| places().map(|(v, b)| (v, factor * (of(b) - level(v)))).collect();
+    [edge(|b| b.0), edge(|b| b.1)]
 }
 
 /// What the lines are, for both columns.
@@ -73,23 +79,31 @@ fn legend(fits: &Both<FrictionFit>) -> Vec<(Mark, RGBColor, String)> {
     entries
 }
 
-/// The points less the form taken, and the other forms less it.
+/// The points less the form taken, its band and the other forms less it.
 fn residuals(canvas: &Canvas, fit: &FrictionFit, units: &Units, frame: Frame, x: Axis) -> Drawn {
     let color = palette::direction(fit.direction);
     let points = fit.points.speed_rad_s.iter().zip(&fit.points.b_nm);
     let left: Vec<(f64, f64)> = points.map(|(v, b)| (*v, b - fit.taken.b_nm(*v))).collect();
-    let largest = left.iter().fold(0.0, |m: f64, p| m.max(p.1.abs()));
+    let taken = |v: f64| fit.taken.b_nm(v);
+    let widest = |values: &[(f64, f64)]| values.iter().fold(0.0, |m: f64, p| m.max(p.1.abs()));
+    // The band is shown whole, but not where that would make the points a flat row.
+    let spread = widest(&band(fit, 1.0, taken).concat());
+    let largest = widest(&left).max(spread.min(BAND_ROOM * widest(&left)));
     let (unit, factor) = units.torque_scale(largest);
     let y = Axis::low(format!("B \u{2212} fit ({unit})"), 1.15 * factor * largest);
     let (slow, fast) = span(fit.points.speed_rad_s.iter().copied());
     let speeds = x.spread(slow, fast, CURVE_POINTS);
     let panel = canvas.panel(frame, x, y)?;
+    let [lower, upper] = band(fit, factor, taken);
+    panel.band(&lower, &upper, palette::INK, 0.2)?;
+    // The form taken is zero here: a thin line, or it would cover its band.
+    panel.line([(slow, 0.0), (fast, 0.0)], Stroke::solid(palette::INK, 1.0))?;
+    for form in shown(fit).filter(|form| form.rates.len() != fit.taken.rates.len()) {
+        let apart: Vec<(f64, f64)> = speeds.iter().map(|v| (*v, factor * (form.b_nm(*v) - taken(*v)))).collect();
+        panel.line(apart, stroke(fit, form))?;
+    }
     for (v, b) in left {
         panel.mark((v, factor * b), Mark::of(fit.direction), color)?;
-    }
-    for form in shown(fit) {
-        let apart = speeds.iter().map(|v| (*v, factor * (form.b_nm(*v) - fit.taken.b_nm(*v))));
-        panel.line(apart, stroke(fit, form))?;
     }
     Ok(())
 }

@@ -44,8 +44,8 @@ pub const FIGURES: [Figure; 8] = [
     Figure {
         name: "friction",
         title: "Friction against speed, B(v)",
-        caption: "B of each leg with the fitted forms and the 95 % band of the one that the model takes; below, what that \
-                  form leaves. Points should scatter about zero there, without a wave. Where the lines of the forms cannot be \
+        caption: "B of each leg with the fitted forms; below, what the form that the model takes leaves, with its 95 % band. \
+                  Points should scatter about zero there, without a wave. Where the lines of the forms cannot be \
                   told apart within the scatter, the smaller form is enough, and the parameters of the larger one trade off.",
         draw: friction::draw,
     },
@@ -53,8 +53,8 @@ pub const FIGURES: [Figure; 8] = [
         name: "transition",
         title: "Change of friction after a reversal",
         caption: "Share of the change of friction against share of the clearance's travel, measured in the slow reversals; \
-                  downward crossings are rotated onto the upward ones. Light dots are samples, heavy ones their medians. The \
-                  curve that the model takes is drawn bold. If up and down do not lie on each other, or the medians have not \
+                  downward crossings are rotated onto the upward ones. Light dots are samples, heavy ones their medians, but \
+                  for the first, which the low-pass blurs. The curve that the model takes is drawn bold. If up and down do not lie on each other, or the medians have not \
                   reached 1 at the right, the clearance or the branches are wrong.",
         draw: transition::draw,
     },
@@ -62,7 +62,7 @@ pub const FIGURES: [Figure; 8] = [
         name: "residual_time",
         title: "Residual against time",
         caption: "Measured less predicted torque, both low-passed, in a few trials: for each protocol the one with a typical \
-                  residual and the one with the largest. Peaks after each reversal point to the combination, a slow drift to \
+                  residual and the one with the largest, each to a scale of its own. Peaks after each reversal point to the combination, a slow drift to \
                   temperature or the sensor, a level that differs between directions to friction.",
         draw: residual_time::draw,
     },

@@ -2,7 +2,9 @@
 
 use crate::identify::{Identification, Residual};
 use crate::model::Direction;
-use crate::report::chart::{Axis, Drawn, Frame, Mark, Panel, Stroke, palette, span, svg, thin};
+use crate::numerics::statistics::quantile;
+use crate::report::chart::{Anchor, Axis, Drawn, Frame, Mark, Panel, Stroke, TEXT_PX, palette, span, svg, thin};
+use crate::report::number::percent;
 use crate::report::wording::{Units, moving};
 use plotters::style::{RGBColor, WHITE};
 
@@ -12,8 +14,9 @@ const DOTS: usize = 1100;
 const POSITION_BINS: usize = 45;
 /// Stretches of speed, for each direction.
 const SPEED_BINS: usize = 22;
-/// The axes hold all but this share of the samples.
-const BEYOND: f64 = 0.002;
+/// The axis of residuals holds all but this share of the samples at either end, and a margin of this share of that.
+const BEYOND: f64 = 0.005;
+const MARGIN: f64 = 0.12;
 /// Speeds below this share of the fastest gather about zero.
 const SLOW: f64 = 0.005;
 
@@ -60,14 +63,15 @@ fn draw(
         return Ok(None);
     }
     let units = Units::of(found.model.joint.kind);
-    let largest = thin::magnitude(clouds.iter().flatten().map(|p| p.1), BEYOND);
-    let (unit, factor) = units.torque_scale(largest);
+    let (low, high) = usual(&clouds);
+    let (unit, factor) = units.torque_scale(low.abs().max(high.abs()));
     clouds.iter_mut().flatten().for_each(|p| p.1 *= factor);
     let quantiles = clouds.each_ref().map(|points| quantiles(&x, points, bins));
-    let widest = quantiles.iter().flatten().flatten().fold(0.0, |m: f64, b| m.max(b.low.abs()).max(b.high.abs()));
-    let reach = 1.1 * (factor * largest).max(widest);
+    let ranges = quantiles.iter().flatten().flatten().flat_map(|bin| [bin.low, bin.high]);
+    let y = Axis::around(format!("residual ({unit})"), ranges.chain([0.0, factor * low, factor * high]), MARGIN);
+    let outside = take_outside(&mut clouds, y.places);
     svg(860, 420, title, |canvas| {
-        let panel = canvas.panel(FRAME, x, Axis::linear(format!("residual ({unit})"), -reach, reach))?;
+        let panel = canvas.panel(FRAME, x, y)?;
         let mut entries = Vec::new();
         for (direction, points) in Direction::BOTH.into_iter().zip(&clouds) {
             let color = palette::direction(direction);
@@ -80,9 +84,27 @@ fn draw(
         }
         entries.push((Mark::Line(2.6, None), palette::GREY, "median".to_string()));
         entries.push((Mark::Band, palette::GREY, "80 % of the samples".to_string()));
-        canvas.legend((92.0, 840.0), 20.0, &entries)
+        canvas.legend((92.0, 840.0), 20.0, &entries)?;
+        if outside > 0.0 {
+            let text = format!("{} of them beyond the frame", percent(outside));
+            canvas.text((840.0, 20.0), &text, TEXT_PX, palette::INK, Anchor::Right)?;
+        }
+        Ok(())
     })
     .map(Some)
+}
+
+/// The range of nearly all residuals: a few samples must not flatten the rest.
+fn usual(clouds: &[Vec<(f64, f64)>; 2]) -> (f64, f64) {
+    let mut all: Vec<f64> = clouds.iter().flatten().map(|p| p.1).filter(|y| y.is_finite()).collect();
+    (quantile(&mut all, BEYOND), quantile(&mut all, 1.0 - BEYOND))
+}
+
+/// Drops the samples beyond `low` to `high` and gives their share.
+fn take_outside(clouds: &mut [Vec<(f64, f64)>; 2], (low, high): (f64, f64)) -> f64 {
+    let total = clouds.iter().flatten().count();
+    clouds.iter_mut().for_each(|points| points.retain(|p| (low..=high).contains(&p.1)));
+    1.0 - clouds.iter().flatten().count() as f64 / total as f64
 }
 
 /// Quantiles of `points` in stretches that are equally wide as drawn on `x`, in runs without a gap.

@@ -16,9 +16,11 @@ const HEIGHT_PX: f64 = 104.0;
 const PITCH_PX: f64 = 150.0;
 /// The motion has turned once it came back by this share of the trial's whole travel.
 const TURNED: f64 = 0.005;
-/// The axis holds all but this share of the samples, with this much room: one peak must not flatten the rest.
-const BEYOND: f64 = 0.003;
-const ROOM: f64 = 1.4;
+/// The axis ends at this many times what all but `BEYOND` of the samples stay below: one peak must not flatten the rest.
+const PEAKS: f64 = 12.0;
+const BEYOND: f64 = 0.02;
+/// Room above and below, as a share of what is shown.
+const ROOM: f64 = 0.08;
 /// Stretches of a trial of which lowest and highest point are drawn.
 const BUCKETS: usize = 700;
 
@@ -29,28 +31,58 @@ pub fn draw(found: &Identification) -> Drawn<Option<String>> {
         return Ok(None);
     }
     let units = Units::of(found.model.joint.kind);
-    let largest = ROOM * thin::magnitude(trials.iter().flat_map(|(r, _)| r.residual_nm.iter().copied()), BEYOND);
-    let (unit, factor) = units.torque_scale(largest);
+    let ranges: Vec<(f64, f64)> = trials.iter().map(|(trial, _)| range_nm(trial)).collect();
+    let (unit, factor) = units.torque_scale(ranges.iter().fold(0.0, |m: f64, r| m.max(-r.0).max(r.1)));
+    let cut = trials.iter().zip(&ranges).any(|((trial, _), range)| !peaks_beyond(trial, *range).is_empty());
     let height = 62.0 + trials.len() as f64 * PITCH_PX;
     svg(860, height as u32, "Residual against time", |canvas| {
         let entry = |d: Direction| (Mark::Line(2.0, None), palette::direction(d), moving(d).to_string());
-        canvas.legend((92.0, 840.0), 16.0, &Direction::BOTH.map(entry))?;
+        let mut entries = Direction::BOTH.map(entry).to_vec();
+        if cut {
+            entries.push((Mark::Up, palette::INK, "peak beyond the frame".to_string()));
+        }
+        canvas.legend((92.0, 840.0), 16.0, &entries)?;
         let middle = 34.0 + (height - 62.0) / 2.0;
         canvas.text((22.0, middle), &format!("residual ({unit})"), LABEL_PX, palette::INK, Anchor::Upwards)?;
         for (i, (trial, note)) in trials.iter().enumerate() {
             let top = 56.0 + i as f64 * PITCH_PX;
             let frame = Frame { left: 92.0, top, right: 840.0, bottom: top + HEIGHT_PX };
             let (from_s, to_s) = span(trial.time_s.iter().copied());
-            let panel = canvas.panel(frame, Axis::linear("", from_s, to_s), Axis::low("", factor * largest))?;
+            let y = Axis::around("", [factor * ranges[i].0, factor * ranges[i].1], ROOM);
+            let panel = canvas.panel(frame, Axis::linear("", from_s, to_s), y)?;
             let peak = units.torque(thin::magnitude(trial.residual_nm.iter().copied(), 0.0));
             let figures = format!("RMSE {}, peak {peak}", units.torque(trial.rmse_nm()));
             let title = format!("{} ({}), {note}: {figures}", trial.file, trial.protocol.name());
             canvas.text((92.0, top - 11.0), &title, TEXT_PX, palette::INK, Anchor::Left)?;
             runs(trial).into_iter().try_for_each(|(direction, run)| draw_run(&panel, trial, direction, run, factor))?;
+            for (at, mark) in peaks_beyond(trial, ranges[i]) {
+                panel.mark((trial.time_s[at], factor * trial.residual_nm[at]), mark, palette::INK)?;
+            }
         }
-        canvas.text((840.0, height - 16.0), "time (s)", LABEL_PX, palette::INK, Anchor::Right)
+        canvas.text(((92.0 + 840.0) / 2.0, height - 16.0), "time (s)", LABEL_PX, palette::INK, Anchor::Middle)
     })
     .map(Some)
+}
+
+/// What the trial's panel shows: zero and all samples, but for peaks that would flatten the rest.
+fn range_nm(trial: &Residual) -> (f64, f64) {
+    let reach = PEAKS * thin::magnitude(trial.residual_nm.iter().copied(), BEYOND);
+    let (low, high) = span(trial.residual_nm.iter().copied().chain([0.0]));
+    (low.max(-reach), high.min(reach))
+}
+
+/// The farthest sample of each peak beyond `low` to `high`, with the triangle that says where it goes.
+fn peaks_beyond(trial: &Residual, (low, high): (f64, f64)) -> Vec<(usize, Mark)> {
+    let side = |at: &usize| match trial.residual_nm[*at] {
+        y if y > high => 1,
+        y if y < low => -1,
+        _ => 0,
+    };
+    let samples: Vec<usize> = (0..trial.residual_nm.len()).collect();
+    let height = |at: &usize| trial.residual_nm[*at].abs();
+    let peaks = samples.chunk_by(|a, b| side(a) == side(b)).filter(|peak| side(&peak[0]) != 0);
+    let farthest = peaks.filter_map(|peak| peak.iter().max_by(|a, b| height(a).total_cmp(&height(b))));
+    farthest.map(|at| (*at, if side(at) > 0 { Mark::Up } else { Mark::Down })).collect()
 }
 
 /// Of each protocol the trials with the largest, the middle and the smallest residual, as far as there is room, in the

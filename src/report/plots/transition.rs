@@ -5,7 +5,7 @@ use crate::model::Direction;
 use crate::report::chart::{
     Anchor, Axis, Canvas, Drawn, Frame, LABEL_PX, Mark, Panel, Stroke, TEXT_PX, palette, svg, thin,
 };
-use crate::report::identification::parameter;
+use crate::report::identification::{curves_of_model, parameter};
 use crate::report::number::{counted, r_squared, significant, with_minus};
 use crate::report::wording::{Units, moving};
 use plotters::style::RGBColor;
@@ -17,7 +17,8 @@ const MEDIANS: usize = 20;
 
 /// Share of change against share of travel with the curves; `None` without a usable reversal.
 pub fn draw(found: &Identification) -> Drawn<Option<String>> {
-    let Some(fit) = found.combination.as_ref().filter(|fit| !fit.crossings.is_empty()) else { return Ok(None) };
+    let Some(fit) = curves_of_model(found).filter(|fit| !fit.crossings.is_empty()) else { return Ok(None) };
+    let fit = &fit;
     let (low, high) = shares(fit);
     svg(860, 470, "Share of the change of friction against share of travel", |canvas| {
         let panel = canvas.panel(
@@ -30,12 +31,16 @@ pub fn draw(found: &Identification) -> Drawn<Option<String>> {
             let color = palette::direction(direction);
             panel.dots(thin::every(points.len(), DOTS).map(|i| points[i]), 1.4, color, 0.25)?;
         }
-        fit.curves.iter().enumerate().try_for_each(|(at, curve)| draw_curve(&panel, fit, at, curve, found))?;
+        // The bold one first: where another coincides with it, that one's dashes show on it.
+        let rest = (0..fit.curves.len()).filter(|at| *at != fit.taken);
+        [fit.taken].into_iter().chain(rest).try_for_each(|at| draw_curve(&panel, fit, at, found))?;
         let mut entries = Vec::new();
         for direction in Direction::BOTH {
             let (color, mark) = (palette::direction(direction), Mark::of(direction));
             for bin in thin::bins(&points(fit, direction), (0.0, 1.0), MEDIANS).iter().flatten() {
-                panel.mark((bin.middle(), bin.median), mark, color)?;
+                // The low-pass blurs the start, where the change is steepest.
+                let shade = if bin.from > 0.0 { color } else { palette::lighter(color) };
+                panel.mark((bin.middle(), bin.median), mark, shade)?;
             }
             entries.push((mark, color, format!("{}, median", moving(direction))));
         }
@@ -78,7 +83,8 @@ fn shares(fit: &CombinationFit) -> (f64, f64) {
 }
 
 /// A curve over the travel through the model's clearance; one fitted with another clearance is done sooner or later.
-fn draw_curve(panel: &Panel, fit: &CombinationFit, at: usize, curve: &CurveFit, found: &Identification) -> Drawn {
+fn draw_curve(panel: &Panel, fit: &CombinationFit, at: usize, found: &Identification) -> Drawn {
+    let curve = &fit.curves[at];
     let stretch = match curve.backlash_m > 0.0 {
         true => found.model.joint.backlash_m / curve.backlash_m,
         false => f64::INFINITY,
@@ -100,11 +106,11 @@ fn name(fit: &CombinationFit, at: usize, curve: &CurveFit) -> String {
 }
 
 fn stroke(fit: &CombinationFit, at: usize, kind: CurveKind) -> Stroke {
-    let width_px = if at == fit.taken { 3.0 } else { 1.6 };
+    let width_px = if at == fit.taken { 4.0 } else { 1.6 };
     let (color, dash_px): (RGBColor, Option<(f64, f64)>) = match kind {
         CurveKind::Sign => (palette::GREY, Some((2.0, 4.0))),
         CurveKind::Linear => (palette::PURPLE, Some((8.0, 4.0))),
-        CurveKind::Arctan => (palette::INK, None),
+        CurveKind::Arctan => (palette::INK, Some((10.0, 3.0))),
         CurveKind::Power => (palette::GREEN, Some((5.0, 4.0))),
     };
     Stroke { color, width_px, dash_px: if at == fit.taken { None } else { dash_px } }
