@@ -173,7 +173,7 @@ fn from_sweeps(campaign: &Campaign, mut readings: Vec<Reading>, settings: Settin
         learn(&mut model, &refined.fit.confidence);
     }
     let residuals = residuals(&prepared, &entries, &model);
-    warnings.extend([&fits.up, &fits.down].into_iter().filter_map(|fit| friction::line_warning(fit)));
+    warnings.extend([&fits.up, &fits.down].into_iter().filter_map(friction::line_warning));
     warnings.extend(extrapolation_warning(&residuals, fits.up.points.speed_range_rad_s().1, settings.refine));
     let route = Route::Sweeps(Box::new(fits));
     Ok(Identification { model, route, legs, combination, refinement, residuals, trace, warnings, trials, rows })
