@@ -9,6 +9,8 @@ use crate::numerics::statistics::{fisher_tail, mean, standard_deviation};
 use crate::problem::{Problem, Result};
 use std::path::Path;
 
+/// A gravity of zero is contradicted by an A of this many half widths.
+const CONTRADICTION: f64 = 5.0;
 /// Speeds at which the confidence band of B is drawn.
 const BAND_POINTS: usize = 60;
 
@@ -142,7 +144,7 @@ fn check_amplitude(a: &Amplitude, direction: Direction, gravity_nm: f64, campaig
             .in_column("torque_sign")
             .alone();
     }
-    if gravity_nm == 0.0 && a.a_nm.abs() > a.half_width_nm {
+    if gravity_nm == 0.0 && a.a_nm.abs() > CONTRADICTION * a.half_width_nm {
         let what = format!(
             "gravity_nm = 0, yet moving {} the torque follows sin(theta) with A = {:.4} N m",
             direction.name(),

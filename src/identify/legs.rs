@@ -14,6 +14,8 @@ use std::path::Path;
 /// A leg is cut into this many blocks to judge its errors: a block outlasts the noise's memory, and 20 of them leave a
 /// standard error known to 16 %.
 const BLOCKS: usize = 20;
+/// A leg of which more than this share is clipped is left out: what remains of it is a biased choice.
+const MAX_CLIPPED: f64 = 0.05;
 
 /// The regression of one leg.
 #[derive(Debug, Clone, PartialEq)]
@@ -76,17 +78,22 @@ impl Amplitude {
     }
 }
 
-/// Regresses every leg of `trial`; `gravity_nm` scales a measured load beside sin(theta).
+/// Regresses every leg of `trial` that is not clipped away; `gravity_nm` scales a measured load beside sin(theta).
 pub fn fit_legs(trial: &Trial, gravity_nm: f64) -> Vec<LegFit> {
-    trial.legs.iter().map(|leg| fit_leg(trial, leg, gravity_nm)).collect()
+    let clipped = |leg: &Leg| leg.samples.clone().filter(|i| is_clipped(trial, *i)).count();
+    let usable = |leg: &&Leg| clipped(leg) as f64 <= MAX_CLIPPED * leg.samples.len() as f64;
+    trial.legs.iter().filter(usable).map(|leg| fit_leg(trial, leg, gravity_nm)).collect()
+}
+
+fn is_clipped(trial: &Trial, sample: usize) -> bool {
+    trial.log.clipped.iter().any(|range| range.contains(&sample))
 }
 
 fn fit_leg(trial: &Trial, leg: &Leg, gravity_nm: f64) -> LegFit {
     let load = trial.load_torque_nm.as_deref().filter(|_| gravity_nm != 0.0);
-    let clipped = |i: &usize| trial.log.clipped.iter().any(|range| range.contains(i));
     let used: Vec<usize> = match trial.log.clipped.is_empty() {
         true => leg.samples.clone().collect(),
-        false => leg.samples.clone().filter(|i| !clipped(i)).collect(),
+        false => leg.samples.clone().filter(|i| !is_clipped(trial, *i)).collect(),
     };
     let sine: Vec<f64> =
         used.iter().map(|i| trial.log.position_rad[*i].sin() + load.map_or(0.0, |l| l[*i] / gravity_nm)).collect();
@@ -178,7 +185,12 @@ pub fn amplitudes(legs: &[LegFit], campaign: &Path) -> Result<Both<Amplitude>> {
     Both::try_make(|direction| {
         amplitude(legs, direction).ok_or_else(|| {
             let what = format!("no leg of constant speed moves {}", direction.name());
-            Problem::error(campaign, what, "record sweeps in both directions, or mark the trials `free`").into()
+            Problem::error(
+                campaign,
+                what,
+                "record sweeps in both directions, within the range of the sensor, or mark the trials `free`",
+            )
+            .into()
         })
     })
 }

@@ -109,6 +109,12 @@ fn trace(trial: &Trial, fits: &[LegFit]) -> Trace {
         time_s: thin(&trial.log.time_s),
         raw_nm: thin(&trial.log.torque_nm),
         filtered_nm: thin(&trial.torque_nm),
-        legs: trial.legs.iter().zip(fits).map(line).collect(),
+        // A leg that is clipped away has no fit.
+        legs: trial
+            .legs
+            .iter()
+            .filter_map(|leg| Some((leg, fits.iter().find(|f| f.direction == leg.direction)?)))
+            .map(line)
+            .collect(),
     }
 }
