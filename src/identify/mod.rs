@@ -2,6 +2,7 @@
 
 pub mod combination;
 mod confidence;
+mod doubts;
 pub mod free;
 pub mod friction;
 pub mod legs;
@@ -118,13 +119,13 @@ pub fn run(campaign: &Campaign, settings: Settings, progress: &(dyn Fn() + Sync)
 
 /// Identifies the joint of `campaign` from its readings.
 pub fn identify(campaign: &Campaign, readings: Vec<Reading>, settings: Settings) -> Result<Identification> {
-    let sweeps = readings.iter().any(|reading| !reading.legs.is_empty());
+    let sweeps = readings.iter().any(|reading| reading.entry.protocol.speed_rad_s().is_some());
     let mut found = if sweeps {
         from_sweeps(campaign, readings, settings)?
     } else {
         from_free_motion(campaign, readings, settings)?
     };
-    found.warnings.extend(doubts(&found.model, sweeps));
+    found.warnings.extend(doubts::doubts(&found.model, sweeps));
     Ok(found)
 }
 
@@ -174,7 +175,7 @@ fn from_sweeps(campaign: &Campaign, mut readings: Vec<Reading>, settings: Settin
     }
     let residuals = residuals(&prepared, &entries, &model);
     warnings.extend([&fits.up, &fits.down].into_iter().filter_map(friction::line_warning));
-    warnings.extend(extrapolation_warning(&residuals, fits.up.points.speed_range_rad_s().1, settings.refine));
+    warnings.extend(doubts::extrapolation_warning(&residuals, fits.up.points.speed_range_rad_s().1, settings.refine));
     let route = Route::Sweeps(Box::new(fits));
     Ok(Identification { model, route, legs, combination, refinement, residuals, trace, warnings, trials, rows })
 }
@@ -268,63 +269,4 @@ fn residual(trial: &Prepared, file: &str, protocol: Protocol, model: &Model) -> 
         velocity_rad_s: take(&trial.series.velocity_rad_s),
         residual_nm: take(&residual),
     }
-}
-
-/// Beyond the sweeps' speeds the residual may be this many times that within before a word is due.
-const EXTRAPOLATED: f64 = 2.0;
-
-/// A word when the model does worse at speeds that no sweep reached.
-fn extrapolation_warning(residuals: &[Residual], fastest_rad_s: f64, refined: bool) -> Option<String> {
-    let (mut within, mut beyond) = (Vec::new(), Vec::new());
-    let mut top_rad_s = 0f64;
-    for (v, r) in residuals.iter().flat_map(|t| t.velocity_rad_s.iter().zip(&t.residual_nm)) {
-        if v.abs() > 1.1 * fastest_rad_s {
-            beyond.push(*r)
-        } else {
-            within.push(*r)
-        }
-        top_rad_s = top_rad_s.max(v.abs());
-    }
-    let (here_nm, there_nm) = (root_mean_square(&within), root_mean_square(&beyond));
-    (there_nm > EXTRAPOLATED * here_nm).then(|| {
-        let cure = if refined { "" } else { "; record faster sweeps, or try --refine" };
-        format!(
-            "the sweeps reach {fastest_rad_s:.2} rad/s, other trials {top_rad_s:.2}: beyond the sweeps the model leaves \
-             {:.1} mN m, within {:.1}{cure}",
-            1e3 * there_nm,
-            1e3 * here_nm
-        )
-    })
-}
-
-/// What a reader should not take at face value.
-fn doubts(model: &Model, sweeps: bool) -> Vec<String> {
-    let mut doubts = Vec::new();
-    for direction in Direction::BOTH {
-        let mu_c = model.friction.of(direction).mu_c;
-        // On free motion a load that pulls the other way makes it negative, rightly.
-        if sweeps && !(0.0..0.9).contains(&mu_c) {
-            doubts.push(format!(
-                "mu_c = {mu_c:.3} moving {} is no likely friction coefficient: check gravity_nm, the radii, the torque's unit and the \
-                 zero of the position",
-                direction.name()
-            ));
-        }
-    }
-    // What the form taken leaves out has no interval at all; reports say so at its place.
-    let bad = |status: Status| -> Vec<&str> {
-        let known = |c: &Confidence| c.status == status && (status != Status::Flat || c.low.is_finite());
-        model.confidence.iter().filter(|(_, c)| known(c)).map(|(name, _)| name.as_str()).collect()
-    };
-    for (status, meaning) in [
-        (Status::TradeOff, "known only together with others (trade_off): do not read as separate values"),
-        (Status::Flat, "not shown by these data (flat): do not use as values"),
-        (Status::AtBound, "at the limit of what the data could show (at_bound)"),
-    ] {
-        let names = bad(status);
-        if !names.is_empty() {
-            doubts.push(format!("{meaning}: {}", names.join(", ")));
-        }
-    }
-    doubts
 }

@@ -39,14 +39,12 @@ use rayon::prelude::*;
 /// All that `write_identification` writes, as `Output::begin` wants it.
 pub const IDENTIFICATION_FILES: &[&str] = &["model.json", "trials.csv", "report.html", "plots/*.svg", "plots/*.png"];
 
-/// Writes `model.json`, `trials.csv` (where there are legs), `plots/` and `report.html` of `found` to `output`.
+/// Writes `model.json`, `trials.csv` (its header alone without sweeps), `plots/` and `report.html` of `found` to `output`.
 ///
 /// `campaign` is the name that the report calls the campaign by; `png` asks for pictures beside the drawings.
 pub fn write_identification(found: &Identification, campaign: &str, output: &Output, png: bool) -> Result<()> {
     output.write("model.json", json_text(&identification::to_json(found, campaign)))?;
-    if !found.legs.is_empty() {
-        write_trials(&found.legs, output)?;
-    }
+    write_trials(&found.legs, output)?;
     let drawn: Vec<(&Figure, String)> = draw_figures(found, output)?;
     for (figure, svg) in &drawn {
         output.write(&format!("plots/{}.svg", figure.name), svg)?;
