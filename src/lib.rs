@@ -8,7 +8,7 @@ pub mod problem;
 /// Ground: TOML and JSON as one tree that remembers its rows and knows which keys were asked for.
 pub mod document;
 
-/// Ground: gravity and inertia of the joint.
+/// Ground: gravity and inertia of one joint, or of a chain of bodies (URDF).
 pub mod dynamics;
 
 /// Ground: quantities and their units; everything inside is SI and radians.
@@ -32,8 +32,14 @@ pub mod simulate;
 /// `Log` -> `Trial`: filtered, differentiated, cut into legs.
 pub mod prepare;
 
+/// `Model` x `Trial` -> y and its parts, sample by sample.
+pub mod predict;
+
 /// `Trial`s -> A(v), B(v) -> friction -> combination -> `Model` with its confidence.
 pub mod identify;
+
+/// `Model` x `Trial` -> figures: how well the model foretells motions that it was not identified from.
+pub mod evaluate;
 
 /// Results -> terminal, JSON, tables, plots, one HTML file.
 pub mod report;

@@ -1,6 +1,7 @@
 //! `tautline identify`.
 
 use super::interrupt;
+use super::judged::campaign_name;
 use super::outcome::Talk;
 use super::progress;
 use crate::identify::{self, CurveKind, Form, Settings, combination};
@@ -103,10 +104,4 @@ pub fn run(arguments: &Arguments, talk: &Talk) -> Result<ExitCode> {
         |out| write_summary(out, &found, &name, Some(&arguments.output)),
     )?;
     Ok(ExitCode::SUCCESS)
-}
-
-/// What reports call the campaign: its folder's name, whatever the path that led there.
-fn campaign_name(campaign: &Campaign) -> String {
-    let folder = std::path::absolute(&campaign.folder).unwrap_or_else(|_| campaign.folder.clone());
-    folder.file_name().map_or_else(|| campaign.joint.name.clone(), |name| name.to_string_lossy().into_owned())
 }

@@ -3,10 +3,13 @@
 //! Exit status: 0 done, 1 a judgement that failed, 2 bad input or usage.
 
 mod completions;
+mod evaluate;
 mod fit;
 mod identify;
 mod interrupt;
+mod judged;
 mod outcome;
+mod predict;
 mod progress;
 mod simulate;
 mod validate;
@@ -37,6 +40,10 @@ Exit status: 0 done, 1 a judgement that failed, 2 bad input or usage.";
 enum Command {
     /// Identify a joint from its campaign: all steps of the protocol
     Identify(identify::Arguments),
+    /// Judge a model on motions that it was not identified from
+    Evaluate(evaluate::Arguments),
+    /// Write what a model makes of every sample: prediction, its parts, residual
+    Predict(predict::Arguments),
     /// Run one step of the protocol alone
     Fit(fit::Arguments),
     /// List every problem of a campaign
@@ -53,6 +60,8 @@ pub fn run() -> ExitCode {
     interrupt::catch();
     let done = match command {
         Command::Identify(arguments) => identify::run(&arguments, &talk),
+        Command::Evaluate(arguments) => evaluate::run(&arguments, &talk),
+        Command::Predict(arguments) => predict::run(&arguments, &talk),
         Command::Fit(arguments) => fit::run(&arguments, &talk),
         Command::Validate(arguments) => validate::run(&arguments, &talk),
         Command::Simulate(arguments) => simulate::run(&arguments, &talk),

@@ -6,6 +6,8 @@ use clap::Args;
 use serde_json::Value;
 use std::io::{self, Write};
 
+/// Exit status of a judgement that failed.
+pub const JUDGED_BAD: u8 = 1;
 /// Exit status of bad input or usage.
 pub const BAD_INPUT: u8 = 2;
 

@@ -1,4 +1,9 @@
-//! What the joint's own mass does: gravity and inertia of one joint.
+//! What mass does: gravity and inertia of one joint moving alone, or of a chain of bodies.
+
+mod chain;
+mod urdf;
+
+pub use chain::{Chain, GRAVITY_M_S2, Motion, RigidTorque};
 
 /// How the joint moves. For a prismatic joint the `_rad` quantities hold metres and the `_nm` quantities newtons.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -30,11 +35,6 @@ pub struct Dynamics {
 }
 
 impl Dynamics {
-    /// G + M a at the joint, N m: gravity at `position_rad` and inertia at `acceleration_rad_s2`.
-    pub fn torque_nm(&self, kind: JointKind, position_rad: f64, acceleration_rad_s2: f64) -> f64 {
-        self.gravity_nm(kind, position_rad) + self.inertia_kg_m2 * acceleration_rad_s2
-    }
-
     /// G at the joint, N m: zero when a revolute joint hangs at theta = 0.
     pub fn gravity_nm(&self, kind: JointKind, position_rad: f64) -> f64 {
         match kind {

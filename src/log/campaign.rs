@@ -1,8 +1,9 @@
 //! `campaign.toml`: one joint, how its signals were recorded, and the list of its trials.
 
+use super::arm::{Arm, Declared};
 use super::columns::Columns;
 use crate::document::{Document, Section};
-use crate::dynamics::Dynamics;
+use crate::dynamics::{Dynamics, JointKind};
 use crate::model::Joint;
 use crate::problem::{Problem, Result};
 use std::collections::BTreeMap;
@@ -21,8 +22,10 @@ pub struct Campaign {
     pub file: PathBuf,
     /// The joint's geometry.
     pub joint: Joint,
-    /// Its gravity and inertia.
+    /// Its gravity and inertia; both 0 where `arm` holds them.
     pub dynamics: Dynamics,
+    /// The whole chain that it belongs to, where the campaign names a URDF.
+    pub arm: Option<Arm>,
     /// What is done to the torque signal.
     pub signal: Signal,
     /// Which column holds what.
@@ -110,10 +113,10 @@ impl Campaign {
     fn from_section(root: &Section<'_>, folder: &Path, file: &Path) -> Option<Self> {
         let format = root.need("format").choice(&[(FORMAT, ())]);
         let joint = root.need("joint").section(Joint::read);
-        let dynamics = root.need("dynamics").section(dynamics);
         let signal = root.need("signal").section(signal);
         let kind = joint.as_ref().map(|joint| joint.kind).unwrap_or_default();
         let columns = root.need("columns").section(|section| Columns::from_section(section, kind));
+        let dynamics = root.need("dynamics").section(|section| dynamics(section, folder, kind, columns.as_ref()));
         let (mut seen, mut count) = (BTreeMap::new(), 0);
         let trials = root.need("trials").sections(|section| {
             count += 1;
@@ -124,23 +127,26 @@ impl Campaign {
         }
         let (folder, file) = (folder.to_path_buf(), file.to_path_buf());
         format?;
-        let (joint, dynamics, signal) = (joint?, dynamics?, signal?);
-        Some(Self { folder, file, joint, dynamics, signal, columns: columns?, trials: trials? })
+        let (joint, (dynamics, arm), signal) = (joint?, dynamics?, signal?);
+        Some(Self { folder, file, joint, dynamics, arm, signal, columns: columns?, trials: trials? })
     }
 }
 
-fn dynamics(section: &Section<'_>) -> Option<Dynamics> {
+/// The single-joint form, or the whole chain; `columns` are those read so far.
+fn dynamics(
+    section: &Section<'_>,
+    folder: &Path,
+    kind: JointKind,
+    columns: Option<&Columns>,
+) -> Option<(Dynamics, Option<Arm>)> {
     if section.keys().any(|key| key == "urdf") {
-        for key in ["urdf", "joint", "gravity_nm", "inertia_kg_m2"] {
-            section.may(key).ignore();
-        }
-        let cure = "give gravity_nm and inertia_kg_m2 of the one joint instead";
-        section.reject("urdf", "the dynamics of a whole chain are not read yet", cure);
-        return None;
+        let declared = Declared::read(section, folder)?;
+        let arm = declared.arm(section, kind, &columns?.other_position)?;
+        return Some((Dynamics { gravity_nm: 0.0, inertia_kg_m2: 0.0 }, Some(arm)));
     }
     let gravity_nm = section.need("gravity_nm").number();
     let inertia_kg_m2 = section.may("inertia_kg_m2").not_negative();
-    Some(Dynamics { gravity_nm: gravity_nm?, inertia_kg_m2: inertia_kg_m2.unwrap_or(0.0) })
+    Some((Dynamics { gravity_nm: gravity_nm?, inertia_kg_m2: inertia_kg_m2.unwrap_or(0.0) }, None))
 }
 
 fn signal(section: &Section<'_>) -> Option<Signal> {

@@ -22,6 +22,15 @@ pub struct ReferenceColumn {
     pub arm_m: Option<f64>,
 }
 
+/// The position of a coupled joint.
+#[derive(Debug, Clone, PartialEq)]
+pub struct OtherColumn {
+    /// Name and unit.
+    pub column: Column,
+    /// The joint of the URDF that it is the position of.
+    pub joint: Option<String>,
+}
+
 /// The columns of every log of a campaign.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Columns {
@@ -42,7 +51,7 @@ pub struct Columns {
     /// Interaction torque, measured independently.
     pub reference_torque: Option<ReferenceColumn>,
     /// Positions of coupled joints.
-    pub other_position: Vec<Column>,
+    pub other_position: Vec<OtherColumn>,
 }
 
 /// One column to be read.
@@ -53,6 +62,7 @@ pub(super) struct Wanted {
     pub quantity: Quantity,
     pub column: Column,
     pub arm_m: Option<f64>,
+    pub joint: Option<String>,
 }
 
 impl Wanted {
@@ -94,6 +104,7 @@ impl Columns {
             quantity,
             column: column.clone(),
             arm_m,
+            joint: None,
         };
         let optional = [
             (Quantity::Velocity, &self.velocity),
@@ -110,9 +121,10 @@ impl Columns {
         let reference = self.reference_torque.as_ref();
         all.extend(reference.map(|at| wanted(Quantity::ReferenceTorque, &at.column, at.arm_m)));
         let others = self.other_position.iter().enumerate();
-        all.extend(others.map(|(index, column)| Wanted {
+        all.extend(others.map(|(index, other)| Wanted {
             key: other_position_key(index),
-            ..wanted(Quantity::OtherPosition, column, None)
+            joint: other.joint.clone(),
+            ..wanted(Quantity::OtherPosition, &other.column, None)
         }));
         all
     }
@@ -160,11 +172,14 @@ fn reference(section: &Section<'_>, kind: JointKind) -> Option<ReferenceColumn> 
     Some(ReferenceColumn { column, arm_m })
 }
 
-fn other_positions(section: &Section<'_>, kind: JointKind) -> Vec<Column> {
+fn other_positions(section: &Section<'_>, kind: JointKind) -> Vec<OtherColumn> {
     let mut found = Vec::new();
     for index in 0.. {
         let key = other_position_key(index);
-        found.extend(section.may(&key).section(|at| one(at, Quantity::OtherPosition, kind)));
+        found.extend(section.may(&key).section(|at| {
+            let joint = at.may("joint").text();
+            Some(OtherColumn { column: one(at, Quantity::OtherPosition, kind)?, joint })
+        }));
         if !section.keys().any(|present| present == key) {
             break;
         }

@@ -1,5 +1,6 @@
 //! A recorded campaign: `campaign.toml` -> `Campaign`; trial by trial, a CSV or Parquet log -> `Log` in SI.
 
+mod arm;
 mod campaign;
 mod checks;
 mod clipping;
@@ -11,8 +12,9 @@ mod resample;
 pub mod table;
 mod written;
 
+pub use arm::{Arm, Place};
 pub use campaign::{Campaign, Protocol, Signal, TrialEntry};
-pub use columns::{Column, Columns, ReferenceColumn};
+pub use columns::{Column, Columns, OtherColumn, ReferenceColumn};
 
 use crate::problem::{Problem, Result};
 use crate::units::Quantity;

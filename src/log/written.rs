@@ -1,6 +1,7 @@
 //! A campaign as the text of its `campaign.toml`.
 
 use super::campaign::{Campaign, Protocol, TrialEntry};
+use crate::dynamics::Dynamics;
 use std::fmt::Write;
 use toml::Value;
 
@@ -22,9 +23,7 @@ impl Campaign {
                 ("backlash_m", joint.backlash_m.into()),
             ],
         );
-        let dynamics = &self.dynamics;
-        let pairs = [("gravity_nm", dynamics.gravity_nm.into()), ("inertia_kg_m2", dynamics.inertia_kg_m2.into())];
-        write_pairs(&mut text, "\n[dynamics]\n", &pairs);
+        write_pairs(&mut text, "\n[dynamics]\n", &self.dynamics_pairs());
         let signal = &self.signal;
         write_pairs(
             &mut text,
@@ -43,6 +42,19 @@ impl Campaign {
         }
         text
     }
+
+    fn dynamics_pairs(&self) -> Vec<(&'static str, Value)> {
+        let Some(arm) = &self.arm else {
+            let Dynamics { gravity_nm, inertia_kg_m2 } = self.dynamics;
+            return vec![("gravity_nm", gravity_nm.into()), ("inertia_kg_m2", inertia_kg_m2.into())];
+        };
+        let mut pairs = vec![("urdf", arm.urdf.as_str().into()), ("joint", arm.chain.joint().into())];
+        if !arm.held_rad.is_empty() {
+            let held: toml::Table = arm.held_rad.iter().map(|(name, at)| (name.clone(), (*at).into())).collect();
+            pairs.push(("held_rad", held.into()));
+        }
+        pairs
+    }
 }
 
 fn column(wanted: &super::columns::Wanted) -> Value {
@@ -50,6 +62,7 @@ fn column(wanted: &super::columns::Wanted) -> Value {
     table.insert("name".to_string(), wanted.column.name.as_str().into());
     table.insert("unit".to_string(), wanted.column.unit.name().into());
     table.extend(wanted.arm_m.map(|arm_m| ("arm_m".to_string(), arm_m.into())));
+    table.extend(wanted.joint.as_ref().map(|joint| ("joint".to_string(), joint.as_str().into())));
     table.into()
 }
 

@@ -92,6 +92,36 @@ impl Model {
     }
 }
 
+/// A curve that an identification fitted beside the one that its model took.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct RecordedCurve {
+    /// With its parameter.
+    pub curve: Combination,
+    /// The clearance fitted along with it, m.
+    pub backlash_m: f64,
+}
+
+/// The curves with a parameter that the model's `file` lists under `combinations`; none where nobody fitted any.
+///
+/// Errors: the file cannot be read, or an entry is no curve.
+pub fn recorded_curves(file: &Path) -> Result<Vec<RecordedCurve>> {
+    let document = Document::open(file)?;
+    document.read(|root| {
+        root.keys().for_each(|key| root.may(key).ignore());
+        let one = |name: &str, s: &Section| {
+            s.keys().for_each(|key| s.may(key).ignore());
+            let (parameter, backlash_m) = (s.may("parameter").positive(), s.may("backlash_m").not_negative());
+            let curve = match name {
+                "arctan" => Combination::arctan(parameter?),
+                "power" => Combination::Power { n: parameter? },
+                _ => return None,
+            };
+            Some(RecordedCurve { curve, backlash_m: backlash_m? })
+        };
+        Some(root.may("combinations").sections_by_name(one).unwrap_or_default().into_values().collect())
+    })
+}
+
 impl Confidence {
     fn to_json(self) -> Value {
         json!({ "low": self.low, "high": self.high, "cv": self.cv, "status": self.status.name() })

@@ -6,6 +6,7 @@ mod friction;
 mod joint;
 mod predict;
 
+pub use file::{RecordedCurve, recorded_curves};
 pub use combination::{Combination, Transition, settle};
 pub use friction::{Both, Direction, Friction};
 pub use joint::Joint;

@@ -1,12 +1,13 @@
 //! A log made ready: torque low-passed, motion differentiated, sweeps cut into legs.
 
 mod legs;
+mod rigid;
 mod series;
 
 pub use legs::{Leg, find_legs};
 pub use series::Series;
 
-use crate::dynamics::JointKind;
+use crate::dynamics::{Dynamics, JointKind, RigidTorque};
 use crate::log::{Campaign, Log, Protocol, TrialEntry};
 use crate::numerics::difference::{acceleration, velocity};
 use crate::numerics::filter::LowPass;
@@ -42,10 +43,44 @@ pub struct Trial {
     pub acceleration_rad_s2: Vec<f64>,
     /// Measured load at the joint after the motion's low-pass, N m.
     pub load_torque_nm: Option<Vec<f64>>,
+    /// The joint's row of M a + C v + G of the whole chain, where the campaign has one.
+    pub chain: Option<Vec<RigidTorque>>,
     /// Travel back below which nothing counts as a reversal: noise, rad.
     pub deadband_rad: f64,
     /// Constant-speed legs of a sweep; none for other protocols.
     pub legs: Vec<Leg>,
+}
+
+impl Trial {
+    /// What mass asks of the joint at sample `at`, N m: by the chain where the campaign has one, else by `dynamics`.
+    pub fn rigid(&self, at: usize, kind: JointKind, dynamics: &Dynamics) -> RigidTorque {
+        match &self.chain {
+            Some(chain) => chain[at],
+            None => RigidTorque {
+                gravity_nm: dynamics.gravity_nm(kind, self.position_rad[at]),
+                inertia_nm: dynamics.inertia_kg_m2 * self.acceleration_rad_s2[at],
+                coriolis_nm: 0.0,
+            },
+        }
+    }
+
+    /// Measured load at the joint at sample `at`, N m; 0 where none is recorded.
+    pub fn load_nm(&self, at: usize) -> f64 {
+        self.load_torque_nm.as_ref().map_or(0.0, |load| load[at])
+    }
+
+    /// Whether the low-passed torque at each sample is free of clipped readings, which a low-pass at `lowpass_hz` carries into
+    /// their surroundings.
+    pub fn in_range(&self, lowpass_hz: f64) -> Vec<bool> {
+        let mut in_range = vec![true; self.torque_nm.len()];
+        let reach = (self.log.rate_hz / lowpass_hz) as usize;
+        for range in &self.log.clipped {
+            let last = (range.end + reach).min(in_range.len());
+            let first = range.start.saturating_sub(reach).min(last);
+            in_range[first..last].fill(false);
+        }
+        in_range
+    }
 }
 
 /// Filters and differentiates `log`, trial `index` of `campaign`, and cuts a sweep into its legs.
@@ -73,6 +108,10 @@ pub fn prepare(campaign: &Campaign, index: usize, log: Log) -> Result<Trial> {
     };
     let load_torque_nm = log.load_torque_nm.as_ref().map(|load| motion.zero_phase(load));
     let deadband_rad = deadband_rad(&log.position_rad, &position_rad);
+    let chain = campaign.arm.as_ref().map(|arm| {
+        let own = [&position_rad[..], &velocity_rad_s, &acceleration_rad_s2];
+        rigid::along(arm, own, &log.other_position_rad, &motion, rate_hz)
+    });
     let legs = match entry.protocol {
         Protocol::Uniform { .. } if campaign.joint.kind == JointKind::Prismatic => {
             let what = "a uniform sweep of a prismatic joint: without an angle there is no y = A sin(theta) + B";
@@ -91,6 +130,7 @@ pub fn prepare(campaign: &Campaign, index: usize, log: Log) -> Result<Trial> {
         velocity_rad_s,
         acceleration_rad_s2,
         load_torque_nm,
+        chain,
         deadband_rad,
         legs,
         log,

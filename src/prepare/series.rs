@@ -36,19 +36,7 @@ impl Series {
         let step = ((trial.log.rate_hz / (SAMPLES_PER_PERIOD * lowpass_hz)) as usize).max(1);
         let n = trial.torque_nm.len();
         let thin = |values: &[f64]| values.iter().step_by(step).copied().collect::<Vec<f64>>();
-        let mut in_range = vec![true; n.div_ceil(step)];
-        // The low-pass carries a clipped reading into its surroundings.
-        let reach = (trial.log.rate_hz / lowpass_hz) as usize;
-        for range in &trial.log.clipped {
-            let last = ((range.end + reach) / step + 1).min(in_range.len());
-            let first = (range.start.saturating_sub(reach) / step).min(last);
-            in_range[first..last].fill(false);
-        }
-        let load = trial.load_torque_nm.as_deref();
-        let joint_torque = |i: usize| {
-            let rigid = dynamics.torque_nm(kind, trial.position_rad[i], trial.acceleration_rad_s2[i]);
-            rigid + load.map_or(0.0, |l| l[i])
-        };
+        let joint_torque = |i: usize| trial.rigid(i, kind, dynamics).total_nm() + trial.load_nm(i);
         Self {
             trial: trial.index,
             rate_hz: trial.log.rate_hz / step as f64,
@@ -57,7 +45,7 @@ impl Series {
             velocity_rad_s: thin(&trial.velocity_rad_s),
             joint_torque_nm: (0..n).step_by(step).map(joint_torque).collect(),
             torque_nm: thin(&trial.torque_nm),
-            in_range,
+            in_range: trial.in_range(lowpass_hz).into_iter().step_by(step).collect(),
             deadband_rad: trial.deadband_rad,
         }
     }

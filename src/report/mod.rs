@@ -8,6 +8,8 @@
 //! | `output` | a folder that appears whole or not at all |
 //! | `tables` | `trials.csv`, written and read |
 //! | `identification` | the JSON of `model.json` and `--json` |
+//! | `evaluation` | an evaluation as JSON, on the terminal, as a page |
+//! | `predicted` | a trial's prediction, sample by sample |
 //! | `verdict` | the result in plain words |
 //! | `terminal` | the summary on the terminal |
 //! | `plots` | one figure per file, drawn on `chart`: canvas, panels, axes, thinning |
@@ -16,13 +18,16 @@
 //! | `parameters`, `number`, `wording` | what all of these share: rows, digits, units and words |
 
 pub mod chart;
+pub mod evaluation;
 pub mod html;
 pub mod identification;
 pub mod number;
 pub mod output;
+pub mod page;
 pub mod parameters;
 pub mod plots;
 pub mod png;
+pub mod predicted;
 pub mod tables;
 pub mod terminal;
 pub mod verdict;
@@ -31,6 +36,7 @@ pub mod wording;
 pub use output::Output;
 pub use tables::{read_trials_csv, trials_csv};
 
+use crate::evaluate::Evaluation;
 use crate::identify::{Identification, LegFit};
 use crate::problem::{Problem, Result};
 use plots::{FIGURES, Figure};
@@ -58,6 +64,16 @@ pub fn write_identification(found: &Identification, campaign: &str, output: &Out
     }
     let page = html::report(found, campaign, &drawn).or_else(|error| unmade(output, "report.html", error))?;
     output.write("report.html", page)
+}
+
+/// All that `write_evaluation` writes.
+pub const EVALUATION_FILES: &[&str] = &["evaluation.json", "report.html", "plots/*.svg", "plots/*.png"];
+
+/// Writes `evaluation.json`, `plots/` and `report.html` of `found` to `output`.
+pub fn write_evaluation(found: &Evaluation, campaign: &str, model: &str, output: &Output, png: bool) -> Result<()> {
+    output.write("evaluation.json", json_text(&evaluation::to_json(found, campaign, model)))?;
+    let drawings = plots::evaluation::drawings(found).or_else(|error| unmade(output, "plots", error))?;
+    evaluation::page(found, campaign, model, drawings).write(output, png)
 }
 
 /// Writes `legs` to `trials.csv`.

@@ -17,8 +17,8 @@ use std::path::Path;
 /// Columns of running text.
 const WIDTH: usize = 112;
 
-const BOLD: Style = Style::new().bold();
-const DIM: Style = Style::new().dimmed();
+pub(super) const BOLD: Style = Style::new().bold();
+pub(super) const DIM: Style = Style::new().dimmed();
 const YELLOW: Style = AnsiColor::Yellow.on_default();
 
 /// Writes the summary to `out`; `written` is where the files went.
@@ -48,12 +48,7 @@ pub fn write_summary(
     if let Some(refined) = &found.refinement {
         writeln!(out, "  {}", wrapped(&refinement(refined, &units), 2))?;
     }
-    if !found.warnings.is_empty() {
-        heading(out, "To distrust")?;
-        for warning in &found.warnings {
-            writeln!(out, "  {YELLOW}!{YELLOW:#} {}", wrapped(warning, 4))?;
-        }
-    }
+    distrust(out, &found.warnings)?;
     if let Some(path) = written {
         let table = if found.legs.is_empty() { "" } else { "trials.csv, " };
         writeln!(out, "\nwritten to {BOLD}{}{BOLD:#}: model.json, {table}report.html, plots", path.display())?;
@@ -61,7 +56,15 @@ pub fn write_summary(
     Ok(())
 }
 
-fn heading(out: &mut impl Write, text: &str) -> io::Result<()> {
+/// Writes what to distrust, if anything.
+pub(super) fn distrust(out: &mut impl Write, warnings: &[String]) -> io::Result<()> {
+    if !warnings.is_empty() {
+        heading(out, "To distrust")?;
+    }
+    warnings.iter().try_for_each(|warning| writeln!(out, "  {YELLOW}!{YELLOW:#} {}", wrapped(warning, 4)))
+}
+
+pub(super) fn heading(out: &mut impl Write, text: &str) -> io::Result<()> {
     writeln!(out, "\n{BOLD}{text}{BOLD:#}")
 }
 

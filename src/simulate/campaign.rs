@@ -83,6 +83,7 @@ impl Plan {
             file: folder.join("campaign.toml"),
             joint: model.joint.clone(),
             dynamics: model.dynamics,
+            arm: None,
             signal: self.signal,
             columns: Columns {
                 time: column(("time_s", Unit::Second)),

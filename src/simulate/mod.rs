@@ -47,7 +47,8 @@ pub fn torque_nm(model: &Model, positions_rad: &[f64], rate_hz: f64) -> Vec<f64>
         .zip(&accelerations)
         .map(|((x, v), a)| {
             let k_tilde = transition.step(*x, &model.combination, backlash_rad, 0.0);
-            model.torque_nm(model.dynamics.torque_nm(model.joint.kind, *x, *a), *v, k_tilde).torque_nm
+            let rigid_nm = model.dynamics.gravity_nm(model.joint.kind, *x) + model.dynamics.inertia_kg_m2 * a;
+            model.torque_nm(rigid_nm, *v, k_tilde).torque_nm
         })
         .collect()
 }

@@ -106,6 +106,12 @@ impl Axis {
         self.without_label()
     }
 
+    /// Without ticks: for an axis of names.
+    pub fn without_ticks(mut self) -> Self {
+        self.ticks.clear();
+        self
+    }
+
     /// Where `value` stands, be it beyond the axis.
     pub fn place(&self, value: f64) -> f64 {
         match self.scale {

@@ -2,6 +2,7 @@
 
 mod amplitude;
 mod confidence;
+pub mod evaluation;
 mod friction;
 mod residual_cloud;
 mod residual_time;

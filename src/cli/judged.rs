@@ -1,0 +1,36 @@
+//! What every command that holds a model against a campaign takes.
+
+use crate::log::Campaign;
+use crate::model::Model;
+use crate::problem::Result;
+use std::path::{Path, PathBuf};
+
+/// A campaign and a model of its joint.
+#[derive(Debug, clap::Args)]
+pub struct Judged {
+    /// Folder with a campaign.toml and its logs
+    pub campaign: PathBuf,
+    /// The model: a model.json
+    #[arg(long)]
+    pub model: PathBuf,
+}
+
+impl Judged {
+    /// Both, read.
+    pub fn read(&self) -> Result<(Campaign, Model)> {
+        let model = Model::read(&self.model)?;
+        Ok((Campaign::read(&self.campaign)?, model))
+    }
+}
+
+/// What reports call the campaign: its folder's name, whatever the path that led there.
+pub fn campaign_name(campaign: &Campaign) -> String {
+    let folder = std::path::absolute(&campaign.folder).unwrap_or_else(|_| campaign.folder.clone());
+    folder.file_name().map_or_else(|| campaign.joint.name.clone(), |name| name.to_string_lossy().into_owned())
+}
+
+/// What reports call a model: its file with the folder that it stands in.
+pub fn model_name(file: &Path) -> String {
+    let tail: Vec<_> = file.components().rev().take(2).collect();
+    tail.into_iter().rev().collect::<PathBuf>().display().to_string()
+}

@@ -1,0 +1,55 @@
+//! Whether a model is of the joint that a campaign recorded.
+
+use crate::log::Campaign;
+use crate::model::Model;
+use crate::problem::{Problem, Problems, Result};
+
+/// Radii that differ by less than this share are the same, written with fewer digits.
+const SAME: f64 = 1e-3;
+/// Gravity torques that differ by more than this share of the larger one deserve a word.
+const GRAVITY_DIFFERS: f64 = 0.02;
+
+/// `model` as it is used on `campaign`, if it is of its joint; what differs without harm comes back as warnings.
+///
+/// Errors: another joint's name, kind or radii.
+pub fn fitted(campaign: &Campaign, model: &Model) -> Result<(Model, Vec<String>)> {
+    let mut model = model.clone();
+    // A model's file need not say how its joint moves; with both radii 1 there is nothing that turns.
+    if (model.joint.winch_radius_m, model.joint.pulley_radius_m) == (1.0, 1.0) {
+        model.joint.kind = campaign.joint.kind;
+    }
+    let (theirs, ours) = (&campaign.joint, &model.joint);
+    let mut problems = Vec::new();
+    let mut differs = |key: &str, of_model: String, of_campaign: String| {
+        let what = format!("the model has {of_model}, the campaign {of_campaign}");
+        let cure = "take the model that was identified on this joint";
+        problems.push(Problem::error(&campaign.file, what, cure).in_column(format!("joint.{key}")));
+    };
+    if ours.name != theirs.name {
+        differs("name", format!("joint `{}`", ours.name), format!("joint `{}`", theirs.name));
+    }
+    if ours.kind != theirs.kind {
+        differs("kind", format!("a {} joint", ours.kind.name()), format!("a {} one", theirs.kind.name()));
+    }
+    for (key, a, b) in [
+        ("winch_radius_m", ours.winch_radius_m, theirs.winch_radius_m),
+        ("pulley_radius_m", ours.pulley_radius_m, theirs.pulley_radius_m),
+    ] {
+        if (a - b).abs() > SAME * b {
+            differs(key, format!("{a} m"), format!("{b} m"));
+        }
+    }
+    let mut warnings = Vec::new();
+    if let Some(arm) = &campaign.arm {
+        warnings.extend(arm.warnings.iter().map(Problem::to_string));
+    } else {
+        let (a, b) = (model.dynamics.gravity_nm, campaign.dynamics.gravity_nm);
+        if (a - b).abs() > GRAVITY_DIFFERS * a.abs().max(b.abs()) {
+            warnings.push(format!(
+                "the model's gravity_nm is {a}, the campaign's {b}: the model's is used; with another load on the joint \
+                 friction and load cannot be told apart"
+            ));
+        }
+    }
+    Problems(problems).unless_errors((model, warnings))
+}

@@ -1,0 +1,77 @@
+//! A trial as figures show it: thinned, whatever its rate.
+
+use super::figures::Judged;
+use crate::predict::Prediction;
+use crate::prepare::Trial;
+
+/// Samples kept of a trial: enough for a page-wide figure and a zoom into a tenth of it.
+const SAMPLES: usize = 12_000;
+
+/// One trial, thinned.
+#[derive(Debug, Clone)]
+pub struct View {
+    /// Time, s.
+    pub time_s: Vec<f64>,
+    /// Position, rad.
+    pub position_rad: Vec<f64>,
+    /// Speed, rad/s.
+    pub velocity_rad_s: Vec<f64>,
+    /// Measured, low-passed, N m.
+    pub torque_nm: Vec<f64>,
+    /// Predicted, low-passed, N m.
+    pub predicted_nm: Vec<f64>,
+    /// Measured as recorded: lowest and highest in each stretch, N m.
+    pub raw_nm: Vec<(f64, f64)>,
+    /// Predicted, not filtered, N m.
+    pub raw_predicted_nm: Vec<f64>,
+    /// Predicted with each rival's curve, low-passed, N m.
+    pub rivals_nm: Vec<Vec<f64>>,
+    /// (r1/r2) G, N m.
+    pub gravity_nm: Vec<f64>,
+    /// (r1/r2) M a, N m.
+    pub inertia_nm: Vec<f64>,
+    /// (r1/r2) C v, N m.
+    pub coriolis_nm: Vec<f64>,
+    /// (r1/r2) times the measured load, N m.
+    pub load_nm: Vec<f64>,
+    /// Friction, N m.
+    pub friction_nm: Vec<f64>,
+    /// K_f.
+    pub k_f: Vec<f64>,
+    /// Whether the sample is in the figures.
+    pub judged: Vec<bool>,
+}
+
+impl View {
+    pub(super) fn new(
+        trial: &Trial,
+        prediction: &Prediction,
+        filtered_nm: &[f64],
+        rivals_nm: &[Vec<f64>],
+        judged: &Judged,
+    ) -> Self {
+        let n = trial.torque_nm.len();
+        let step = n.div_ceil(SAMPLES).max(1);
+        let thin = |values: &[f64]| values.iter().step_by(step).copied().collect::<Vec<f64>>();
+        let extremes = |part: &[f64]| part.iter().fold((f64::MAX, f64::MIN), |(l, h), y| (l.min(*y), h.max(*y)));
+        let mut counted = vec![false; n];
+        judged.samples.iter().for_each(|at| counted[*at] = true);
+        Self {
+            time_s: thin(&trial.log.time_s),
+            position_rad: thin(&trial.position_rad),
+            velocity_rad_s: thin(&trial.velocity_rad_s),
+            torque_nm: thin(&trial.torque_nm),
+            predicted_nm: thin(filtered_nm),
+            raw_nm: trial.log.torque_nm.chunks(step).map(extremes).collect(),
+            raw_predicted_nm: thin(&prediction.torque_nm),
+            rivals_nm: rivals_nm.iter().map(|of| thin(of)).collect(),
+            gravity_nm: thin(&prediction.gravity_nm),
+            inertia_nm: thin(&prediction.inertia_nm),
+            coriolis_nm: thin(&prediction.coriolis_nm),
+            load_nm: thin(&prediction.load_nm),
+            friction_nm: thin(&prediction.friction_nm),
+            k_f: thin(&prediction.states.k_f),
+            judged: counted.into_iter().step_by(step).collect(),
+        }
+    }
+}

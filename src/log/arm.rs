@@ -1,0 +1,132 @@
+//! `[dynamics]` with a URDF: which recorded column moves which joint of the chain.
+
+use super::columns::OtherColumn;
+use crate::document::{Section, suggest};
+use crate::dynamics::{Chain, JointKind};
+use crate::problem::{Problem, Problems};
+use crate::units::Unit;
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+
+/// The whole chain that a campaign's joint belongs to.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Arm {
+    /// The URDF as the campaign names it, relative to its folder.
+    pub urdf: String,
+    /// The bodies that matter for the joint.
+    pub chain: Chain,
+    /// Where each of the chain's other joints stands, in their order.
+    pub others: Vec<Place>,
+    /// Joints that rest, by name, rad or m.
+    pub held_rad: BTreeMap<String, f64>,
+    /// What the reader should know of how columns were matched with joints.
+    pub warnings: Vec<Problem>,
+}
+
+/// Where a joint other than the campaign's own stands.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Place {
+    /// In this one of the log's `other_position` columns.
+    Column(usize),
+    /// Always here, rad or m.
+    Held(f64),
+}
+
+/// What `[dynamics]` says of the chain, before the columns are known.
+pub(super) struct Declared {
+    urdf: String,
+    file: PathBuf,
+    joint: String,
+    held_rad: BTreeMap<String, f64>,
+}
+
+impl Declared {
+    pub fn read(section: &Section<'_>, folder: &Path) -> Option<Self> {
+        let (urdf, joint) = (section.need("urdf").text(), section.need("joint").text());
+        let held_rad = section.may("held_rad").numbers_by_name().unwrap_or_default();
+        for key in ["gravity_nm", "inertia_kg_m2"] {
+            if section.may(key).number().is_some() {
+                section.reject(key, "is given beside a URDF, which holds it already", "delete one of the two");
+            }
+        }
+        let urdf = urdf?;
+        Some(Self { file: folder.join(&urdf), urdf, joint: joint?, held_rad })
+    }
+
+    /// The chain with its joints matched to `columns`; faults of the URDF go to the campaign's list under `urdf` or `joint`.
+    pub fn arm(self, section: &Section<'_>, kind: JointKind, columns: &[OtherColumn]) -> Option<Arm> {
+        let chain = match Chain::read(&self.file, &self.joint) {
+            Ok(chain) => chain,
+            Err(Problems(found)) => {
+                found.iter().for_each(|p| section.reject("urdf", format!("{}: {}", self.urdf, told(p)), p.cure.clone()));
+                return None;
+            }
+        };
+        if chain.kind() != kind {
+            let what = format!("is {} in the URDF, {} in [joint]", chain.kind().name(), kind.name());
+            section.reject("joint", what, "name the joint that the campaign records, or correct [joint].kind");
+        }
+        let names: Vec<&str> = chain.others().map(|(name, _)| name).collect();
+        for name in self.held_rad.keys().filter(|name| !names.contains(&name.as_str())) {
+            let cure = suggest(name, "those that matter are", names.iter().copied());
+            section.reject("held_rad", format!("`{name}` is no other joint of the chain of `{}`", self.joint), cure);
+        }
+        let (others, warnings) = self.places(section, &chain, columns)?;
+        Some(Arm { urdf: self.urdf, chain, others, held_rad: self.held_rad, warnings })
+    }
+
+    /// A joint's place: held, or in the column that names it, or in the column called like it, or in what is left over, in order.
+    fn places(&self, section: &Section<'_>, chain: &Chain, columns: &[OtherColumn]) -> Option<(Vec<Place>, Vec<Problem>)> {
+        let joints: Vec<(&str, JointKind)> = chain.others().collect();
+        let mut places: Vec<Option<Place>> = joints.iter().map(|(name, _)| Some(Place::Held(*self.held_rad.get(*name)?))).collect();
+        let mut left: Vec<usize> = (0..columns.len()).collect();
+        let named = |column: &OtherColumn, joint: &str| column.joint.as_deref() == Some(joint);
+        let called = |column: &OtherColumn, joint: &str| column.joint.is_none() && column.column.name.starts_with(joint);
+        for fits in [&named as &dyn Fn(&OtherColumn, &str) -> bool, &called] {
+            for (place, (joint, _)) in places.iter_mut().zip(&joints).filter(|(place, _)| place.is_none()) {
+                if let Some(at) = left.iter().position(|at| fits(&columns[*at], joint)) {
+                    *place = Some(Place::Column(left.remove(at)));
+                }
+            }
+        }
+        left.retain(|at| columns[*at].joint.is_none());
+        let open: Vec<usize> = (0..joints.len()).filter(|at| places[*at].is_none()).collect();
+        let mut warnings = Vec::new();
+        if open.len() == left.len() {
+            for (at, column) in open.iter().zip(&left) {
+                places[*at] = Some(Place::Column(*column));
+                let (joint, name) = (joints[*at].0, &columns[*column].column.name);
+                let what = format!("column `{name}` is taken for joint `{joint}`, for want of a better match");
+                let cure = format!("say so: add joint = \"{joint}\" to it under [columns]");
+                warnings.push(Problem::warning(self.urdf.as_str(), what, cure));
+            }
+        }
+        for (place, (joint, kind)) in places.iter().zip(&joints) {
+            match place {
+                None => {
+                    let what = format!("the position of joint `{joint}`, which `{}` depends on, is not recorded", self.joint);
+                    let cure = format!(
+                        "add other_position = {{ name = \"...\", unit = \"deg\", joint = \"{joint}\" }} under [columns], or \
+                         held_rad = {{ {joint} = 0.0 }} under [dynamics] if it rests"
+                    );
+                    section.reject("urdf", what, cure);
+                }
+                Some(Place::Column(at)) if !suits(columns[*at].column.unit, *kind) => {
+                    let what = format!("column `{}` is in {}", columns[*at].column.name, columns[*at].column.unit.name());
+                    section.reject("urdf", format!("{what}, joint `{joint}` is {}", kind.name()), "correct the unit, or the joint");
+                }
+                Some(_) => {}
+            }
+        }
+        Some((places.into_iter().collect::<Option<Vec<Place>>>()?, warnings))
+    }
+}
+
+fn suits(unit: Unit, kind: JointKind) -> bool {
+    let angle = matches!(unit, Unit::Radian | Unit::Degree);
+    angle == (kind == JointKind::Revolute)
+}
+
+fn told(problem: &Problem) -> String {
+    problem.column.as_ref().map_or(problem.what.clone(), |column| format!("`{column}`: {}", problem.what))
+}

@@ -1,0 +1,43 @@
+//! Where friction stands between its branches along a motion.
+
+use crate::model::{Combination, Model, Transition, settle};
+use crate::prepare::Trial;
+
+/// K~ and its like for every sample of a trial.
+#[derive(Debug, Clone)]
+pub struct States {
+    /// K~: 0 on `down`, 1 on `up`.
+    pub k_tilde: Vec<f64>,
+    /// K_f: -1 on `down`, 1 on `up`.
+    pub k_f: Vec<f64>,
+    /// The first sample at which K_f is known; before, it depends on what went before the log.
+    pub known_from: usize,
+}
+
+impl States {
+    /// Whether friction is fully on one branch at sample `at`: |K_f| = 1.
+    pub fn is_stable(&self, at: usize) -> bool {
+        self.k_f[at].abs() >= 1.0
+    }
+}
+
+/// The states of `trial` under `model`'s clearance, with `curve`.
+///
+/// K_f follows the position as recorded: a filtered one rings at corners. With `Sign` K~ follows the sign of the speed alone,
+/// as (20) has it, K = 1 for v >= 0; K_f still says where a transition through the clearance would be.
+pub fn states(model: &Model, curve: &Combination, trial: &Trial) -> States {
+    let positions = &trial.log.position_rad;
+    let (backlash_rad, deadband_rad) = (model.joint.backlash_rad(), trial.deadband_rad);
+    let (direction, known_from) = settle(positions, backlash_rad, deadband_rad);
+    let mut state = Transition::after(direction, positions.first().copied().unwrap_or(0.0));
+    let (mut k_tilde, mut k_f) = (Vec::with_capacity(positions.len()), Vec::with_capacity(positions.len()));
+    for (x, v) in positions.iter().zip(&trial.velocity_rad_s) {
+        let value = state.step(*x, curve, backlash_rad, deadband_rad);
+        k_tilde.push(match curve {
+            Combination::Sign => f64::from(u8::from(*v >= 0.0)),
+            _ => value,
+        });
+        k_f.push(state.k_f);
+    }
+    States { k_tilde, k_f, known_from }
+}
