@@ -1,9 +1,11 @@
 //! Agreement with other programs, through values that committed scripts wrote.
 
 use serde_json::Value;
+use std::path::Path;
+use tautline::dynamics::{Chain, Motion};
 use tautline::numerics::filter::LowPass;
 
-/// Largest difference relative to the signal's size: what the issue of two libraries' rounding leaves is 1e-13.
+/// Largest difference relative to the signal's size: what two libraries' rounding leaves is 1e-13.
 const FILTER_AGREEMENT: f64 = 1e-9;
 
 fn numbers(value: &Value) -> Vec<f64> {
@@ -45,4 +47,37 @@ fn a_signal_shorter_than_the_padding_passes_unchanged() {
     let filter = LowPass::new(4, 5.0, 100.0).unwrap();
     let signal: Vec<f64> = (0..LowPass::padding(4)).map(|i| i as f64).collect::<Vec<f64>>();
     assert_eq!(filter.zero_phase(&signal), signal);
+}
+
+/// Largest difference of a joint torque, N m: two programs' rounding leaves 1e-13.
+const TORQUE_AGREEMENT_NM: f64 = 1e-9;
+
+/// `scripts/reference/chain.py`: Pinocchio's inverse dynamics at random states of three URDFs, joint by joint.
+#[test]
+fn chain_dynamics_agree_with_pinocchio() {
+    let reference: Value =
+        serde_json::from_str(&std::fs::read_to_string("tests/reference/chain.json").unwrap()).unwrap();
+    let cases = reference["cases"].as_array().unwrap();
+    assert!(cases.len() > 30);
+    for case in cases {
+        let names: Vec<&str> = case["joints"].as_array().unwrap().iter().map(|name| name.as_str().unwrap()).collect();
+        let [positions, velocities, accelerations] =
+            ["positions", "velocities", "accelerations"].map(|key| numbers(&case[key]));
+        let motion =
+            |at: usize| Motion { position: positions[at], velocity: velocities[at], acceleration: accelerations[at] };
+        for (at, name) in names.iter().enumerate() {
+            let chain = Chain::read(Path::new(case["urdf"].as_str().unwrap()), name).unwrap();
+            let others: Vec<Motion> = chain
+                .others()
+                .map(|(other, _)| motion(names.iter().position(|known| *known == other).unwrap()))
+                .collect();
+            let ours = chain.torque(motion(at), &others);
+            for (part, ours) in
+                [("gravity_nm", ours.gravity_nm), ("inertia_nm", ours.inertia_nm), ("coriolis_nm", ours.coriolis_nm)]
+            {
+                let theirs = numbers(&case[part])[at];
+                assert!((ours - theirs).abs() < TORQUE_AGREEMENT_NM, "{name}, {part}: {ours} against {theirs}");
+            }
+        }
+    }
 }

@@ -194,7 +194,6 @@ fn outwards(body: &Body, motion: Motion, carrier: Option<State>, gravity_m_s2: f
         + axis * slide.acceleration;
     let centre = a + dw.cross(&body.centre_m) + w.cross(&w.cross(&body.centre_m));
     let force_n = body.mass_kg * centre;
-    let moment_nm =
-        body.inertia_kg_m2 * dw + w.cross(&(body.inertia_kg_m2 * w)) + body.centre_m.cross(&force_n);
+    let moment_nm = body.inertia_kg_m2 * dw + w.cross(&(body.inertia_kg_m2 * w)) + body.centre_m.cross(&force_n);
     State { to_parent, origin_m, velocity_rad_s: w, acceleration_rad_s2: dw, acceleration_m_s2: a, force_n, moment_nm }
 }

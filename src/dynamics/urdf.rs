@@ -100,7 +100,10 @@ impl Tree<'_> {
             JointType::Revolute | JointType::Continuous => Freedom::Moves(JointKind::Revolute),
             JointType::Prismatic => Freedom::Moves(JointKind::Prismatic),
             ref other => {
-                return fault(format!("is a {other:?} joint"), "only revolute, continuous, prismatic and fixed are known");
+                return fault(
+                    format!("is a {other:?} joint"),
+                    "only revolute, continuous, prismatic and fixed are known",
+                );
             }
         };
         let axis = Vector3::from(joint.axis.xyz.0);
@@ -114,7 +117,17 @@ impl Tree<'_> {
         };
         let (rotation, origin_m) = placed(&joint.origin);
         let (mass_kg, centre_m, inertia_kg_m2) = self.inertia(link)?;
-        Ok(Body { name: joint.name.clone(), parent, freedom, axis, rotation, origin_m, mass_kg, centre_m, inertia_kg_m2 })
+        Ok(Body {
+            name: joint.name.clone(),
+            parent,
+            freedom,
+            axis,
+            rotation,
+            origin_m,
+            mass_kg,
+            centre_m,
+            inertia_kg_m2,
+        })
     }
 
     /// Mass, centre of mass and inertia about it, in the link's frame.

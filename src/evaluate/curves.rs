@@ -60,9 +60,7 @@ fn rival(kind: CurveKind, model: &Model, recorded: &[RecordedCurve]) -> Rival {
         return Rival { kind, curve: kind.with(1.0), backlash_m, source: Source::None };
     };
     match recorded.iter().find(|r| r.curve.name() == kind.name()) {
-        Some(found) => {
-            Rival { kind, curve: found.curve, backlash_m: found.backlash_m, source: Source::Identification }
-        }
+        Some(found) => Rival { kind, curve: found.curve, backlash_m: found.backlash_m, source: Source::Identification },
         None => Rival { kind, curve: nearest(kind, range, &model.combination), backlash_m, source: Source::Nearest },
     }
 }

@@ -101,7 +101,8 @@ impl Spread {
 pub fn pooled(trials: &[Figures]) -> Figures {
     let known: Vec<&Figures> = trials.iter().filter(|f| f.samples > 0).collect();
     let samples: usize = known.iter().map(|f| f.samples).sum();
-    let weighted = |of: fn(&Figures) -> f64| known.iter().map(|f| f.samples as f64 * of(f)).sum::<f64>() / samples as f64;
+    let weighted =
+        |of: fn(&Figures) -> f64| known.iter().map(|f| f.samples as f64 * of(f)).sum::<f64>() / samples as f64;
     let percent = |of: fn(&Figures) -> f64| mean(&known.iter().map(|f| of(f)).collect::<Vec<f64>>());
     Figures {
         samples,

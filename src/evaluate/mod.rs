@@ -95,7 +95,12 @@ impl Evaluation {
 /// Judges `model` on the trials of `campaign` in which nothing but the joint itself acts; `progress` hears of each.
 ///
 /// Errors: the model is of another joint; no trial can be judged; all that is wrong with any trial.
-pub fn run(campaign: &Campaign, model: &Model, settings: &Settings, progress: &(dyn Fn() + Sync)) -> Result<Evaluation> {
+pub fn run(
+    campaign: &Campaign,
+    model: &Model,
+    settings: &Settings,
+    progress: &(dyn Fn() + Sync),
+) -> Result<Evaluation> {
     let (model, mut warnings) = fitted(campaign, model)?;
     let model = &model;
     let chosen = chosen(campaign, settings.sweeps)?;
@@ -123,9 +128,12 @@ pub fn run(campaign: &Campaign, model: &Model, settings: &Settings, progress: &(
         let what = "no sample can be judged: the joint never moves through its clearance";
         return Problem::error(&campaign.file, what, "record motion in both directions").alone();
     }
-    warnings.extend(trials.iter().filter(|t| t.filtered.all.samples == 0).map(|t| {
-        format!("{}: not judged, for the joint never moves through its clearance there", t.entry.file)
-    }));
+    warnings.extend(
+        trials
+            .iter()
+            .filter(|t| t.filtered.all.samples == 0)
+            .map(|t| format!("{}: not judged, for the joint never moves through its clearance there", t.entry.file)),
+    );
     let groups = groups(&trials);
     let lowpass_hz = campaign.signal.lowpass_hz;
     Ok(Evaluation { model: model.clone(), trials, groups, rivals, warnings, lowpass_hz })

@@ -58,7 +58,9 @@ impl Declared {
         let chain = match Chain::read(&self.file, &self.joint) {
             Ok(chain) => chain,
             Err(Problems(found)) => {
-                found.iter().for_each(|p| section.reject("urdf", format!("{}: {}", self.urdf, told(p)), p.cure.clone()));
+                found
+                    .iter()
+                    .for_each(|p| section.reject("urdf", format!("{}: {}", self.urdf, told(p)), p.cure.clone()));
                 return None;
             }
         };
@@ -76,12 +78,19 @@ impl Declared {
     }
 
     /// A joint's place: held, or in the column that names it, or in the column called like it, or in what is left over, in order.
-    fn places(&self, section: &Section<'_>, chain: &Chain, columns: &[OtherColumn]) -> Option<(Vec<Place>, Vec<Problem>)> {
+    fn places(
+        &self,
+        section: &Section<'_>,
+        chain: &Chain,
+        columns: &[OtherColumn],
+    ) -> Option<(Vec<Place>, Vec<Problem>)> {
         let joints: Vec<(&str, JointKind)> = chain.others().collect();
-        let mut places: Vec<Option<Place>> = joints.iter().map(|(name, _)| Some(Place::Held(*self.held_rad.get(*name)?))).collect();
+        let mut places: Vec<Option<Place>> =
+            joints.iter().map(|(name, _)| Some(Place::Held(*self.held_rad.get(*name)?))).collect();
         let mut left: Vec<usize> = (0..columns.len()).collect();
         let named = |column: &OtherColumn, joint: &str| column.joint.as_deref() == Some(joint);
-        let called = |column: &OtherColumn, joint: &str| column.joint.is_none() && column.column.name.starts_with(joint);
+        let called =
+            |column: &OtherColumn, joint: &str| column.joint.is_none() && column.column.name.starts_with(joint);
         for fits in [&named as &dyn Fn(&OtherColumn, &str) -> bool, &called] {
             for (place, (joint, _)) in places.iter_mut().zip(&joints).filter(|(place, _)| place.is_none()) {
                 if let Some(at) = left.iter().position(|at| fits(&columns[*at], joint)) {
@@ -104,7 +113,8 @@ impl Declared {
         for (place, (joint, kind)) in places.iter().zip(&joints) {
             match place {
                 None => {
-                    let what = format!("the position of joint `{joint}`, which `{}` depends on, is not recorded", self.joint);
+                    let what =
+                        format!("the position of joint `{joint}`, which `{}` depends on, is not recorded", self.joint);
                     let cure = format!(
                         "add other_position = {{ name = \"...\", unit = \"deg\", joint = \"{joint}\" }} under [columns], or \
                          held_rad = {{ {joint} = 0.0 }} under [dynamics] if it rests"
@@ -112,8 +122,13 @@ impl Declared {
                     section.reject("urdf", what, cure);
                 }
                 Some(Place::Column(at)) if !suits(columns[*at].column.unit, *kind) => {
-                    let what = format!("column `{}` is in {}", columns[*at].column.name, columns[*at].column.unit.name());
-                    section.reject("urdf", format!("{what}, joint `{joint}` is {}", kind.name()), "correct the unit, or the joint");
+                    let what =
+                        format!("column `{}` is in {}", columns[*at].column.name, columns[*at].column.unit.name());
+                    section.reject(
+                        "urdf",
+                        format!("{what}, joint `{joint}` is {}", kind.name()),
+                        "correct the unit, or the joint",
+                    );
                 }
                 Some(_) => {}
             }

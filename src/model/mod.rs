@@ -6,8 +6,8 @@ mod friction;
 mod joint;
 mod predict;
 
-pub use file::{RecordedCurve, recorded_curves};
 pub use combination::{Combination, Transition, settle};
+pub use file::{RecordedCurve, recorded_curves};
 pub use friction::{Both, Direction, Friction};
 pub use joint::Joint;
 pub use predict::Components;

@@ -167,7 +167,12 @@ fn comparison(found: &Evaluation, units: &Units) -> String {
     let told = found.rivals.iter().enumerate().map(|(at, rival)| {
         let figures = found.together(|t| &t.rivals[at]);
         let own = if rival.source == Source::Model { ", the model's own" } else { "" };
-        format!("{} {} (peak {}){own}", rival.kind.name(), units.torque(figures.all.rmse_nm), units.torque(figures.all.peak_nm))
+        format!(
+            "{} {} (peak {}){own}",
+            rival.kind.name(),
+            units.torque(figures.all.rmse_nm),
+            units.torque(figures.all.peak_nm)
+        )
     });
     format!("With each curve of the combination: {}.", told.collect::<Vec<_>>().join("; "))
 }
@@ -179,7 +184,8 @@ fn scale(found: &Evaluation, units: &Units) -> (&'static str, f64) {
 
 /// Words of a group.
 fn group_name(group: &Group, units: &Units) -> String {
-    let speed = group.protocol.speed_rad_s().map_or(String::new(), |v| format!(" {} {}", significant(v, 3), units.speed));
+    let speed =
+        group.protocol.speed_rad_s().map_or(String::new(), |v| format!(" {} {}", significant(v, 3), units.speed));
     let trajectory = group.trajectory.as_ref().map_or(String::new(), |name| format!(" {name}"));
     format!("{}{speed}{trajectory}", group.protocol.name())
 }
@@ -189,7 +195,13 @@ fn groups_table(found: &Evaluation, units: &Units) -> Table {
     let row = |group: &Group| {
         let scaled = |s: Spread| with_spread(factor * s.mean, factor * s.sd);
         let note = if group.repeats { "repeats" } else { "different motions" };
-        vec![group_name(group, units), count(group.trials.len()), scaled(group.rmse_nm), scaled(group.mae_nm), note.to_string()]
+        vec![
+            group_name(group, units),
+            count(group.trials.len()),
+            scaled(group.rmse_nm),
+            scaled(group.mae_nm),
+            note.to_string(),
+        ]
     };
     Table {
         title: "By motion".to_string(),
@@ -216,7 +228,8 @@ fn curves_table(found: &Evaluation, units: &Units) -> Table {
             figure(split.transition.peak_nm),
         ]
     };
-    let heads = ["curve", "parameter", "parameter from", "RMSE", "MAE", "stable RMSE", "transition RMSE", "transition peak"];
+    let heads =
+        ["curve", "parameter", "parameter from", "RMSE", "MAE", "stable RMSE", "transition RMSE", "transition peak"];
     Table {
         title: "By curve of the combination".to_string(),
         intro: format!("All trials together, low-passed, in {unit}. Sign is the model without any coefficient."),
@@ -267,7 +280,11 @@ pub fn write_summary(out: &mut impl Write, found: &Evaluation, campaign: &str, w
         writeln!(out, "  {name:<24} {number:>7} {:>22} {:>22}", scaled(group.rmse_nm), scaled(group.mae_nm))?;
     }
     heading(out, "By curve of the combination, all trials together")?;
-    writeln!(out, "  {DIM}{:<10} {:>12} {:>14} {:>16} {:>14}{DIM:#}", "curve", "RMSE", "stable state", "transition", "peak")?;
+    writeln!(
+        out,
+        "  {DIM}{:<10} {:>12} {:>14} {:>16} {:>14}{DIM:#}",
+        "curve", "RMSE", "stable state", "transition", "peak"
+    )?;
     for (at, rival) in found.rivals.iter().enumerate() {
         let Split { all, stable, transition } = found.together(|t| &t.rivals[at]);
         let [rmse, stable, transition, peak] =
@@ -276,7 +293,12 @@ pub fn write_summary(out: &mut impl Write, found: &Evaluation, campaign: &str, w
         writeln!(out, "  {:<10} {rmse:>12} {stable:>14} {transition:>16} {peak:>14}  {own}", rival.kind.name())?;
     }
     let raw = found.together(|t| &t.raw).all;
-    writeln!(out, "\n  Raw, neither side filtered: RMSE {}, MAE {}", units.torque(raw.rmse_nm), units.torque(raw.mae_nm))?;
+    writeln!(
+        out,
+        "\n  Raw, neither side filtered: RMSE {}, MAE {}",
+        units.torque(raw.rmse_nm),
+        units.torque(raw.mae_nm)
+    )?;
     distrust(out, &found.warnings)?;
     writeln!(out, "\nwritten to {BOLD}{}{BOLD:#}: evaluation.json, report.html, plots", written.display())
 }

@@ -32,10 +32,16 @@ pub(super) fn draw(evaluation: &Evaluation) -> Drawn<Drawing> {
     })
 }
 
-fn row(canvas: &Canvas, evaluation: &Evaluation, units: &Units, top: f64, name: &str, of: fn(&Figures) -> f64) -> Drawn {
-    let spread = |part: fn(&Split) -> Figures, at: usize| {
-        Spread::of(evaluation.trials.iter().map(|t| of(&part(&t.rivals[at]))))
-    };
+fn row(
+    canvas: &Canvas,
+    evaluation: &Evaluation,
+    units: &Units,
+    top: f64,
+    name: &str,
+    of: fn(&Figures) -> f64,
+) -> Drawn {
+    let spread =
+        |part: fn(&Split) -> Figures, at: usize| Spread::of(evaluation.trials.iter().map(|t| of(&part(&t.rivals[at]))));
     let numbers = 0..evaluation.rivals.len();
     let ends = |s: Spread| s.mean + if s.sd.is_finite() { s.sd } else { 0.0 };
     for (i, (title, part)) in PARTS.iter().enumerate() {
@@ -56,12 +62,24 @@ fn row(canvas: &Canvas, evaluation: &Evaluation, units: &Units, top: f64, name: 
     Ok(())
 }
 
-fn bar(canvas: &Canvas, panel: &Panel, frame: Frame, evaluation: &Evaluation, at: usize, (mean, sd): (f64, f64)) -> Drawn {
+fn bar(
+    canvas: &Canvas,
+    panel: &Panel,
+    frame: Frame,
+    evaluation: &Evaluation,
+    at: usize,
+    (mean, sd): (f64, f64),
+) -> Drawn {
     let rival = &evaluation.rivals[at];
     let taken = rival.source == Source::Model;
     let color = stroke(rival.kind, taken).color;
     let x = at as f64;
-    panel.band(&[(x - HALF, 0.0), (x + HALF, 0.0)], &[(x - HALF, mean), (x + HALF, mean)], color, if taken { 0.9 } else { 0.45 })?;
+    panel.band(
+        &[(x - HALF, 0.0), (x + HALF, 0.0)],
+        &[(x - HALF, mean), (x + HALF, mean)],
+        color,
+        if taken { 0.9 } else { 0.45 },
+    )?;
     if sd.is_finite() {
         let ink = crate::report::chart::Stroke::solid(palette::INK, 1.4);
         panel.line([(x, mean - sd), (x, mean + sd)], ink)?;
@@ -69,7 +87,9 @@ fn bar(canvas: &Canvas, panel: &Panel, frame: Frame, evaluation: &Evaluation, at
             panel.line([(x - 0.08, end), (x + 0.08, end)], ink)?;
         }
     }
-    let across = |place: f64| frame.left + (frame.right - frame.left) * (place - panel.x.places.0) / (panel.x.places.1 - panel.x.places.0);
+    let across = |place: f64| {
+        frame.left + (frame.right - frame.left) * (place - panel.x.places.0) / (panel.x.places.1 - panel.x.places.0)
+    };
     let up = |y: f64| frame.bottom - (frame.bottom - frame.top) * y / panel.y.places.1;
     let above = mean + if sd.is_finite() { sd } else { 0.0 };
     canvas.text((across(x), up(above) - 10.0), &significant(mean, 3), TEXT_PX - 1.0, palette::INK, Anchor::Middle)?;

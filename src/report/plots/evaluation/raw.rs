@@ -20,7 +20,8 @@ pub(super) fn draw(shown: &Shown) -> Drawn<Drawing> {
         let y = Axis::around(format!("torque ({})", shown.units.torque), all, 0.04);
         let upper = Frame { left: 92.0, top: 54.0, right: 840.0, bottom: 264.0 };
         let panel = canvas.panel(upper, time.clone().without_texts(), y)?;
-        let band = |values: &[f64]| -> Vec<(f64, f64)> { view.time_s.iter().copied().zip(values.iter().copied()).collect() };
+        let band =
+            |values: &[f64]| -> Vec<(f64, f64)> { view.time_s.iter().copied().zip(values.iter().copied()).collect() };
         panel.band(&band(&low), &band(&high), palette::GREY, 0.6)?;
         line(&panel, view, &low, Stroke::solid(palette::GREY, 0.4))?;
         line(&panel, view, &high, Stroke::solid(palette::GREY, 0.4))?;
@@ -30,7 +31,8 @@ pub(super) fn draw(shown: &Shown) -> Drawn<Drawing> {
             (Mark::Line(1.2, None), palette::VERMILION, "predicted, not filtered".to_string()),
         ];
         canvas.legend((92.0, 840.0), 38.0, &entries)?;
-        let y = Axis::around(format!("error ({})", shown.units.torque), error_low.iter().chain(&error_high).copied(), 0.06);
+        let y =
+            Axis::around(format!("error ({})", shown.units.torque), error_low.iter().chain(&error_high).copied(), 0.06);
         let panel = canvas.panel(Frame { left: 92.0, top: 292.0, right: 840.0, bottom: 462.0 }, time, y)?;
         panel.band(&band(&error_low), &band(&error_high), palette::BLUE, 0.5)?;
         line(&panel, view, &error_low, Stroke::solid(palette::BLUE, 0.4))?;

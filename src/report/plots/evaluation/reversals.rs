@@ -3,7 +3,7 @@
 use super::Shown;
 use crate::evaluate::{Evaluation, Source, View};
 use crate::identify::CurveKind;
-use crate::report::chart::{Axis, Canvas, Drawn, Frame, Mark, Stroke, TEXT_PX, Anchor, palette, span, svg};
+use crate::report::chart::{Anchor, Axis, Canvas, Drawn, Frame, Mark, Stroke, TEXT_PX, palette, span, svg};
 use crate::report::number::significant;
 use crate::report::page::Drawing;
 use std::ops::Range;
@@ -75,7 +75,11 @@ fn panel(canvas: &Canvas, frame: Frame, shown: &Shown, evaluation: &Evaluation, 
         inside.iter().map(|at| (view.time_s[*at] - from_s, values[*at])).collect()
     };
     let seen = view.rivals_nm.iter().chain([&view.torque_nm]).flat_map(|v| points(v)).map(|p| p.1);
-    let y = Axis::around(if frame.left < 100.0 { format!("torque ({})", shown.units.torque) } else { String::new() }, seen, 0.08);
+    let y = Axis::around(
+        if frame.left < 100.0 { format!("torque ({})", shown.units.torque) } else { String::new() },
+        seen,
+        0.08,
+    );
     let (first_s, end_s) = span(inside.iter().map(|at| view.time_s[*at] - from_s));
     let x = Axis::linear("time after the reversal (s)", first_s, end_s);
     let panel = canvas.panel(frame, x, y)?;

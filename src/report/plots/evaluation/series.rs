@@ -2,7 +2,9 @@
 
 use super::Shown;
 use crate::evaluate::View;
-use crate::report::chart::{Anchor, Axis, Canvas, Drawn, Frame, Mark, Panel, Stroke, TEXT_PX, palette, span, svg, thin};
+use crate::report::chart::{
+    Anchor, Axis, Canvas, Drawn, Frame, Mark, Panel, Stroke, TEXT_PX, palette, span, svg, thin,
+};
 use crate::report::number::significant;
 use crate::report::page::Drawing;
 use plotters::style::RGBColor;
@@ -19,7 +21,13 @@ type Part<'a> = (&'static str, &'a [f64], RGBColor, Option<(f64, f64)>);
 pub(super) fn draw(shown: &Shown) -> Drawn<Drawing> {
     let first = &shown.trials[0].view;
     let svg = svg(860, 900, &shown.title, |canvas| {
-        canvas.text((LEFT, 14.0), &format!("{}; low-passed at {} Hz", shown.title, significant(shown.lowpass_hz, 3)), TEXT_PX, palette::INK, Anchor::Left)?;
+        canvas.text(
+            (LEFT, 14.0),
+            &format!("{}; low-passed at {} Hz", shown.title, significant(shown.lowpass_hz, 3)),
+            TEXT_PX,
+            palette::INK,
+            Anchor::Left,
+        )?;
         let time = |last: bool| {
             let axis = Axis::linear("time (s)", first.time_s[0], span(first.time_s.iter().copied()).1);
             if last { axis } else { axis.without_texts() }
@@ -55,7 +63,8 @@ fn trajectory(canvas: &Canvas, shown: &Shown, time: Axis) -> Drawn {
 fn torque(canvas: &Canvas, shown: &Shown, time: Axis) -> Drawn {
     let first = &shown.trials[0].view;
     let all = shown.trials.iter().flat_map(|t| t.view.torque_nm.iter().copied());
-    let y = Axis::around(format!("torque ({})", shown.units.torque), all.chain(first.predicted_nm.iter().copied()), 0.04);
+    let y =
+        Axis::around(format!("torque ({})", shown.units.torque), all.chain(first.predicted_nm.iter().copied()), 0.04);
     let panel = canvas.panel(frame(190.0, 210.0), time, y)?;
     for trial in &shown.trials {
         line(&panel, &trial.view, &trial.view.torque_nm, Stroke::solid(palette::PALE, 3.4))?;
@@ -91,7 +100,8 @@ fn parts(canvas: &Canvas, shown: &Shown, time: Axis) -> Drawn {
 }
 
 fn error(canvas: &Canvas, shown: &Shown, time: Axis) -> Drawn {
-    let errors: Vec<Vec<f64>> = shown.trials.iter().map(|t| difference(&t.view.torque_nm, &t.view.predicted_nm)).collect();
+    let errors: Vec<Vec<f64>> =
+        shown.trials.iter().map(|t| difference(&t.view.torque_nm, &t.view.predicted_nm)).collect();
     let judged = errors.iter().zip(&shown.trials).flat_map(|(e, t)| e.iter().zip(&t.view.judged).filter(|(_, j)| **j));
     let (low, high) = span(judged.map(|(e, _)| *e));
     let (unit, factor) = shown.units.torque_scale(low.abs().max(high.abs()));
@@ -102,7 +112,8 @@ fn error(canvas: &Canvas, shown: &Shown, time: Axis) -> Drawn {
     for ((error, trial), color) in errors.iter().zip(&shown.trials).zip(colors.iter().cycle()) {
         let scaled: Vec<f64> = error.iter().map(|e| factor * e).collect();
         line(&panel, &trial.view, &scaled, Stroke::solid(palette::PALE, 0.9))?;
-        let shown: Vec<f64> = scaled.iter().zip(&trial.view.judged).map(|(e, j)| if *j { *e } else { f64::NAN }).collect();
+        let shown: Vec<f64> =
+            scaled.iter().zip(&trial.view.judged).map(|(e, j)| if *j { *e } else { f64::NAN }).collect();
         line(&panel, &trial.view, &shown, Stroke::solid(*color, 0.9))?;
         if entries.len() < 4 {
             entries.push((Mark::Line(1.6, None), *color, trial.entry.file.clone()));
