@@ -41,6 +41,9 @@ pub mod identify;
 /// `Model` x `Trial` -> figures: how well the model foretells motions that it was not identified from.
 pub mod evaluate;
 
+/// `Model` x `Trial` -> the torque that a person adds, from logs or as samples come.
+pub mod interaction;
+
 /// Results -> terminal, JSON, tables, plots, one HTML file.
 pub mod report;
 

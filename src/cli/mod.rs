@@ -5,7 +5,9 @@
 mod completions;
 mod evaluate;
 mod fit;
+mod follow;
 mod identify;
+mod interaction;
 mod interrupt;
 mod judged;
 mod outcome;
@@ -44,6 +46,8 @@ enum Command {
     Evaluate(evaluate::Arguments),
     /// Write what a model makes of every sample: prediction, its parts, residual
     Predict(predict::Arguments),
+    /// Extract the torque that a person adds, from logs or from samples as they come
+    Interaction(interaction::Arguments),
     /// Run one step of the protocol alone
     Fit(fit::Arguments),
     /// List every problem of a campaign
@@ -62,6 +66,7 @@ pub fn run() -> ExitCode {
         Command::Identify(arguments) => identify::run(&arguments, &talk),
         Command::Evaluate(arguments) => evaluate::run(&arguments, &talk),
         Command::Predict(arguments) => predict::run(&arguments, &talk),
+        Command::Interaction(arguments) => interaction::run(&arguments, &talk),
         Command::Fit(arguments) => fit::run(&arguments, &talk),
         Command::Validate(arguments) => validate::run(&arguments, &talk),
         Command::Simulate(arguments) => simulate::run(&arguments, &talk),

@@ -116,7 +116,7 @@ fn reserve(columns: &mut [Vec<f64>], length: u64, bytes: u64) {
     columns.iter_mut().for_each(|column| column.reserve(more));
 }
 
-fn check_separator(file: &Path, names: &[String]) -> Result<()> {
+pub(super) fn check_separator(file: &Path, names: &[String]) -> Result<()> {
     let [only] = names else { return Ok(()) };
     for (separator, shown) in [(';', "semicolons"), ('\t', "tabs")] {
         if only.contains(separator) {
@@ -127,12 +127,12 @@ fn check_separator(file: &Path, names: &[String]) -> Result<()> {
     Ok(())
 }
 
-fn name(field: &[u8]) -> String {
+pub(super) fn name(field: &[u8]) -> String {
     String::from_utf8_lossy(field).trim().to_string()
 }
 
 /// The finite number in `field`, blanks around it allowed.
-fn number(field: &[u8]) -> Option<f64> {
+pub(super) fn number(field: &[u8]) -> Option<f64> {
     if let Some(number) = plain_decimal(field) {
         return Some(number);
     }
@@ -170,7 +170,7 @@ fn plain_decimal(field: &[u8]) -> Option<f64> {
     Some(if negative { -magnitude } else { magnitude })
 }
 
-fn ragged(file: &Path, record: &ByteRecord, expected: usize) -> Problem {
+pub(super) fn ragged(file: &Path, record: &ByteRecord, expected: usize) -> Problem {
     let cure = "repair or delete the row; a last row cut short means that recording broke off";
     let what = match record.as_slice().contains(&b'\n') {
         true => "a quote opens here and is not closed in this row".to_string(),
@@ -179,7 +179,7 @@ fn ragged(file: &Path, record: &ByteRecord, expected: usize) -> Problem {
     Problem::error(file, what, cure)
 }
 
-fn no_number(file: &Path, field: &[u8], want: &Wanted) -> Problem {
+pub(super) fn no_number(file: &Path, field: &[u8], want: &Wanted) -> Problem {
     let text = String::from_utf8_lossy(field);
     let what = match text.trim() {
         "" => "is empty".to_string(),

@@ -9,12 +9,14 @@ mod csv_file;
 mod parquet_file;
 mod readings;
 mod resample;
+mod samples;
 pub mod table;
 mod written;
 
 pub use arm::{Arm, Place};
 pub use campaign::{Campaign, Protocol, Signal, TrialEntry};
 pub use columns::{Column, Columns, OtherColumn, ReferenceColumn};
+pub use samples::{Sample, Samples};
 
 use crate::problem::{Problem, Result};
 use crate::units::Quantity;

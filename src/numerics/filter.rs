@@ -35,6 +35,11 @@ impl LowPass {
         }
     }
 
+    /// Numerator and denominator of its second-order sections.
+    pub fn sections(&self) -> impl Iterator<Item = ([f64; 3], [f64; 3])> {
+        self.sections.iter().map(|section| (section.b, section.a))
+    }
+
     /// How many samples a signal must exceed: SciPy's padding, 3 (2 sections + 1 - the first-order ones).
     pub fn padding(order: usize) -> usize {
         3 * (order + 1)

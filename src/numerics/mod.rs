@@ -10,6 +10,7 @@ pub mod marquardt;
 pub mod line;
 
 /// Standard errors from clusters of samples.
+pub mod causal;
 pub mod cluster;
 
 /// Zero-phase Butterworth low-pass.

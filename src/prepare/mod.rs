@@ -139,8 +139,12 @@ pub fn prepare(campaign: &Campaign, index: usize, log: Log) -> Result<Trial> {
 
 /// The motion's low-pass: 4th order, its -3 dB well above what the torque's low-pass lets through.
 fn motion_filter(lowpass_hz: f64, rate_hz: f64) -> Option<LowPass> {
-    let cutoff_hz = (MOTION_BANDWIDTH * lowpass_hz).max(MOTION_BANDWIDTH_MIN_HZ).min(MOTION_BANDWIDTH_MAX * rate_hz);
-    LowPass::new(4, cutoff_hz, rate_hz)
+    LowPass::new(4, motion_cutoff_hz(lowpass_hz, rate_hz), rate_hz)
+}
+
+/// Cut-off of the motion's low-pass, Hz, for a torque low-passed at `lowpass_hz` and samples at `rate_hz`.
+pub fn motion_cutoff_hz(lowpass_hz: f64, rate_hz: f64) -> f64 {
+    (MOTION_BANDWIDTH * lowpass_hz).max(MOTION_BANDWIDTH_MIN_HZ).min(MOTION_BANDWIDTH_MAX * rate_hz)
 }
 
 /// What the filter took out of the position tells its noise. The median resists the corners, where it takes out motion.

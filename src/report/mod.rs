@@ -9,6 +9,7 @@
 //! | `tables` | `trials.csv`, written and read |
 //! | `identification` | the JSON of `model.json` and `--json` |
 //! | `evaluation` | an evaluation as JSON, on the terminal, as a page |
+//! | `interaction` | an interaction as JSON, tables, on the terminal, as a page |
 //! | `predicted` | a trial's prediction, sample by sample |
 //! | `verdict` | the result in plain words |
 //! | `terminal` | the summary on the terminal |
@@ -21,6 +22,7 @@ pub mod chart;
 pub mod evaluation;
 pub mod html;
 pub mod identification;
+pub mod interaction;
 pub mod number;
 pub mod output;
 pub mod page;
@@ -38,6 +40,7 @@ pub use tables::{read_trials_csv, trials_csv};
 
 use crate::evaluate::Evaluation;
 use crate::identify::{Identification, LegFit};
+use crate::interaction::Interaction;
 use crate::problem::{Problem, Result};
 use plots::{FIGURES, Figure};
 use rayon::prelude::*;
@@ -74,6 +77,16 @@ pub fn write_evaluation(found: &Evaluation, campaign: &str, model: &str, output:
     output.write("evaluation.json", json_text(&evaluation::to_json(found, campaign, model)))?;
     let drawings = plots::evaluation::drawings(found).or_else(|error| unmade(output, "plots", error))?;
     evaluation::page(found, campaign, model, drawings).write(output, png)
+}
+
+/// Writes `interaction.json`, a table per trial, `plots/` and `report.html` of `found` to `output`.
+pub fn write_interaction(found: &Interaction, campaign: &str, model: &str, output: &Output, png: bool) -> Result<()> {
+    output.write("interaction.json", json_text(&interaction::to_json(found, campaign, model)))?;
+    for trial in &found.trials {
+        output.write(&predicted::csv_name(&trial.entry.file), interaction::trial_csv(trial, &found.quiet))?;
+    }
+    let drawings = plots::interaction::drawings(found).or_else(|error| unmade(output, "plots", error))?;
+    interaction::page(found, campaign, model, drawings).write(output, png)
 }
 
 /// Writes `legs` to `trials.csv`.

@@ -4,6 +4,7 @@ mod amplitude;
 mod confidence;
 pub mod evaluation;
 mod friction;
+pub mod interaction;
 mod residual_cloud;
 mod residual_time;
 mod sweep;

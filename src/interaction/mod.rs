@@ -1,0 +1,173 @@
+//! The torque that a person adds: tau_E = y - (M a + C v + G + f), equation (31).
+//!
+//! What counts as contact follows from what the model leaves on quiet trials, in which nobody touches the joint; around
+//! reversals, where the model is weak, the threshold and the uncertainty are those of quiet reversals.
+
+mod causal;
+mod compare;
+mod contacts;
+mod extract;
+mod quiet;
+mod stream;
+
+pub use compare::Comparison;
+pub use contacts::{Contact, contacts};
+pub use extract::{Extracted, Frame};
+pub use quiet::{Levels, Quiet};
+pub use stream::{Stream, StreamOutput};
+
+use crate::evaluate::fitted;
+use crate::log::{Campaign, Protocol, TrialEntry, read_trial};
+use crate::model::Model;
+use crate::prepare::prepare;
+use crate::problem::{Problem, Problems, Result};
+use rayon::prelude::*;
+
+/// How the torque is extracted.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Settings {
+    /// Where the torque is wanted.
+    pub frame: Frame,
+    /// Whether to filter forwards only, as on a stream.
+    pub causal: bool,
+    /// The threshold of a contact, N m, in place of the one that quiet trials give.
+    pub threshold_nm: Option<f64>,
+}
+
+/// One trial's interaction.
+#[derive(Debug, Clone)]
+pub struct TrialInteraction {
+    /// What the campaign says of it.
+    pub entry: TrialEntry,
+    /// The torque, sample by sample.
+    pub extracted: Extracted,
+    /// When somebody touched the joint.
+    pub contacts: Vec<Contact>,
+    /// Against the torque measured independently, if there is one.
+    pub comparison: Option<Comparison>,
+}
+
+/// A campaign's interaction.
+#[derive(Debug, Clone)]
+pub struct Interaction {
+    /// The model.
+    pub model: Model,
+    /// How it was extracted.
+    pub settings: Settings,
+    /// What counts as contact, and how often it would falsely.
+    pub quiet: Quiet,
+    /// All interaction trials, in the campaign's order.
+    pub trials: Vec<TrialInteraction>,
+    /// How late the torque is, s: 0 with zero-phase filters.
+    pub filter_delay_s: f64,
+    /// Cut-off of the low-pass, Hz.
+    pub lowpass_hz: f64,
+    /// What to distrust.
+    pub warnings: Vec<String>,
+}
+
+/// Extracts the interaction torque of all interaction trials of `campaign`; `progress` hears of each trial read.
+///
+/// Errors: the model is of another joint; there is no interaction trial; all that is wrong with any trial.
+pub fn run(
+    campaign: &Campaign,
+    model: &Model,
+    settings: Settings,
+    progress: &(dyn Fn() + Sync),
+) -> Result<Interaction> {
+    let (model, mut warnings) = fitted(campaign, model)?;
+    let of = |wanted: bool| -> Vec<usize> {
+        let is = |index: &usize| (campaign.trials[*index].protocol == Protocol::Interaction) == wanted;
+        (0..campaign.trials.len()).filter(is).collect()
+    };
+    let touched = of(true);
+    if touched.is_empty() {
+        let cure = "mark the trials in which somebody touches the joint with protocol = \"interaction\"";
+        return Problem::error(&campaign.file, "holds no interaction trial", cure).alone();
+    }
+    let (quiet_ones, mut found) = all(campaign, &model, settings, &of(false), progress)?;
+    warnings.append(&mut found);
+    let (trials, mut found) = all(campaign, &model, settings, &touched, progress)?;
+    warnings.append(&mut found);
+    let quiet = Quiet::new(&quiet_ones, &trials, settings.threshold_nm, campaign.signal.lowpass_hz);
+    warnings.extend(quiet.warnings.iter().cloned());
+    let trials: Vec<TrialInteraction> = touched
+        .iter()
+        .zip(trials)
+        .map(|(index, extracted)| touched_trial(campaign, *index, extracted, &quiet))
+        .collect();
+    warnings.extend(trials.iter().filter_map(|trial| frame_warning(trial, &model, settings.frame)));
+    warnings.dedup();
+    let filter_delay_s = trials.first().map_or(0.0, |trial| trial.extracted.filter_delay_s);
+    let lowpass_hz = campaign.signal.lowpass_hz;
+    Ok(Interaction { model, settings, quiet, trials, filter_delay_s, lowpass_hz, warnings })
+}
+
+/// What counts as contact on a stream: from the quiet trials of `campaign`, filtered as the stream will be.
+///
+/// Errors: as `run`.
+pub fn quiet(campaign: &Campaign, model: &Model, settings: Settings, progress: &(dyn Fn() + Sync)) -> Result<Quiet> {
+    let is_quiet = |index: &usize| campaign.trials[*index].protocol != Protocol::Interaction;
+    let chosen: Vec<usize> = (0..campaign.trials.len()).filter(is_quiet).collect();
+    let (found, _) = all(campaign, model, settings, &chosen, progress)?;
+    Ok(Quiet::new(&found, &[], settings.threshold_nm, campaign.signal.lowpass_hz))
+}
+
+fn touched_trial(campaign: &Campaign, index: usize, extracted: Extracted, quiet: &Quiet) -> TrialInteraction {
+    let lowpass_hz = campaign.signal.lowpass_hz;
+    let contacts = contacts(&extracted, &extracted.torque_nm, &quiet.levels, lowpass_hz);
+    let comparison = Comparison::new(&extracted, &quiet.levels, lowpass_hz);
+    TrialInteraction { entry: campaign.trials[index].clone(), extracted, contacts, comparison }
+}
+
+/// The torque of the trials `chosen`, with their warnings.
+fn all(
+    campaign: &Campaign,
+    model: &Model,
+    settings: Settings,
+    chosen: &[usize],
+    progress: &(dyn Fn() + Sync),
+) -> Result<(Vec<Extracted>, Vec<String>)> {
+    let one = |index: &usize| {
+        let extracted = read_trial(campaign, *index)
+            .and_then(|log| prepare(campaign, *index, log))
+            .and_then(|trial| Extracted::new(campaign, model, settings, &trial));
+        progress();
+        extracted
+    };
+    let (mut done, mut warnings, mut problems) = (Vec::with_capacity(chosen.len()), Vec::new(), Vec::new());
+    for extracted in chosen.par_iter().with_max_len(1).map(one).collect::<Vec<_>>() {
+        match extracted {
+            Ok(mut extracted) => {
+                warnings.append(&mut extracted.warnings);
+                done.push(extracted);
+            }
+            Err(Problems(found)) => problems.extend(found),
+        }
+    }
+    if problems.is_empty() { Ok((done, warnings)) } else { Err(Problems(problems)) }
+}
+
+/// The reference measures at the joint what the winch sees through the transmission: a slope that fits says so.
+fn frame_warning(trial: &TrialInteraction, model: &Model, frame: Frame) -> Option<String> {
+    /// The slope meets the transmission's within this factor ...
+    const NEAR: f64 = 1.25;
+    /// ... and is off 1 by more than this one.
+    const FAR: f64 = 1.5;
+    let slope = trial.comparison.as_ref()?.slope;
+    let mean_mu = (model.friction.up.mu_c + model.friction.down.mu_c) / 2.0;
+    let seen = model.joint.transmission() / (1.0 - mean_mu);
+    let expected = if frame == Frame::Winch { seen } else { 1.0 / seen };
+    let off = |a: f64, b: f64| (a / b).max(b / a);
+    let told = slope > 0.0 && off(slope, expected) < NEAR && off(slope, 1.0) > FAR;
+    let other = if frame == Frame::Winch { Frame::Joint } else { Frame::Winch };
+    told.then(|| {
+        format!(
+            "{}: the extracted torque is {slope:.2} times the reference, as the transmission would have it: the reference \
+             seems to be at the {}; --at {} extracts it there",
+            trial.entry.file,
+            other.name(),
+            other.name()
+        )
+    })
+}

@@ -1,0 +1,111 @@
+//! Samples of a stream of CSV, one at a time: a log that is still being recorded.
+
+use super::campaign::Campaign;
+use super::columns::Wanted;
+use super::csv_file::{check_separator, name, no_number, number, ragged};
+use super::readings::locate;
+use super::{POSITION, TIME, TORQUE};
+use crate::problem::{Problem, Result};
+use crate::units::Quantity;
+use csv::{ByteRecord, Reader, ReaderBuilder};
+use std::io::Read;
+use std::path::Path;
+
+/// What messages call the stream.
+const STREAM: &str = "standard input";
+
+/// One sample, in SI; for a prismatic joint `_rad` is m and `_nm` is N.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Sample {
+    /// Time, s.
+    pub time_s: f64,
+    /// Position, rad.
+    pub position_rad: f64,
+    /// y: the recorded torque times `torque_sign`, N m.
+    pub torque_nm: f64,
+    /// Measured load at the joint, N m; 0 where none is recorded.
+    pub load_nm: f64,
+    /// Positions of coupled joints, in the order of their columns, rad or m.
+    pub others: Vec<f64>,
+}
+
+/// Reads samples from a stream in the columns and units of a campaign.
+pub struct Samples<R> {
+    reader: Reader<R>,
+    record: ByteRecord,
+    wanted: Vec<Wanted>,
+    places: Vec<usize>,
+    fields: usize,
+    torque_sign: f64,
+    last_s: f64,
+}
+
+impl<R: Read> Samples<R> {
+    /// Reads the header. Errors: it is missing, or lacks a column.
+    pub fn new(campaign: &Campaign, stream: R) -> Result<Self> {
+        let file = Path::new(STREAM);
+        let mut reader = ReaderBuilder::new().has_headers(false).flexible(true).from_reader(stream);
+        let mut record = ByteRecord::new();
+        if !next(&mut reader, &mut record)? {
+            return Problem::error(file, "is empty", "begin with a header of the columns' names").alone();
+        }
+        let names: Vec<String> = record.iter().map(name).collect();
+        check_separator(file, &names)?;
+        let needed =
+            [Quantity::Time, Quantity::Position, Quantity::Torque, Quantity::LoadTorque, Quantity::OtherPosition];
+        let wanted: Vec<Wanted> =
+            campaign.columns.wanted().into_iter().filter(|want| needed.contains(&want.quantity)).collect();
+        let places = locate(file, &names, &wanted)?;
+        let (fields, torque_sign) = (names.len(), campaign.signal.torque_sign);
+        Ok(Self { reader, record, wanted, places, fields, torque_sign, last_s: f64::NEG_INFINITY })
+    }
+
+    fn sample(&mut self) -> Result<Sample> {
+        let (file, row) = (Path::new(STREAM), self.record.position().map(csv::Position::line));
+        if self.record.len() != self.fields {
+            return ragged(file, &self.record, self.fields).at_row(row).alone();
+        }
+        let mut sample = Sample::default();
+        for (at, (place, want)) in self.places.iter().zip(&self.wanted).enumerate() {
+            let field = &self.record[*place];
+            let Some(value) = number(field).map(|number| number * want.factor()) else {
+                return no_number(file, field, want).at_row(row).alone();
+            };
+            match at {
+                TIME => sample.time_s = value,
+                POSITION => sample.position_rad = value,
+                TORQUE => sample.torque_nm = self.torque_sign * value,
+                _ if want.quantity == Quantity::LoadTorque => sample.load_nm = value,
+                _ => sample.others.push(value),
+            }
+        }
+        if sample.time_s <= self.last_s {
+            let what = format!("time goes from {} s to {} s", self.last_s, sample.time_s);
+            let time = &self.wanted[TIME].column.name;
+            return Problem::error(file, what, "send samples in the order of their time")
+                .at_row(row)
+                .in_column(time)
+                .alone();
+        }
+        self.last_s = sample.time_s;
+        Ok(sample)
+    }
+}
+
+impl<R: Read> Iterator for Samples<R> {
+    type Item = Result<Sample>;
+
+    fn next(&mut self) -> Option<Self::Item> {
+        match next(&mut self.reader, &mut self.record) {
+            Ok(true) => Some(self.sample()),
+            Ok(false) => None,
+            Err(problems) => Some(Err(problems)),
+        }
+    }
+}
+
+fn next<R: Read>(reader: &mut Reader<R>, record: &mut ByteRecord) -> Result<bool> {
+    reader.read_byte_record(record).or_else(|error| {
+        Problem::error(STREAM, format!("cannot be read: {error}"), "check what sends the samples").alone()
+    })
+}

@@ -1,0 +1,115 @@
+//! Filters that run one sample at a time, for torque as it comes.
+//!
+//! All start in the steady state of their first sample, so that a signal at rest carries no transient.
+
+use super::filter::LowPass;
+use std::f64::consts::TAU;
+
+/// One second-order section, transposed direct form II: y = b0 x + z1, z1 = b1 x - a1 y + z2, z2 = b2 x - a2 y.
+#[derive(Debug, Clone, Copy)]
+struct Section {
+    b: [f64; 3],
+    /// a1 and a2; a0 is 1.
+    a: [f64; 2],
+    z: [f64; 2],
+}
+
+impl Section {
+    fn new(b: [f64; 3], a: [f64; 3]) -> Self {
+        let [a0, a1, a2] = a;
+        Self { b: b.map(|b| b / a0), a: [a1 / a0, a2 / a0], z: [0.0; 2] }
+    }
+
+    /// Gain for a signal that rests.
+    fn gain(&self) -> f64 {
+        self.b.iter().sum::<f64>() / (1.0 + self.a[0] + self.a[1])
+    }
+
+    /// As if the input had rested at `x` for ever; returns the output.
+    fn rest(&mut self, x: f64) -> f64 {
+        let y = self.gain() * x;
+        self.z[1] = self.b[2] * x - self.a[1] * y;
+        self.z[0] = self.b[1] * x - self.a[0] * y + self.z[1];
+        y
+    }
+
+    fn step(&mut self, x: f64) -> f64 {
+        let y = self.b[0] * x + self.z[0];
+        self.z[0] = self.b[1] * x - self.a[0] * y + self.z[1];
+        self.z[1] = self.b[2] * x - self.a[1] * y;
+        y
+    }
+
+    /// How late it passes slow signals on, samples: the group delay at rest.
+    fn delay(&self) -> f64 {
+        let slope = |c: [f64; 3]| (c[1] + 2.0 * c[2]) / c.iter().sum::<f64>();
+        slope(self.b) - slope([1.0, self.a[0], self.a[1]])
+    }
+}
+
+/// A low-pass, run forwards only.
+#[derive(Debug, Clone)]
+pub struct CausalLowPass {
+    sections: Vec<Section>,
+    started: bool,
+}
+
+impl CausalLowPass {
+    /// The sections of `filter`.
+    pub fn new(filter: &LowPass) -> Self {
+        Self { sections: filter.sections().map(|(b, a)| Section::new(b, a)).collect(), started: false }
+    }
+
+    /// The next sample, filtered.
+    pub fn step(&mut self, x: f64) -> f64 {
+        let first = !std::mem::replace(&mut self.started, true);
+        self.sections.iter_mut().fold(x, |x, section| if first { section.rest(x) } else { section.step(x) })
+    }
+
+    /// The same, before its first sample.
+    pub fn fresh(&self) -> Self {
+        Self { started: false, ..self.clone() }
+    }
+
+    /// How late it passes slow signals on, samples.
+    pub fn delay(&self) -> f64 {
+        self.sections.iter().map(Section::delay).sum()
+    }
+}
+
+/// Position, speed and acceleration of a signal, all equally late: the critically damped low-pass w^2 / (s + w)^2 and the same
+/// times s and s^2, by the bilinear transform. Critically damped, so that a corner leaves no ringing behind.
+#[derive(Debug, Clone, Copy)]
+pub struct Follower {
+    sections: [Section; 3],
+    started: bool,
+}
+
+impl Follower {
+    /// With w = 2 pi `cutoff_hz`, for samples at `rate_hz`.
+    pub fn new(cutoff_hz: f64, rate_hz: f64) -> Self {
+        let (w, k) = (TAU * cutoff_hz, 2.0 * rate_hz);
+        // (s + w)^2 with s = k (1 - z^-1) / (1 + z^-1), times (1 + z^-1)^2.
+        let a = [(k + w).powi(2), 2.0 * (w * w - k * k), (k - w).powi(2)];
+        let place = [w * w, 2.0 * w * w, w * w];
+        let speed = [k * w * w, 0.0, -k * w * w];
+        let acceleration = [k * k * w * w, -2.0 * k * k * w * w, k * k * w * w];
+        Self { sections: [place, speed, acceleration].map(|b| Section::new(b, a)), started: false }
+    }
+
+    /// The next sample's value, first and second derivative per second.
+    pub fn step(&mut self, x: f64) -> [f64; 3] {
+        let first = !std::mem::replace(&mut self.started, true);
+        self.sections.each_mut().map(|section| if first { section.rest(x) } else { section.step(x) })
+    }
+
+    /// The same, before its first sample.
+    pub fn fresh(&self) -> Self {
+        Self { started: false, ..*self }
+    }
+
+    /// How late it is, samples.
+    pub fn delay(&self) -> f64 {
+        self.sections[0].delay()
+    }
+}
