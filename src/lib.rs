@@ -44,6 +44,9 @@ pub mod evaluate;
 /// `Model` x `Trial` -> the torque that a person adds, from logs or as samples come.
 pub mod interaction;
 
+/// Two `Model`s of one joint -> what changed, and what it does to the prediction.
+pub mod compare;
+
 /// Results -> terminal, JSON, tables, plots, one HTML file.
 pub mod report;
 

@@ -2,6 +2,7 @@
 //!
 //! Exit status: 0 done, 1 a judgement that failed, 2 bad input or usage.
 
+mod compare;
 mod completions;
 mod evaluate;
 mod fit;
@@ -48,6 +49,8 @@ enum Command {
     Predict(predict::Arguments),
     /// Extract the torque that a person adds, from logs or from samples as they come
     Interaction(interaction::Arguments),
+    /// Compare two models of one joint, before and after
+    Compare(compare::Arguments),
     /// Run one step of the protocol alone
     Fit(fit::Arguments),
     /// List every problem of a campaign
@@ -67,6 +70,7 @@ pub fn run() -> ExitCode {
         Command::Evaluate(arguments) => evaluate::run(&arguments, &talk),
         Command::Predict(arguments) => predict::run(&arguments, &talk),
         Command::Interaction(arguments) => interaction::run(&arguments, &talk),
+        Command::Compare(arguments) => compare::run(&arguments, &talk),
         Command::Fit(arguments) => fit::run(&arguments, &talk),
         Command::Validate(arguments) => validate::run(&arguments, &talk),
         Command::Simulate(arguments) => simulate::run(&arguments, &talk),

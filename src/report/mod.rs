@@ -9,6 +9,7 @@
 //! | `tables` | `trials.csv`, written and read |
 //! | `identification` | the JSON of `model.json` and `--json` |
 //! | `evaluation` | an evaluation as JSON, on the terminal, as a page |
+//! | `comparison` | two models compared as JSON, on the terminal, as a page |
 //! | `interaction` | an interaction as JSON, tables, on the terminal, as a page |
 //! | `predicted` | a trial's prediction, sample by sample |
 //! | `verdict` | the result in plain words |
@@ -19,6 +20,7 @@
 //! | `parameters`, `number`, `wording` | what all of these share: rows, digits, units and words |
 
 pub mod chart;
+pub mod comparison;
 pub mod evaluation;
 pub mod html;
 pub mod identification;
@@ -38,6 +40,7 @@ pub mod wording;
 pub use output::Output;
 pub use tables::{read_trials_csv, trials_csv};
 
+use crate::compare::Comparison;
 use crate::evaluate::Evaluation;
 use crate::identify::{Identification, LegFit};
 use crate::interaction::Interaction;
@@ -87,6 +90,13 @@ pub fn write_interaction(found: &Interaction, campaign: &str, model: &str, outpu
     }
     let drawings = plots::interaction::drawings(found).or_else(|error| unmade(output, "plots", error))?;
     interaction::page(found, campaign, model, drawings).write(output, png)
+}
+
+/// Writes `comparison.json`, `plots/` and `report.html` of `found` between the models called `names` to `output`.
+pub fn write_comparison(found: &Comparison, names: &[String; 2], output: &Output, png: bool) -> Result<()> {
+    output.write("comparison.json", json_text(&comparison::to_json(found, names)))?;
+    let drawings = plots::comparison::drawings(found).or_else(|error| unmade(output, "plots", error))?;
+    comparison::page(found, names, drawings).write(output, png)
 }
 
 /// Writes `legs` to `trials.csv`.

@@ -1,6 +1,7 @@
 //! The figures of an identification, one file each, and the list that the HTML and the image files go by.
 
 mod amplitude;
+pub mod comparison;
 mod confidence;
 pub mod evaluation;
 mod friction;

@@ -1,0 +1,55 @@
+//! `tautline compare`.
+
+use super::interrupt;
+use super::judged::model_name;
+use super::outcome::Talk;
+use crate::compare::compare;
+use crate::model::Model;
+use crate::problem::Result;
+use crate::report::comparison::{COMPARISON_FILES, to_json, write_summary};
+use crate::report::write_comparison;
+use std::io::Write;
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+#[derive(Debug, clap::Args)]
+#[command(after_help = "Examples:
+  tautline compare before/model.json after/model.json
+  tautline compare before/model.json after/model.json -o compared --png
+  tautline compare before/model.json after/model.json --json | jq '.parameters[] | select(.verdict == \"changed\")'")]
+pub struct Arguments {
+    /// The earlier model.json
+    before: PathBuf,
+    /// The later model.json
+    after: PathBuf,
+    /// Folder to write: comparison.json, report.html, plots/
+    #[arg(short, long)]
+    output: Option<PathBuf>,
+    /// Write the plots as PNG too
+    #[arg(long, requires = "output")]
+    png: bool,
+    /// Replace an existing output folder
+    #[arg(long, requires = "output")]
+    force: bool,
+}
+
+pub fn run(arguments: &Arguments, talk: &Talk) -> Result<ExitCode> {
+    let found = compare(&Model::read(&arguments.before)?, &Model::read(&arguments.after)?)?;
+    let names = [&arguments.before, &arguments.after].map(|file| model_name(file));
+    if let Some(folder) = &arguments.output {
+        let output = interrupt::output(folder, arguments.force, COMPARISON_FILES)?;
+        write_comparison(&found, &names, &output, arguments.png)?;
+        output.finish()?;
+    }
+    talk.result(
+        || to_json(&found, &names),
+        |out| {
+            write_summary(out, &found, &names)?;
+            match &arguments.output {
+                Some(folder) => writeln!(out, "\nwritten to {}: comparison.json, report.html, plots", folder.display()),
+                None => Ok(()),
+            }
+        },
+    )?;
+    Ok(ExitCode::SUCCESS)
+}

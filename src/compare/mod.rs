@@ -1,0 +1,175 @@
+//! Two models of one joint, before and after: what changed beyond its confidence, and what it does to the prediction.
+
+mod effect;
+
+pub use effect::{Effect, Level, unloaded_nm};
+
+use crate::model::{Combination, Confidence, Direction, Friction, Model, Status};
+use crate::problem::{Problem, Problems, Result};
+
+/// A parameter of which nobody said how well it is known: within this share of it.
+const ASSUMED: f64 = 0.05;
+/// Radii that differ by less than this share are the same, written with fewer digits.
+const SAME: f64 = 1e-3;
+
+/// Two models compared.
+#[derive(Debug, Clone)]
+pub struct Comparison {
+    /// Before.
+    pub before: Model,
+    /// After.
+    pub after: Model,
+    /// Every parameter of either.
+    pub changes: Vec<Change>,
+    /// Friction at some speeds, by direction: what the parameters amount to.
+    pub levels: Vec<Level>,
+    /// What the change does to the predicted torque.
+    pub effect: Effect,
+}
+
+/// One parameter in both models.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Change {
+    /// Its dotted name in files.
+    pub name: String,
+    /// Its unit as in files.
+    pub unit: &'static str,
+    /// Before; `None` where that model has no such parameter.
+    pub before: Option<f64>,
+    /// After.
+    pub after: Option<f64>,
+    /// 95 % interval of the change, in its unit; infinite where either model leaves the parameter open.
+    pub low: f64,
+    /// Its upper end.
+    pub high: f64,
+    /// What can be said.
+    pub verdict: Verdict,
+}
+
+/// What can be said of a parameter's change.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Verdict {
+    /// It changed by more than its confidence.
+    Changed,
+    /// Its change is within its confidence.
+    Within,
+    /// It is known only together with others in one of the models: look at the friction that they amount to.
+    Together,
+    /// One of the models does not show it, or lacks it.
+    Unknown,
+}
+
+impl Verdict {
+    /// The name used in files.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Changed => "changed",
+            Self::Within => "within_confidence",
+            Self::Together => "known_only_together",
+            Self::Unknown => "unknown",
+        }
+    }
+}
+
+/// Compares `before` and `after`.
+///
+/// Errors: they are of different joints.
+pub fn compare(before: &Model, after: &Model) -> Result<Comparison> {
+    one_joint(before, after)?;
+    let changes = parameters(before, after)
+        .into_iter()
+        .map(|(name, unit, a, b)| change(name, unit, (a, before), (b, after)))
+        .collect();
+    Ok(Comparison {
+        before: before.clone(),
+        after: after.clone(),
+        changes,
+        levels: effect::levels(before, after),
+        effect: Effect::new(before, after),
+    })
+}
+
+fn one_joint(before: &Model, after: &Model) -> Result<()> {
+    let (a, b) = (&before.joint, &after.joint);
+    let mut problems = Vec::new();
+    let mut differs = |key: &str, one: String, other: String| {
+        let what = format!("one is of {one}, the other of {other}");
+        problems.push(Problem::error("the two models", what, "compare models of one joint").in_column(key));
+    };
+    if a.name != b.name {
+        differs("joint.name", format!("`{}`", a.name), format!("`{}`", b.name));
+    }
+    if a.kind != b.kind {
+        differs("joint.kind", a.kind.name().to_string(), b.kind.name().to_string());
+    }
+    for (key, x, y) in [
+        ("joint.winch_radius_m", a.winch_radius_m, b.winch_radius_m),
+        ("joint.pulley_radius_m", a.pulley_radius_m, b.pulley_radius_m),
+    ] {
+        if (x - y).abs() > SAME * x {
+            differs(key, format!("{x} m"), format!("{y} m"));
+        }
+    }
+    Problems(problems).unless_errors(())
+}
+
+type Row = (String, &'static str, Option<f64>, Option<f64>);
+
+/// Name, unit and both values of every parameter that either has.
+fn parameters(before: &Model, after: &Model) -> Vec<Row> {
+    let mut rows: Vec<Row> = Vec::new();
+    let mut add = |name: &str, unit, of: &dyn Fn(&Model) -> Option<f64>| {
+        let (a, b) = (of(before), of(after));
+        if a.is_some() || b.is_some() {
+            rows.push((name.to_string(), unit, a, b));
+        }
+    };
+    add("dynamics.gravity_nm", "N m", &|m| Some(m.dynamics.gravity_nm));
+    add("dynamics.inertia_kg_m2", "kg m^2", &|m| Some(m.dynamics.inertia_kg_m2));
+    for direction in Direction::BOTH {
+        for (i, name) in Friction::NAMES.iter().enumerate() {
+            let of = |m: &Model| present(m.friction.of(direction), i);
+            add(&format!("friction.{}.{name}", direction.name()), Friction::UNITS[i], &of);
+        }
+    }
+    let p = |m: &Model| if let Combination::Arctan { p, .. } = m.combination { Some(p) } else { None };
+    let n = |m: &Model| if let Combination::Power { n } = m.combination { Some(n) } else { None };
+    add("combination.p", "", &p);
+    add("combination.n", "", &n);
+    add("joint.backlash_m", "m", &|m| Some(m.joint.backlash_m));
+    rows
+}
+
+/// Parameter `i`, unless it belongs to a Stribeck term without amplitude, which is no term.
+fn present(friction: &Friction, i: usize) -> Option<f64> {
+    let no_term = matches!(i, 2 | 3) && friction.b_c == 0.0 || matches!(i, 4 | 5) && friction.b_j == 0.0;
+    (!no_term).then(|| friction.values()[i])
+}
+
+fn change(name: String, unit: &'static str, a: (Option<f64>, &Model), b: (Option<f64>, &Model)) -> Change {
+    let (Some(x), Some(y)) = (a.0, b.0) else {
+        let verdict = Verdict::Unknown;
+        return Change { name, unit, before: a.0, after: b.0, low: f64::NEG_INFINITY, high: f64::INFINITY, verdict };
+    };
+    let known = |value: f64, model: &Model| {
+        let assumed = ASSUMED * value.abs();
+        model.confidence.get(&name).copied().unwrap_or(Confidence {
+            low: value - assumed,
+            high: value + assumed,
+            cv: ASSUMED,
+            status: Status::Pinned,
+        })
+    };
+    let (of_x, of_y) = (known(x, a.1), known(y, b.1));
+    // Independent errors: the half widths add as squares, each on its own side.
+    let low = (y - x) - (y - of_y.low).hypot(of_x.high - x);
+    let high = (y - x) + (of_y.high - y).hypot(x - of_x.low);
+    let statuses = [of_x.status, of_y.status];
+    let verdict = match () {
+        () if statuses.iter().any(|s| matches!(s, Status::Flat | Status::AtBound)) => Verdict::Unknown,
+        () if x == y || low <= 0.0 && high >= 0.0 => Verdict::Within,
+        () if statuses.contains(&Status::TradeOff) => Verdict::Together,
+        () => Verdict::Changed,
+    };
+    Change { name, unit, before: Some(x), after: Some(y), low, high, verdict }
+}
