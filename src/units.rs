@@ -2,7 +2,6 @@
 //!
 //! Inside the program everything is in s, rad (or m), rad/s, N m (or N), A and degC; units live in files only.
 
-use crate::document::nearest;
 use crate::dynamics::JointKind;
 use std::f64::consts::PI;
 
@@ -75,10 +74,9 @@ impl Quantity {
             true => format!("`{name}` is no unit of {} on a {} joint", self.name(), kind.name()),
             false => format!("unknown unit `{name}`"),
         };
-        let names = || accepted.iter().map(|unit| unit.name());
-        let all = names().map(|name| format!("`{name}`")).collect::<Vec<_>>().join(", ");
-        let meant = nearest(name, names()).filter(|_| accepted.len() > 1);
-        let hint = meant.map_or(String::new(), |near| format!("; did you mean `{near}`?"));
+        let all = accepted.iter().map(|unit| format!("`{}`", unit.name())).collect::<Vec<_>>().join(", ");
+        let meant = accepted.iter().find(|unit| unit.is_meant_by(name));
+        let hint = meant.map_or(String::new(), |unit| format!("; did you mean `{}`?", unit.name()));
         Err((what, format!("expected one of {all}{hint}")))
     }
 }
@@ -149,6 +147,38 @@ impl Unit {
     /// A reading in this unit times this is the reading in SI (rad for angles, degC for temperatures).
     pub fn factor(self) -> f64 {
         self.name_and_factor().1
+    }
+
+    /// Whether `name` is another way to write this unit. Equal in meaning, not alike in letters: `Nmm` is a `mN m`.
+    fn is_meant_by(self, name: &str) -> bool {
+        let plain = |text: &str| text.replace([' ', '.', '*', '-', '_', '\u{b7}'], "");
+        // A capital M is mega, and no unit here.
+        !name.contains('M')
+            && std::iter::once(&self.name())
+                .chain(self.other_names())
+                .any(|known| plain(known).eq_ignore_ascii_case(&plain(name)))
+    }
+
+    /// How else it is written, blanks, dots and capitals aside.
+    fn other_names(self) -> &'static [&'static str] {
+        match self {
+            Self::Second => &["sec", "second", "seconds"],
+            Self::Millisecond => &["msec", "millisecond", "milliseconds"],
+            Self::Microsecond => &["usec", "\u{b5}s", "\u{3bc}s", "microsecond", "microseconds"],
+            Self::Radian => &["radian", "radians"],
+            Self::Degree => &["degree", "degrees", "\u{b0}"],
+            Self::Metre => &["metre", "metres", "meter", "meters"],
+            Self::Millimetre => &["millimetre", "millimetres", "millimeter", "millimeters"],
+            Self::RadianPerSecond => &["rads", "rad/sec", "rads^-1", "radians/s"],
+            Self::DegreePerSecond => &["dps", "deg/sec", "\u{b0}/s", "degrees/s"],
+            Self::Rpm => &["1/min", "r/min", "rev/min", "min^-1"],
+            Self::MetrePerSecond => &["m/sec", "mps", "ms^-1"],
+            Self::NewtonMetre => &["newtonmetre", "newtonmeter"],
+            Self::MillinewtonMetre => &["Nmm", "millinewtonmetre", "millinewtonmeter"],
+            Self::Newton => &["newton", "newtons"],
+            Self::Ampere => &["amp", "amps", "ampere", "amperes"],
+            Self::Celsius => &["C", "\u{b0}C", "celsius"],
+        }
     }
 
     fn name_and_factor(self) -> (&'static str, f64) {

@@ -4,6 +4,7 @@ use crate::problem::{Problem, Problems, Result, Severity};
 use anstyle::{AnsiColor, Style};
 use clap::Args;
 use serde_json::Value;
+use std::collections::HashMap;
 use std::io::{self, Write};
 
 /// Exit status of a judgement that failed.
@@ -58,23 +59,38 @@ pub fn say(write: impl FnOnce(&mut StdoutLock<'static>) -> io::Result<()>) -> Re
     }
 }
 
-/// Writes problems to standard error, one a line; what is wrong with many files in the same words is said once.
+/// Writes problems to standard error, one a line; what is wrong in many places in the same words is said once, with all of
+/// the places.
 pub fn complain(problems: &Problems) {
     let mut out = anstream::stderr().lock();
-    let same = |a: &Problem, b: &Problem| (&a.what, &a.cure, a.severity) == (&b.what, &b.cure, b.severity);
-    for (i, problem) in problems.0.iter().enumerate() {
-        if problems.0[..i].iter().any(|earlier| same(earlier, problem)) {
-            continue;
+    let words = |problem: &Problem| (problem.what.clone(), problem.cure.clone(), problem.column.clone());
+    let mut groups: Vec<Vec<&Problem>> = Vec::new();
+    let mut known: HashMap<_, usize> = HashMap::new();
+    for problem in &problems.0 {
+        let group = *known.entry((words(problem), problem.severity == Severity::Error)).or_insert(groups.len());
+        match groups.get_mut(group) {
+            Some(group) => group.push(problem),
+            None => groups.push(vec![problem]),
         }
+    }
+    for group in groups {
+        let problem = group[0];
         let (word, colour) = match problem.severity {
             Severity::Error => ("error", AnsiColor::Red),
             Severity::Warning => ("warning", AnsiColor::Yellow),
         };
         let style = Style::new().bold().fg_color(Some(colour.into()));
-        let more = match problems.0[i + 1..].iter().filter(|later| same(problem, later)).count() {
-            0 => String::new(),
-            n => format!(" (and the same in {n} other places)"),
-        };
+        let places = group.windows(2).map(|pair| place(pair[1], pair[0]));
+        let others: Vec<String> = places.filter(|place| !place.is_empty()).collect();
+        let more = if others.is_empty() { String::new() } else { format!(" (the same: {})", others.join(", ")) };
         let _ = writeln!(out, "{style}{word}{style:#}: {problem}{more}");
     }
+}
+
+/// Where `problem` stands, after one `before` in the same words: its file if that is another, its row.
+fn place(problem: &Problem, before: &Problem) -> String {
+    let name = problem.file.file_name().map_or_else(|| problem.file.to_string_lossy(), |name| name.to_string_lossy());
+    let file = (problem.file != before.file).then(|| name.into_owned());
+    let row = problem.row.map(|row| format!("row {row}"));
+    file.into_iter().chain(row).collect::<Vec<_>>().join(" ")
 }

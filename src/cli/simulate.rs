@@ -3,8 +3,10 @@
 use super::interrupt;
 use super::outcome::Talk;
 use super::progress;
+use crate::dynamics::JointKind;
 use crate::log::Signal;
-use crate::model::Model;
+use crate::model::{Joint, Model};
+use crate::prepare::fastest_sweep_rad_s;
 use crate::problem::{Problem, Problems, Result};
 use crate::report::json_text;
 use crate::simulate::{Plan, Sensors};
@@ -26,7 +28,7 @@ pub struct Arguments {
     /// Folder to write: campaign.toml and one log per trial
     #[arg(short, long)]
     output: PathBuf,
-    /// Number of sweep speeds
+    /// Number of sweep speeds; 0 for a prismatic joint
     #[arg(long, default_value_t = 20)]
     speeds: usize,
     /// Slowest sweep, rad/s
@@ -84,7 +86,7 @@ impl Arguments {
             }
         };
         let positive = |x: f64| x.is_finite() && x > 0.0;
-        need(positive(self.slowest_rad_s), "slowest-rad-s", self.slowest_rad_s, "a speed above 0");
+        need(self.slowest_rad_s >= 0.001, "slowest-rad-s", self.slowest_rad_s, "0.001 or more: it takes an hour");
         need(
             self.fastest_rad_s >= self.slowest_rad_s && self.fastest_rad_s <= 20.0,
             "fastest-rad-s",
@@ -128,9 +130,39 @@ impl Arguments {
     }
 }
 
+/// Errors: sweeps that nothing could be identified from.
+fn check_sweeps(plan: &Plan, joint: &Joint) -> Result<()> {
+    if plan.speeds == 0 || plan.repeats == 0 {
+        return Ok(());
+    }
+    let refuse = |what: String, cure: String| Problem::error("command line", what, cure).alone();
+    if joint.kind == JointKind::Prismatic {
+        let what = format!("--speeds is {}, and the joint is prismatic", plan.speeds);
+        let cure = "add `--speeds 0`: sweeps serve y = A sin(theta) + B, and here is no angle; cosine trials remain";
+        return refuse(what, cure.to_string());
+    }
+    let (slowest, fastest) = (plan.slowest_rad_s, plan.fastest_rad_s);
+    if !plan.speeds_rad_s().is_sorted_by(|a, b| a < b) {
+        let what = format!("--speeds is {} from {slowest} to {fastest} rad/s", plan.speeds);
+        return refuse(what, "speeds must differ by 0.0001 rad/s: take fewer, or a wider range".to_string());
+    }
+    match fastest_sweep_rad_s(slowest, fastest, plan.rate_hz, joint, plan.signal.lowpass_hz) {
+        Some(feasible) if feasible == fastest => Ok(()),
+        Some(feasible) => {
+            let what = format!("--fastest-rad-s is {fastest}: a sweep of 90 deg has no constant speed left");
+            refuse(what, format!("at this rate, {:.2} is the fastest", (100.0 * feasible).floor() / 100.0))
+        }
+        None => {
+            let what = format!("--slowest-rad-s is {slowest}: not even that sweep has a leg of constant speed");
+            refuse(what, "raise --rate-hz, or correct backlash_m in the model".to_string())
+        }
+    }
+}
+
 pub fn run(arguments: &Arguments, talk: &Talk) -> Result<ExitCode> {
     let plan = arguments.plan()?;
     let model = Model::read(&arguments.model)?;
+    check_sweeps(&plan, &model.joint)?;
     let trials = plan.trials();
     let output = interrupt::output(
         &arguments.output,

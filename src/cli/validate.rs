@@ -2,8 +2,8 @@
 
 use super::outcome::{BAD_INPUT, Talk, complain};
 use super::progress;
-use crate::log::{Campaign, read_trial};
-use crate::prepare::prepare;
+use crate::identify::{check, examine_trials};
+use crate::log::{Campaign, Survey};
 use crate::problem::{Problem, Problems, Result, Severity};
 use rayon::prelude::*;
 use serde_json::{Value, json};
@@ -21,8 +21,8 @@ pub struct Arguments {
 }
 
 pub fn run(arguments: &Arguments, talk: &Talk) -> Result<ExitCode> {
-    let (problems, trials) = match Campaign::read(&arguments.campaign) {
-        Ok(campaign) => (problems_of(&campaign, talk), campaign.trials.len()),
+    let (problems, trials) = match Survey::read(&arguments.campaign) {
+        Ok(survey) => (problems_of(&survey, talk), survey.readable.len()),
         Err(Problems(found)) => (found, 0),
     };
     let errors = problems.iter().filter(|p| p.severity == Severity::Error).count();
@@ -38,20 +38,26 @@ pub fn run(arguments: &Arguments, talk: &Talk) -> Result<ExitCode> {
     Ok(if errors == 0 { ExitCode::SUCCESS } else { ExitCode::from(BAD_INPUT) })
 }
 
-/// Every problem of every trial, in the campaign's order.
-fn problems_of(campaign: &Campaign, talk: &Talk) -> Vec<Problem> {
-    let bar = progress::bar(talk, "checking", campaign.trials.len());
-    let check = |index: usize| {
-        let found = match read_trial(campaign, index).and_then(|log| prepare(campaign, index, log)) {
-            Ok(trial) => trial.log.warnings,
-            Err(Problems(found)) => found,
-        };
-        bar.inc(1);
-        found
-    };
-    let found: Vec<Vec<Problem>> = (0..campaign.trials.len()).into_par_iter().map(check).collect();
+/// Every problem of `campaign.toml`, then of every trial by itself, then of all trials together.
+fn problems_of(survey: &Survey, talk: &Talk) -> Vec<Problem> {
+    let bar = progress::bar(talk, "checking", survey.readable.len());
+    let mut problems = survey.problems.clone();
+    match &survey.campaign {
+        Some(campaign) => {
+            let readable = Campaign { trials: survey.readable.clone(), ..campaign.clone() };
+            let (readings, found): (Vec<_>, Vec<_>) = examine_trials(&readable, &|| bar.inc(1)).into_iter().unzip();
+            problems.extend(found.concat());
+            if survey.is_whole {
+                problems.extend(check(campaign, &readings.into_iter().flatten().collect::<Vec<_>>()));
+            }
+        }
+        None => {
+            let found: Vec<Vec<Problem>> = survey.readable.par_iter().map(|entry| survey.problems_of(entry)).collect();
+            problems.extend(found.concat());
+        }
+    }
     bar.finish_and_clear();
-    found.into_iter().flatten().collect()
+    problems
 }
 
 fn problem_json(problem: &Problem) -> Value {

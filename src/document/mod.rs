@@ -114,17 +114,23 @@ impl Document {
 
     /// What `read` makes of the outermost table, or everything that is wrong with the file, by row.
     ///
-    /// `read` gives None only where a problem was reported.
+    /// `read` gives None only where a problem was reported. Doubts alone are dropped: `examine` tells them.
     pub fn read<T>(&self, read: impl FnOnce(&Section<'_>) -> Option<T>) -> Result<T> {
-        let problems = RefCell::new(Vec::new());
-        let value = Section::root(&self.file, &self.root, &problems).finish_with(read);
-        let mut problems = problems.into_inner();
-        problems.sort_by_key(|problem| problem.row);
+        let (value, problems) = self.examine(read);
         match value {
             Some(value) => Problems(problems).unless_errors(value),
             None if problems.is_empty() => Problem::error(&self.file, "was not understood", "").alone(),
             None => Err(Problems(problems)),
         }
+    }
+
+    /// What `read` makes of the outermost table, as far as it goes, and everything that is wrong with the file, by row.
+    pub fn examine<T>(&self, read: impl FnOnce(&Section<'_>) -> Option<T>) -> (Option<T>, Vec<Problem>) {
+        let problems = RefCell::new(Vec::new());
+        let value = Section::root(&self.file, &self.root, &problems).finish_with(read);
+        let mut problems = problems.into_inner();
+        problems.sort_by_key(|problem| problem.row);
+        (value, problems)
     }
 }
 

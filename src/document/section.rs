@@ -48,8 +48,17 @@ impl<'a> Section<'a> {
 
     /// Reports a fault in what stands under `key`, which had the right type but makes no sense.
     pub fn reject(&self, key: &str, what: impl Into<String>, cure: impl Into<String>) {
+        self.push(key, Problem::error(self.file, what, cure));
+    }
+
+    /// Reports what the reader should know of what stands under `key`, though it can be used.
+    pub fn doubt(&self, key: &str, what: impl Into<String>, cure: impl Into<String>) {
+        self.push(key, Problem::warning(self.file, what, cure));
+    }
+
+    fn push(&self, key: &str, problem: Problem) {
         let row = self.table.get(key).map_or(self.row, |node| node.row);
-        self.report(self.name_of(key), row, what, cure);
+        self.problems.borrow_mut().push(problem.at_row(row).in_column(self.name_of(key)));
     }
 
     /// Runs `read`, then reports every key that it did not ask for.
@@ -66,7 +75,7 @@ impl<'a> Section<'a> {
     fn field<'s>(&'s self, key: &str, required: bool) -> Field<'s, 'a> {
         self.asked.borrow_mut().insert(key.to_string());
         let node = self.table.get(key).filter(|node| node.value != Value::Nothing);
-        Field { section: self, key: key.to_string(), node, required }
+        Field { section: self, key: key.to_string(), node, required, example: None }
     }
 
     fn name_of(&self, key: &str) -> String {
@@ -85,9 +94,16 @@ pub struct Field<'s, 'a> {
     key: String,
     node: Option<&'a Node>,
     required: bool,
+    /// What to write where it is missing, and what that means.
+    example: Option<(String, String)>,
 }
 
 impl<'a> Field<'_, 'a> {
+    /// Says what to write where the key is missing: a `value` (a table's heading, for a table) and what it `means`.
+    pub fn such_as(self, value: &str, means: &str) -> Self {
+        Self { example: Some((value.to_string(), format!(": {means}"))), ..self }
+    }
+
     /// A text.
     pub fn text(self) -> Option<String> {
         self.take("a text in quotes", |value| match value {
@@ -119,17 +135,10 @@ impl<'a> Field<'_, 'a> {
         })
     }
 
-    /// true or false.
-    pub fn flag(self) -> Option<bool> {
-        self.take("true or false", |value| match value {
-            Value::Flag(flag) => Some(*flag),
-            _ => None,
-        })
-    }
-
     /// One of `choices`, by its name.
-    pub fn choice<T: Clone>(self, choices: &[(&str, T)]) -> Option<T> {
+    pub fn choice<T: Clone>(mut self, choices: &[(&str, T)]) -> Option<T> {
         let names = choices.iter().map(|(name, _)| *name);
+        self.example = self.example.or_else(|| first_of(names.clone()));
         let (section, key) = (self.section, self.key.clone());
         let text = self.text()?;
         let found = choices.iter().find(|(name, _)| *name == text).map(|(_, choice)| choice.clone());
@@ -176,21 +185,13 @@ impl<'a> Field<'_, 'a> {
         })
     }
 
-    /// A table of free-form keys, each holding a finite number.
-    pub fn numbers_by_name(self) -> Option<BTreeMap<String, f64>> {
-        self.section(|all| {
-            Some(all.keys().filter_map(|name| Some((name.to_string(), all.need(name).number()?))).collect())
-        })
-    }
-
     /// Whatever it is, known but not looked at.
     pub fn ignore(self) {}
 
     fn take<T>(self, expected: &str, take: impl FnOnce(&'a Value) -> Option<T>) -> Option<T> {
         let Some(node) = self.node else {
             if self.required {
-                let cure = format!("add `{}`, {expected}", self.key);
-                self.section.report(self.name(), self.section.row, "missing", cure);
+                self.section.report(self.name(), self.section.row, "missing", self.what_to_write(expected));
             }
             return None;
         };
@@ -201,6 +202,17 @@ impl<'a> Field<'_, 'a> {
         value
     }
 
+    fn what_to_write(&self, expected: &str) -> String {
+        let key = &self.key;
+        let is_json = self.section.file.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("json"));
+        match &self.example {
+            Some((value, means)) if is_json => format!("write `\"{key}\": {value}`{means}"),
+            Some((value, means)) if value.starts_with('[') => format!("write `{value}`{means}"),
+            Some((value, means)) => format!("write `{key} = {value}`{means}"),
+            None => format!("add `{key}`, {expected}"),
+        }
+    }
+
     fn name(&self) -> String {
         self.section.name_of(&self.key)
     }
@@ -208,6 +220,14 @@ impl<'a> Field<'_, 'a> {
     fn row(&self) -> Option<u64> {
         self.node.and_then(|node| node.row)
     }
+}
+
+/// The first of `names` as a value, and the others that it may be.
+fn first_of<'n>(mut names: impl Iterator<Item = &'n str>) -> Option<(String, String)> {
+    let first = names.next()?;
+    let others: Vec<&str> = names.collect();
+    let means = if others.is_empty() { String::new() } else { format!(", or one of {}", others.join(", ")) };
+    Some((format!("\"{first}\""), means))
 }
 
 fn finite(value: &Value) -> Option<f64> {
@@ -245,11 +265,14 @@ mod tests {
     #[test]
     fn free_form_tables_are_read_by_name() {
         let read = document().read(|root| {
-            root.need("parts").ignore();
+            root.need("limits").ignore();
             assert_eq!((root.need("name").text().as_deref(), root.may("gain").number()), (Some("elbow"), None));
-            root.need("limits").numbers_by_name()
+            root.need("parts").sections_by_name(|_, part| {
+                part.may("nu").ignore();
+                part.need("mu").number()
+            })
         });
-        assert_eq!(read.map(|limits| limits.into_values().collect::<Vec<_>>()), Ok(vec![2.5, -1.0]));
+        assert_eq!(read.map(|parts| parts.into_values().collect::<Vec<_>>()), Ok(vec![0.1, 0.4]));
     }
 
     #[test]
@@ -257,15 +280,19 @@ mod tests {
         let found = messages(document().read(|root| {
             root.need("name").number();
             root.need("gain").positive();
+            root.need("kind").choice(&[("turns", 1), ("slides", 2)]);
+            root.need("sign").such_as("-1", "1 or -1").number();
             root.may("limit").ignore();
-            root.need("parts").sections_by_name(|_, part| part.need("mu").flag())
+            root.need("parts").sections_by_name(|_, part| part.need("mu").text())
         }));
         let expected = "m.json, `gain`: missing; add `gain`, a number above 0
+m.json, `kind`: missing; write `\"kind\": \"turns\"`, or one of slides
 m.json, `limits`: unknown key `limits`; did you mean `limit`?
 m.json, `name`: is the text `elbow`; expected a number
-m.json, `parts.down.mu`: is the number 0.1; expected true or false
+m.json, `parts.down.mu`: is the number 0.1; expected a text in quotes
 m.json, `parts.down.nu`: unknown key `nu`; known here: mu
-m.json, `parts.up.mu`: is the number 0.4; expected true or false";
+m.json, `parts.up.mu`: is the number 0.4; expected a text in quotes
+m.json, `sign`: missing; write `\"sign\": -1`: 1 or -1";
         let mut lines: Vec<&str> = found.lines().collect();
         lines.sort_unstable();
         assert_eq!(lines.join("\n"), expected);

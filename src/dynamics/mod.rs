@@ -23,6 +23,14 @@ impl JointKind {
             Self::Prismatic => "prismatic",
         }
     }
+
+    /// The unit of its speed inside the program.
+    pub fn speed_unit(self) -> &'static str {
+        match self {
+            Self::Revolute => "rad/s",
+            Self::Prismatic => "m/s",
+        }
+    }
 }
 
 /// Rigid-body parameters of one joint moving alone.

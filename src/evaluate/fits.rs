@@ -39,17 +39,13 @@ pub fn fitted(campaign: &Campaign, model: &Model) -> Result<(Model, Vec<String>)
             differs(key, format!("{a} m"), format!("{b} m"));
         }
     }
-    let mut warnings = Vec::new();
-    if let Some(arm) = &campaign.arm {
-        warnings.extend(arm.warnings.iter().map(Problem::to_string));
-    } else {
-        let (a, b) = (model.dynamics.gravity_nm, campaign.dynamics.gravity_nm);
-        if (a - b).abs() > GRAVITY_DIFFERS * a.abs().max(b.abs()) {
-            warnings.push(format!(
-                "the model's gravity_nm is {a}, the campaign's {b}: the model's is used; with another load on the joint \
-                 friction and load cannot be told apart"
-            ));
-        }
+    let mut warnings: Vec<String> = campaign.warnings.iter().map(Problem::to_string).collect();
+    let (a, b) = (model.dynamics.gravity_nm, campaign.dynamics.gravity_nm);
+    if campaign.arm.is_none() && (a - b).abs() > GRAVITY_DIFFERS * a.abs().max(b.abs()) {
+        warnings.push(format!(
+            "the model's gravity_nm is {a}, the campaign's {b}: the model's is used; with another load on the joint friction \
+             and load cannot be told apart"
+        ));
     }
     Problems(problems).unless_errors((model, warnings))
 }

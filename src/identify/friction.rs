@@ -1,12 +1,13 @@
 //! Step 5 of the protocol: mu_c from A (18), the other six parameters from B(v) (19), each with what the data know of it.
 
+use super::check::few_speeds;
 use super::confidence::demote;
 use super::legs::{Amplitude, LegFit, weights};
 use super::scale::{CONSPIRING, Scale};
 use super::stribeck::{ExponentialFit, Points, Profile};
 use crate::model::{Both, Confidence, Direction, Friction, Joint};
 use crate::numerics::statistics::{fisher_tail, mean, standard_deviation};
-use crate::problem::{Problem, Result};
+use crate::problem::{Problem, Problems, Result};
 use std::path::Path;
 
 /// A gravity of zero is contradicted by an A of this many half widths.
@@ -88,14 +89,14 @@ fn fit_direction(
     campaign: &Path,
 ) -> Result<FrictionFit> {
     let a = *a.of(direction);
-    check_amplitude(&a, direction, gravity_nm, campaign)?;
     let mine: Vec<&LegFit> = legs.iter().filter(|leg| leg.direction == direction).collect();
+    let few = few_speeds(direction, mine.iter().map(|leg| leg.speed_rad_s), campaign);
+    Problems(contradiction(&a, direction, gravity_nm, campaign).into_iter().chain(few).collect()).unless_errors(())?;
     let weighted = mine.iter().zip(weights(&mine)).map(|(leg, weight)| (leg.speed_rad_s, leg.b_nm, weight));
     let points = Points::new(weighted.collect());
     let forms: Vec<ExponentialFit> = (0..=2).filter_map(|n| points.fit(n)).collect();
     let Some(best) = forms.iter().min_by(|x, y| x.aicc().total_cmp(&y.aicc())) else {
-        let what = format!("{} of all legs move {}: too few speeds for B(v)", mine.len(), direction.name());
-        return Problem::error(campaign, what, "record sweeps at six speeds or more, at least two").alone();
+        return Problem::error(campaign, "B(v) has no solution", "check the sweeps' speeds").alone();
     };
     let supported = best.rates.len();
     let wanted = match form {
@@ -136,23 +137,18 @@ fn fit_direction(
 
 /// (18) needs 0 < (r1/r2) G <= A: friction adds to the load that the winch feels on the way up and takes from it on the
 /// way down, but a loss factor beyond one, or a signal that falls where gravity rises, is a wrong sign, unit or radius.
-fn check_amplitude(a: &Amplitude, direction: Direction, gravity_nm: f64, campaign: &Path) -> Result<()> {
+pub fn contradiction(a: &Amplitude, direction: Direction, gravity_nm: f64, campaign: &Path) -> Option<Problem> {
+    let moving = direction.name();
     if gravity_nm != 0.0 && a.a_nm * gravity_nm <= 0.0 {
+        let what = format!("A = {:.4} N m moving {moving}, but gravity_nm = {gravity_nm}: opposite signs", a.a_nm);
+        let cure = "turn torque_sign, or correct gravity_nm or the position's zero";
+        return Some(Problem::error(campaign, what, cure).in_column("torque_sign"));
+    }
+    (gravity_nm == 0.0 && a.a_nm.abs() > CONTRADICTION * a.half_width_nm).then(|| {
         let what =
-            format!("A = {:.4} N m moving {}, but gravity_nm = {gravity_nm}: opposite signs", a.a_nm, direction.name());
-        return Problem::error(campaign, what, "turn torque_sign, or correct gravity_nm or the position's zero")
-            .in_column("torque_sign")
-            .alone();
-    }
-    if gravity_nm == 0.0 && a.a_nm.abs() > CONTRADICTION * a.half_width_nm {
-        let what = format!(
-            "gravity_nm = 0, yet moving {} the torque follows sin(theta) with A = {:.4} N m",
-            direction.name(),
-            a.a_nm
-        );
-        return Problem::error(campaign, what, "give the gravity torque at 90 deg").in_column("gravity_nm").alone();
-    }
-    Ok(())
+            format!("gravity_nm = 0, yet moving {moving} the torque follows sin(theta) with A = {:.4} N m", a.a_nm);
+        Problem::error(campaign, what, "give the gravity torque at 90 deg").in_column("gravity_nm")
+    })
 }
 
 /// Whether a fit stays sane below the speeds that it saw: every reversal passes there.

@@ -14,8 +14,6 @@ use std::path::Path;
 /// A leg is cut into this many blocks to judge its errors: a block outlasts the noise's memory, and 20 of them leave a
 /// standard error known to 16 %.
 const BLOCKS: usize = 20;
-/// A leg of which more than this share is clipped is left out: what remains of it is a biased choice.
-const MAX_CLIPPED: f64 = 0.05;
 
 /// The regression of one leg.
 #[derive(Debug, Clone, PartialEq)]
@@ -78,23 +76,14 @@ impl Amplitude {
     }
 }
 
-/// Regresses every leg of `trial` that is not clipped away; `gravity_nm` scales a measured load beside sin(theta).
+/// Regresses every leg of `trial`; `gravity_nm` scales a measured load beside sin(theta).
 pub fn fit_legs(trial: &Trial, gravity_nm: f64) -> Vec<LegFit> {
-    let clipped = |leg: &Leg| leg.samples.clone().filter(|i| is_clipped(trial, *i)).count();
-    let usable = |leg: &&Leg| clipped(leg) as f64 <= MAX_CLIPPED * leg.samples.len() as f64;
-    trial.legs.iter().filter(usable).map(|leg| fit_leg(trial, leg, gravity_nm)).collect()
-}
-
-fn is_clipped(trial: &Trial, sample: usize) -> bool {
-    trial.log.clipped.iter().any(|range| range.contains(&sample))
+    trial.legs.iter().map(|leg| fit_leg(trial, leg, gravity_nm)).collect()
 }
 
 fn fit_leg(trial: &Trial, leg: &Leg, gravity_nm: f64) -> LegFit {
     let load = trial.load_torque_nm.as_deref().filter(|_| gravity_nm != 0.0);
-    let used: Vec<usize> = match trial.log.clipped.is_empty() {
-        true => leg.samples.clone().collect(),
-        false => leg.samples.clone().filter(|i| !is_clipped(trial, *i)).collect(),
-    };
+    let used: Vec<usize> = leg.used().collect();
     let sine: Vec<f64> =
         used.iter().map(|i| trial.log.position_rad[*i].sin() + load.map_or(0.0, |l| l[*i] / gravity_nm)).collect();
     let raw: Vec<f64> = used.iter().map(|i| trial.log.torque_nm[*i]).collect();
@@ -169,30 +158,27 @@ impl Line {
 }
 
 /// Step 3: A of `direction`, the mean over its legs; `None` without legs in that direction.
-pub fn amplitude(legs: &[LegFit], direction: Direction) -> Option<Amplitude> {
-    let mine = || legs.iter().filter(|leg| leg.direction == direction);
-    let values: Vec<f64> = mine().map(|leg| leg.a_nm).collect();
+pub fn amplitude<'l>(legs: impl IntoIterator<Item = &'l LegFit>, direction: Direction) -> Option<Amplitude> {
+    let mine: Vec<&LegFit> = legs.into_iter().filter(|leg| leg.direction == direction).collect();
+    let values: Vec<f64> = mine.iter().map(|leg| leg.a_nm).collect();
     let n = values.len();
     let sd_nm = standard_deviation(&values);
     let half_width_nm = if n > 1 { student_t(n as f64 - 1.0) * sd_nm / (n as f64).sqrt() } else { f64::INFINITY };
-    let errors: Vec<f64> = mine().map(|leg| leg.a_se_nm).collect();
+    let errors: Vec<f64> = mine.iter().map(|leg| leg.a_se_nm).collect();
     let misfit = root_mean_square(&errors) / sd_nm;
     (n > 0).then(|| Amplitude { a_nm: mean(&values), sd_nm, half_width_nm, legs: n, misfit })
 }
 
 /// Step 3 for both directions; `campaign` is named when one has no legs.
 pub fn amplitudes(legs: &[LegFit], campaign: &Path) -> Result<Both<Amplitude>> {
-    Both::try_make(|direction| {
-        amplitude(legs, direction).ok_or_else(|| {
-            let what = format!("no leg of constant speed moves {}", direction.name());
-            Problem::error(
-                campaign,
-                what,
-                "record sweeps in both directions, within the range of the sensor, or mark the trials `free`",
-            )
-            .into()
-        })
-    })
+    Both::try_make(|direction| amplitude(legs, direction).ok_or_else(|| no_leg(direction, campaign).into()))
+}
+
+/// What is wrong where no leg moves in `direction`.
+pub fn no_leg(direction: Direction, campaign: &Path) -> Problem {
+    let what = format!("no leg of constant speed moves {}", direction.name());
+    let cure = "record sweeps in both directions, within the range of the sensor, or mark the trials `free`";
+    Problem::error(campaign, what, cure)
 }
 
 /// Step 4: B of every leg with A of its direction fixed.

@@ -1,5 +1,6 @@
 //! The protocol: legs -> A, B(v) -> friction -> combination -> `Model` with its confidence.
 
+mod check;
 pub mod combination;
 mod confidence;
 mod doubts;
@@ -15,18 +16,19 @@ pub mod stribeck;
 pub mod whole;
 mod windows;
 
+pub use check::check;
 pub use combination::{CombinationFit, CurveFit, CurveKind};
 pub use free::FreeFit;
 pub use friction::{Form, FrictionFit};
 pub use legs::{Amplitude, LegFit};
-pub use reading::{Reading, Trace, read_trials};
+pub use reading::{Reading, Trace, examine_trials, read_trials};
 pub use refine::Refinement;
 pub use windows::Crossing;
 
 use crate::log::{Campaign, Protocol, TrialEntry};
 use crate::model::{Both, Combination, Confidence, Direction, Friction, Model, Status};
 use crate::numerics::statistics::root_mean_square;
-use crate::problem::{Problem, Result};
+use crate::problem::{Problem, Problems, Result};
 use predicted::Prepared;
 use rayon::prelude::*;
 use std::collections::BTreeMap;
@@ -119,12 +121,14 @@ pub fn run(campaign: &Campaign, settings: Settings, progress: &(dyn Fn() + Sync)
 
 /// Identifies the joint of `campaign` from its readings.
 pub fn identify(campaign: &Campaign, readings: Vec<Reading>, settings: Settings) -> Result<Identification> {
+    Problems(check(campaign, &readings)).unless_errors(())?;
     let sweeps = readings.iter().any(|reading| reading.entry.protocol.speed_rad_s().is_some());
     let mut found = if sweeps {
         from_sweeps(campaign, readings, settings)?
     } else {
-        from_free_motion(campaign, readings, settings)?
+        from_free_motion(campaign, readings, settings)
     };
+    found.warnings.splice(0..0, campaign.warnings.iter().map(Problem::to_string));
     found.warnings.extend(doubts::doubts(&found.model, sweeps));
     Ok(found)
 }
@@ -198,7 +202,7 @@ pub fn of_the_joint_alone(readings: Vec<Reading>) -> (Vec<Prepared>, Vec<TrialEn
     alone.map(|r| (r.prepared, r.entry)).unzip()
 }
 
-fn from_free_motion(campaign: &Campaign, readings: Vec<Reading>, settings: Settings) -> Result<Identification> {
+fn from_free_motion(campaign: &Campaign, readings: Vec<Reading>, settings: Settings) -> Identification {
     let lowpass_hz = campaign.signal.lowpass_hz;
     let mut warnings: Vec<String> = readings.iter().flat_map(|r| r.warnings.iter().map(Problem::to_string)).collect();
     warnings.push(
@@ -208,11 +212,6 @@ fn from_free_motion(campaign: &Campaign, readings: Vec<Reading>, settings: Setti
     );
     let (rows, trials) = (readings.iter().map(|r| r.rows).sum(), readings.len());
     let (prepared, entries) = of_the_joint_alone(readings);
-    let moving = |p: &Prepared| p.series.velocity_rad_s.iter().any(|v| *v > 0.0) && !p.reversals().is_empty();
-    if !prepared.iter().any(moving) {
-        let what = "no sweep, and no trial in which the joint turns: friction cannot be told from the load";
-        return Problem::error(&campaign.file, what, "record motion in both directions").alone();
-    }
     let folds = folds(&entries.iter().map(|e| e.repeat).collect::<Vec<u32>>());
     let blank = blank_model(campaign);
     let fit = free::fit_free(&prepared, &folds, &blank, lowpass_hz, settings.combination);
@@ -232,7 +231,7 @@ fn from_free_motion(campaign: &Campaign, readings: Vec<Reading>, settings: Setti
     let combination = Some(fit.combination.clone());
     let route = Route::Free(Box::new(fit));
     let (legs, refinement, trace) = (Vec::new(), None, None);
-    Ok(Identification { model, route, legs, combination, refinement, residuals, trace, warnings, trials, rows })
+    Identification { model, route, legs, combination, refinement, residuals, trace, warnings, trials, rows }
 }
 
 /// Takes over what a fit knows of its parameters, and of k what it knows of p.

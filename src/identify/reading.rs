@@ -2,10 +2,10 @@
 
 use super::legs::{LegFit, fit_legs};
 use super::predicted::Prepared;
-use crate::log::{Campaign, TrialEntry, read_trial};
+use crate::log::{self, Campaign, TrialEntry};
 use crate::model::Direction;
 use crate::prepare::{Series, Trial, prepare};
-use crate::problem::{Problem, Problems, Result};
+use crate::problem::{Problem, Problems, Result, Severity};
 use rayon::prelude::*;
 
 /// Samples kept of the sweep to look at.
@@ -49,30 +49,39 @@ pub struct Trace {
 ///
 /// Errors: all that is wrong with any trial, in the campaign's order.
 pub fn read_trials(campaign: &Campaign, progress: &(dyn Fn() + Sync)) -> Result<Vec<Reading>> {
+    let (readings, problems): (Vec<_>, Vec<_>) = examine_trials(campaign, progress).into_iter().unzip();
+    Problems(problems.concat()).unless_errors(readings.into_iter().flatten().collect())
+}
+
+/// The same, with everything that is wrong with each trial; those that cannot be used have no reading.
+pub fn examine_trials(campaign: &Campaign, progress: &(dyn Fn() + Sync)) -> Vec<(Option<Reading>, Vec<Problem>)> {
     let shown = trial_to_show(campaign);
-    let read = |index: usize| {
-        let reading = read_trial(campaign, index)
-            .and_then(|log| prepare(campaign, index, log))
-            .map(|trial| reading(campaign, trial, shown == Some(index)));
+    let examine = |index: usize| {
+        let examined = examine_trial(campaign, index, shown == Some(index));
         progress();
-        reading
+        (index, examined)
     };
     // The longest first: what is left at the end, when threads run out of work, is then short.
     let mut order: Vec<usize> = (0..campaign.trials.len()).collect();
     let size = |i: &usize| std::fs::metadata(campaign.folder.join(&campaign.trials[*i].file)).map_or(0, |m| m.len());
     order.sort_by_cached_key(|i| std::cmp::Reverse(size(i)));
-    let mut readings: Vec<(usize, Result<Reading>)> =
-        order.into_par_iter().with_max_len(1).map(|i| (i, read(i))).collect();
-    readings.sort_by_key(|(i, _)| *i);
-    let mut good = Vec::with_capacity(readings.len());
-    let mut problems = Vec::new();
-    for (_, reading) in readings {
-        match reading {
-            Ok(reading) => good.push(reading),
-            Err(Problems(found)) => problems.extend(found),
+    let mut examined: Vec<_> = order.into_par_iter().with_max_len(1).map(examine).collect();
+    examined.sort_by_key(|(i, _)| *i);
+    examined.into_iter().map(|(_, examined)| examined).collect()
+}
+
+fn examine_trial(campaign: &Campaign, index: usize, show: bool) -> (Option<Reading>, Vec<Problem>) {
+    let (log, mut problems) = log::examine_trial(campaign, index);
+    let trial = log.and_then(|log| match prepare(campaign, index, log) {
+        Ok(trial) => Some(trial),
+        Err(Problems(found)) => {
+            problems.extend(found);
+            None
         }
-    }
-    if problems.is_empty() { Ok(good) } else { Err(Problems(problems)) }
+    });
+    problems.extend(trial.iter().flat_map(|trial| trial.log.warnings.clone()));
+    let is_usable = problems.iter().all(|problem| problem.severity == Severity::Warning);
+    (trial.filter(|_| is_usable).map(|trial| reading(campaign, trial, show)), problems)
 }
 
 /// The sweep of middle speed: neither the longest nor the shortest to look at.
@@ -101,7 +110,7 @@ fn trace(trial: &Trial, fits: &[LegFit]) -> Trace {
     let thin = |values: &[f64]| values.iter().step_by(step).copied().collect();
     let line = |(leg, fit): (&crate::prepare::Leg, &LegFit)| {
         let at = |i: usize| (trial.log.time_s[i], fit.a_nm * trial.log.position_rad[i].sin() + fit.b_nm);
-        (leg.direction, leg.samples.clone().step_by(step).map(at).collect())
+        (leg.direction, leg.used().step_by(step).map(at).collect())
     };
     Trace {
         file: trial.entry.file.clone(),
@@ -109,12 +118,6 @@ fn trace(trial: &Trial, fits: &[LegFit]) -> Trace {
         time_s: thin(&trial.log.time_s),
         raw_nm: thin(&trial.log.torque_nm),
         filtered_nm: thin(&trial.torque_nm),
-        // A leg that is clipped away has no fit.
-        legs: trial
-            .legs
-            .iter()
-            .filter_map(|leg| Some((leg, fits.iter().find(|f| f.direction == leg.direction)?)))
-            .map(line)
-            .collect(),
+        legs: trial.legs.iter().zip(fits).map(line).collect(),
     }
 }

@@ -19,8 +19,6 @@ pub struct Arm {
     pub others: Vec<Place>,
     /// Joints that rest, by name, rad or m.
     pub held_rad: BTreeMap<String, f64>,
-    /// What the reader should know of how columns were matched with joints.
-    pub warnings: Vec<Problem>,
 }
 
 /// Where a joint other than the campaign's own stands.
@@ -43,14 +41,16 @@ pub(super) struct Declared {
 impl Declared {
     pub fn read(section: &Section<'_>, folder: &Path) -> Option<Self> {
         let (urdf, joint) = (section.need("urdf").text(), section.need("joint").text());
-        let held_rad = section.may("held_rad").numbers_by_name().unwrap_or_default();
+        let held_rad = section.may("held_rad").section(|held| {
+            Some(held.keys().filter_map(|name| Some((name.to_string(), held.need(name).number()?))).collect())
+        });
         for key in ["gravity_nm", "inertia_kg_m2"] {
             if section.may(key).number().is_some() {
                 section.reject(key, "is given beside a URDF, which holds it already", "delete one of the two");
             }
         }
         let urdf = urdf?;
-        Some(Self { file: folder.join(&urdf), urdf, joint: joint?, held_rad })
+        Some(Self { file: folder.join(&urdf), urdf, joint: joint?, held_rad: held_rad.unwrap_or_default() })
     }
 
     /// The chain with its joints matched to `columns`; faults of the URDF go to the campaign's list under `urdf` or `joint`.
@@ -73,17 +73,12 @@ impl Declared {
             let cure = suggest(name, "those that matter are", names.iter().copied());
             section.reject("held_rad", format!("`{name}` is no other joint of the chain of `{}`", self.joint), cure);
         }
-        let (others, warnings) = self.places(section, &chain, columns)?;
-        Some(Arm { urdf: self.urdf, chain, others, held_rad: self.held_rad, warnings })
+        let others = self.places(section, &chain, columns)?;
+        Some(Arm { urdf: self.urdf, chain, others, held_rad: self.held_rad })
     }
 
     /// A joint's place: held, or in the column that names it, or in the column called like it, or in what is left over, in order.
-    fn places(
-        &self,
-        section: &Section<'_>,
-        chain: &Chain,
-        columns: &[OtherColumn],
-    ) -> Option<(Vec<Place>, Vec<Problem>)> {
+    fn places(&self, section: &Section<'_>, chain: &Chain, columns: &[OtherColumn]) -> Option<Vec<Place>> {
         let joints: Vec<(&str, JointKind)> = chain.others().collect();
         let mut places: Vec<Option<Place>> =
             joints.iter().map(|(name, _)| Some(Place::Held(*self.held_rad.get(*name)?))).collect();
@@ -100,14 +95,12 @@ impl Declared {
         }
         left.retain(|at| columns[*at].joint.is_none());
         let open: Vec<usize> = (0..joints.len()).filter(|at| places[*at].is_none()).collect();
-        let mut warnings = Vec::new();
         if open.len() == left.len() {
             for (at, column) in open.iter().zip(&left) {
                 places[*at] = Some(Place::Column(*column));
                 let (joint, name) = (joints[*at].0, &columns[*column].column.name);
                 let what = format!("column `{name}` is taken for joint `{joint}`, for want of a better match");
-                let cure = format!("say so: add joint = \"{joint}\" to it under [columns]");
-                warnings.push(Problem::warning(self.urdf.as_str(), what, cure));
+                section.doubt("urdf", what, format!("say so: add joint = \"{joint}\" to it under [columns]"));
             }
         }
         for (place, (joint, kind)) in places.iter().zip(&joints) {
@@ -133,7 +126,7 @@ impl Declared {
                 Some(_) => {}
             }
         }
-        Some((places.into_iter().collect::<Option<Vec<Place>>>()?, warnings))
+        places.into_iter().collect()
     }
 }
 

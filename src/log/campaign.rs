@@ -1,17 +1,20 @@
 //! `campaign.toml`: one joint, how its signals were recorded, and the list of its trials.
 
 use super::arm::{Arm, Declared};
-use super::columns::Columns;
+use super::columns::{Columns, OtherColumn, Wanted};
+use super::entries::Entries;
 use crate::document::{Document, Section};
 use crate::dynamics::{Dynamics, JointKind};
 use crate::model::Joint;
-use crate::problem::{Problem, Result};
-use std::collections::BTreeMap;
-use std::path::{Component, Path, PathBuf};
+use crate::problem::{Problem, Problems, Result, Severity};
+use std::ops::RangeInclusive;
+use std::path::{Path, PathBuf};
 
 const FORMAT: &str = "campaign/1";
 /// Highest order of low-pass: beyond it a filter rings more than it separates.
 const ORDER_MAX: i64 = 12;
+/// Radii of winches and pulleys, m: what lies outside was most likely given in another unit.
+const SANE_RADIUS_M: RangeInclusive<f64> = 1e-4..=1.0;
 
 /// One joint, recorded.
 #[derive(Debug, Clone, PartialEq)]
@@ -32,6 +35,26 @@ pub struct Campaign {
     pub columns: Columns,
     /// The logs, in the file's order; never empty after reading.
     pub trials: Vec<TrialEntry>,
+    /// What the reader should know of `campaign.toml`.
+    pub warnings: Vec<Problem>,
+}
+
+/// What `campaign.toml` tells, however much of it can be used.
+#[derive(Debug)]
+pub struct Survey {
+    /// The campaign, where units, low-pass and trials are understood; a joint that is not is taken as one without
+    /// clearance, which finds no fault that is none.
+    pub campaign: Option<Campaign>,
+    /// Whether all of it is understood, so that the trials can be judged together.
+    pub is_whole: bool,
+    /// Everything that is wrong with `campaign.toml`, by row.
+    pub problems: Vec<Problem>,
+    /// The trials whose logs are there to be read.
+    pub readable: Vec<TrialEntry>,
+    /// The folder that holds the logs.
+    pub(super) folder: PathBuf,
+    /// The columns whose names are given.
+    pub(super) columns: Vec<Wanted>,
 }
 
 /// What is done to the recorded torque.
@@ -99,6 +122,20 @@ impl Campaign {
     ///
     /// Errors: everything that is wrong with the file, by row. The logs themselves are not opened, only looked for.
     pub fn read(path: &Path) -> Result<Self> {
+        let Survey { campaign, problems, .. } = Survey::read(path)?;
+        let is_error = |problem: &Problem| problem.severity == Severity::Error;
+        match campaign {
+            Some(campaign) if !problems.iter().any(is_error) => Ok(Self { warnings: problems, ..campaign }),
+            _ => Err(Problems(problems)),
+        }
+    }
+}
+
+impl Survey {
+    /// Reads as much as can be understood of the campaign in `path`: its folder, or its `campaign.toml`.
+    ///
+    /// Errors: there is no such file, or it is no TOML.
+    pub fn read(path: &Path) -> Result<Self> {
         let (folder, file) = match path.is_dir() {
             true => (path.to_path_buf(), path.join("campaign.toml")),
             false => (path.parent().unwrap_or(Path::new("")).to_path_buf(), path.to_path_buf()),
@@ -107,117 +144,96 @@ impl Campaign {
             let cure = "name a folder that holds a campaign.toml, or the file itself";
             return Problem::error(&file, "there is no such file", cure).alone();
         }
-        Document::open(&file)?.read(|root| Self::from_section(root, &folder, &file))
+        let (survey, problems) = Document::open(&file)?.examine(|root| Some(Self::from_section(root, &folder, &file)));
+        match survey {
+            Some(survey) => Ok(Self { problems, ..survey }),
+            None => Err(Problems(problems)),
+        }
     }
 
-    fn from_section(root: &Section<'_>, folder: &Path, file: &Path) -> Option<Self> {
+    fn from_section(root: &Section<'_>, folder: &Path, file: &Path) -> Self {
         let format = root.need("format").choice(&[(FORMAT, ())]);
-        let joint = root.need("joint").section(Joint::read);
-        let signal = root.need("signal").section(signal);
-        let kind = joint.as_ref().map(|joint| joint.kind).unwrap_or_default();
-        let columns = root.need("columns").section(|section| Columns::from_section(section, kind));
-        let dynamics = root.need("dynamics").section(|section| dynamics(section, folder, kind, columns.as_ref()));
-        let (mut seen, mut count) = (BTreeMap::new(), 0);
-        let trials = root.need("trials").sections(|section| {
-            count += 1;
-            trial(section, folder, &mut seen)
+        let mut kind = JointKind::default();
+        let joint = root.need("joint").such_as("[joint]", "a section with name and radii").section(|section| {
+            kind = Joint::read_kind(section);
+            let joint = Joint::read(section, kind)?;
+            doubt_radii(section, &joint);
+            Some(joint)
         });
-        if trials.is_some() && count == 0 {
-            root.reject("trials", "lists no trial", "add `[[trials]]` with its file and protocol");
-        }
-        let (folder, file) = (folder.to_path_buf(), file.to_path_buf());
-        format?;
-        let (joint, (dynamics, arm), signal) = (joint?, dynamics?, signal?);
-        Some(Self { folder, file, joint, dynamics, arm, signal, columns: columns?, trials: trials? })
+        let means = "a section with gravity_nm and inertia_kg_m2";
+        let dynamics_field = root.need("dynamics").such_as("[dynamics]", means);
+        let means = "a section with torque_sign, lowpass_hz and lowpass_order";
+        let signal = root.need("signal").such_as("[signal]", means).section(signal);
+        let means = "a section with time, position and torque";
+        let columns = root.need("columns").such_as("[columns]", means);
+        let (columns, named) = columns.section(|section| Some(Columns::read(section, kind))).unwrap_or_default();
+        let others = columns.as_ref().map(|columns| &columns.other_position[..]);
+        let dynamics = dynamics_field.section(|section| dynamics(section, folder, kind, others));
+        let entries = Entries::read(root, folder, kind);
+        let is_whole = format.is_some()
+            && entries.are_whole
+            && joint.is_some()
+            && dynamics.is_some()
+            && signal.is_some_and(|signal| signal.torque_sign.is_finite());
+        let campaign = columns.zip(signal).map(|(columns, signal)| Campaign {
+            folder: folder.to_path_buf(),
+            file: file.to_path_buf(),
+            joint: joint.unwrap_or_else(|| unknown_joint(kind)),
+            dynamics: dynamics.as_ref().map_or(Dynamics { gravity_nm: 0.0, inertia_kg_m2: 0.0 }, |found| found.0),
+            arm: dynamics.and_then(|found| found.1),
+            signal,
+            columns,
+            trials: entries.trials,
+            warnings: Vec::new(),
+        });
+        let (folder, problems) = (folder.to_path_buf(), Vec::new());
+        Self { campaign, is_whole, problems, readable: entries.readable, folder, columns: named }
     }
 }
 
-/// The single-joint form, or the whole chain; `columns` are those read so far.
+fn unknown_joint(kind: JointKind) -> Joint {
+    Joint { name: String::new(), kind, winch_radius_m: 1.0, pulley_radius_m: 1.0, backlash_m: 0.0 }
+}
+
+fn doubt_radii(section: &Section<'_>, joint: &Joint) {
+    for (key, radius_m) in [("winch_radius_m", joint.winch_radius_m), ("pulley_radius_m", joint.pulley_radius_m)] {
+        if !SANE_RADIUS_M.contains(&radius_m) {
+            let what = format!("is {radius_m} m, no likely radius of a winch or pulley");
+            section.doubt(key, what, "give it in metres, not in millimetres: 12 mm is 0.012");
+        }
+    }
+}
+
+/// The single-joint form, or the whole chain, whose other joints stand in the columns `others`.
 fn dynamics(
     section: &Section<'_>,
     folder: &Path,
     kind: JointKind,
-    columns: Option<&Columns>,
+    others: Option<&[OtherColumn]>,
 ) -> Option<(Dynamics, Option<Arm>)> {
     if section.keys().any(|key| key == "urdf") {
         let declared = Declared::read(section, folder)?;
-        let arm = declared.arm(section, kind, &columns?.other_position)?;
+        let arm = declared.arm(section, kind, others?)?;
         return Some((Dynamics { gravity_nm: 0.0, inertia_kg_m2: 0.0 }, Some(arm)));
     }
-    let gravity_nm = section.need("gravity_nm").number();
+    let means = "the gravity torque about the joint at 90 deg, N m";
+    let gravity_nm = section.need("gravity_nm").such_as("0.6916", means).number();
     let inertia_kg_m2 = section.may("inertia_kg_m2").not_negative();
     Some((Dynamics { gravity_nm: gravity_nm?, inertia_kg_m2: inertia_kg_m2.unwrap_or(0.0) }, None))
 }
 
+/// Reads `[signal]`; a torque sign that is not understood is NaN, and reported.
 fn signal(section: &Section<'_>) -> Option<Signal> {
-    let torque_sign = section.need("torque_sign").number();
+    let means =
+        "1 or -1, so that y = torque_sign * recorded torque grows with gravity's torque when the joint moves up";
+    let torque_sign = section.need("torque_sign").such_as("-1", means).number();
     if let Some(sign) = torque_sign.filter(|sign| sign.abs() != 1.0) {
-        section.reject("torque_sign", format!("is {sign}"), "expected 1 or -1");
+        section.reject("torque_sign", format!("is {sign}"), format!("expected {means}"));
     }
-    let lowpass_hz = section.need("lowpass_hz").positive();
-    let order = section.need("lowpass_order").whole(1, ORDER_MAX);
-    Some(Signal { torque_sign: torque_sign?, lowpass_hz: lowpass_hz?, lowpass_order: usize::try_from(order?).ok()? })
-}
-
-/// Reads one trial; `seen` holds the logs named so far and the rows that name them.
-fn trial(section: &Section<'_>, folder: &Path, seen: &mut BTreeMap<PathBuf, Option<u64>>) -> Option<TrialEntry> {
-    let file = section.need("file").text();
-    if let Some(file) = &file {
-        check_file(section, file, folder, seen);
-    }
-    let protocol = protocol(section);
-    let repeat = section.may("repeat").whole(1, u32::MAX.into()).unwrap_or(1);
-    let trajectory = section.may("trajectory").text();
-    Some(TrialEntry { file: file?, protocol: protocol?, repeat: u32::try_from(repeat).ok()?, trajectory })
-}
-
-fn protocol(section: &Section<'_>) -> Option<Protocol> {
-    // The speed is filled in below.
-    let sweep = Protocol::Uniform { speed_rad_s: f64::NAN };
-    let all = [sweep, Protocol::Cosine, Protocol::Interaction, Protocol::Free];
-    let protocol = section.need("protocol").choice(&all.map(|protocol| (protocol.name(), protocol)));
-    match protocol {
-        Some(Protocol::Uniform { .. }) => {
-            section.need("speed_rad_s").positive().map(|speed_rad_s| Protocol::Uniform { speed_rad_s })
-        }
-        Some(other) => {
-            if section.may("speed_rad_s").number().is_some() {
-                let what = format!("is given on a `{}` trial", other.name());
-                section.reject("speed_rad_s", what, "delete it; only a uniform trial has one speed");
-            }
-            Some(other)
-        }
-        None => {
-            section.may("speed_rad_s").positive();
-            None
-        }
-    }
-}
-
-fn check_file(section: &Section<'_>, file: &str, folder: &Path, seen: &mut BTreeMap<PathBuf, Option<u64>>) {
-    let parts: Vec<Component<'_>> = Path::new(file).components().filter(|part| *part != Component::CurDir).collect();
-    if !parts.iter().all(|part| matches!(part, Component::Normal(_))) {
-        let cure = "move the log into the folder of campaign.toml and name it by its path from there";
-        section.reject("file", format!("`{file}` lies outside the campaign"), cure);
-    } else if !folder.join(file).is_file() {
-        let cure = suggest_file(file, folder).unwrap_or("add the log, or delete this trial".to_string());
-        section.reject("file", format!("there is no file `{file}`"), cure);
-    }
-    // An unnamed file would stand for the folder; it was reported as missing above.
-    match seen.entry(parts.iter().collect()) {
-        std::collections::btree_map::Entry::Occupied(first) => {
-            let place = first.get().map_or(String::new(), |row| format!(" in row {row}"));
-            section.reject("file", format!("`{file}` is listed already{place}"), "delete one of the two trials");
-        }
-        std::collections::btree_map::Entry::Vacant(place) => {
-            place.insert(section.row());
-        }
-    }
-}
-
-fn suggest_file(file: &str, folder: &Path) -> Option<String> {
-    let names: Vec<String> =
-        std::fs::read_dir(folder).ok()?.filter_map(|entry| entry.ok()?.file_name().into_string().ok()).collect();
-    let near = crate::document::nearest(file, names.iter().map(String::as_str))?;
-    Some(format!("did you mean `{near}`?"))
+    let torque_sign = torque_sign.filter(|sign| sign.abs() == 1.0).unwrap_or(f64::NAN);
+    let means = "cut-off of the low-pass on the torque, Hz";
+    let lowpass_hz = section.need("lowpass_hz").such_as("5.0", means).positive();
+    let means = "order of the low-pass, 1 to 12";
+    let order = section.need("lowpass_order").such_as("4", means).whole(1, ORDER_MAX);
+    Some(Signal { torque_sign, lowpass_hz: lowpass_hz?, lowpass_order: usize::try_from(order?).ok()? })
 }

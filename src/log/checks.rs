@@ -3,9 +3,9 @@
 use super::campaign::{Protocol, Signal};
 use super::columns::Wanted;
 use super::readings::{Faults, Readings, Rows};
-use super::{POSITION, TIME, TORQUE};
-use crate::problem::{Problem, Result};
-use std::path::Path;
+use crate::numerics::filter::LowPass;
+use crate::problem::Problem;
+use crate::units::Quantity;
 
 /// A pause between samples longer than this many periods is a hole that no interpolation fills. The last digit
 /// leaves room for rounded time stamps.
@@ -13,42 +13,52 @@ const GAP_PERIODS: f64 = 3.01;
 /// A log must last this many periods of the low-pass's cut-off; in less there is nothing left to filter.
 const CUTOFF_PERIODS_MIN: f64 = 2.0;
 
-/// Checks one log's time stamps, length, rate and sensors.
-///
-/// Errors: every fault, with row and column.
+/// Checks one log's time stamps, length and sensors, as far as the wanted columns are there; with `signal`, which goes with
+/// columns of known unit, its rate and duration too. What is wrong goes to `faults`.
 pub(super) fn check(
-    file: &Path,
     readings: &Readings,
     wanted: &[Wanted],
-    signal: &Signal,
+    signal: Option<&Signal>,
     protocol: Protocol,
-) -> Result<()> {
-    let mut faults = Faults::of(file);
-    let time = &readings.columns[TIME];
-    if enough_samples(&mut faults, time.len(), signal) {
-        growing(&mut faults, time, &wanted[TIME], &readings.rows);
-        if faults.is_empty() {
-            gaps(&mut faults, time, &wanted[TIME], &readings.rows);
-            rate_and_duration(&mut faults, time, &wanted[TIME], signal);
-        }
-        alive(&mut faults, &readings.columns[TORQUE], &wanted[TORQUE], "a sensor that lives never reads so");
-        if let Protocol::Uniform { .. } = protocol {
-            alive(&mut faults, &readings.columns[POSITION], &wanted[POSITION], "a sweep moves the joint");
-        }
+    faults: &mut Faults<'_>,
+) {
+    let samples = readings.columns.first().map_or(0, Vec::len);
+    // An empty table says no more than that its columns are missing.
+    if samples == 0 && faults.count() > 0 {
+        return;
     }
-    faults.unless_any(())
+    if signal.is_some_and(|signal| !enough_samples(faults, samples, signal)) {
+        return;
+    }
+    let column = |quantity| {
+        let (index, want) = wanted.iter().enumerate().find(|(_, want)| want.quantity == quantity)?;
+        Some((readings.columns[index].as_slice(), want))
+    };
+    if let Some((time, want)) = column(Quantity::Time) {
+        stamps(faults, time, want, signal, &readings.rows);
+    }
+    if let Some((torque, want)) = column(Quantity::Torque) {
+        alive(faults, torque, want, "a sensor that lives never reads so");
+    }
+    let position = column(Quantity::Position).filter(|_| matches!(protocol, Protocol::Uniform { .. }));
+    if let Some((position, want)) = position {
+        alive(faults, position, want, "a sweep moves the joint");
+    }
 }
 
 /// The median of the steps between time stamps, of which there are two or more, in their unit.
 pub(super) fn median_period(time: &[f64]) -> f64 {
-    let mut steps: Vec<f64> = time.windows(2).map(|pair| pair[1] - pair[0]).collect();
+    median(time.windows(2).map(|pair| pair[1] - pair[0]).collect())
+}
+
+fn median(mut steps: Vec<f64>) -> f64 {
     let middle = steps.len() / 2;
     *steps.select_nth_unstable_by(middle, f64::total_cmp).1
 }
 
-/// SciPy's `sosfiltfilt`, whose edges ours equal, mirrors 3 (order + 1) samples at each end and needs one more.
+/// SciPy's `sosfiltfilt`, whose edges ours equal, mirrors that many samples at each end and needs one more.
 fn enough_samples(faults: &mut Faults<'_>, samples: usize, signal: &Signal) -> bool {
-    let padding = 3 * (signal.lowpass_order + 1);
+    let padding = LowPass::padding(signal.lowpass_order);
     if samples <= padding {
         faults.add("too few samples", |file| {
             let what = format!(
@@ -61,34 +71,61 @@ fn enough_samples(faults: &mut Faults<'_>, samples: usize, signal: &Signal) -> b
     samples > padding
 }
 
-fn growing(faults: &mut Faults<'_>, time: &[f64], want: &Wanted, rows: &Rows) {
-    for (index, pair) in time.windows(2).enumerate().filter(|(_, pair)| pair[1] <= pair[0]) {
+/// Two time stamps that follow each other, but for cells between them that hold none.
+struct Step {
+    from: f64,
+    to: f64,
+    /// The later one's sample.
+    sample: usize,
+    /// Rows from one to the other.
+    rows: usize,
+}
+
+fn steps(time: &[f64]) -> impl Iterator<Item = Step> {
+    let known = |last: usize| (last..time.len()).find(|sample| time[*sample].is_finite());
+    let mut last = known(0);
+    std::iter::from_fn(move || {
+        let from = last?;
+        last = known(from + 1);
+        last.map(|sample| Step { from: time[from], to: time[sample], sample, rows: sample - from })
+    })
+}
+
+fn stamps(faults: &mut Faults<'_>, time: &[f64], want: &Wanted, signal: Option<&Signal>, rows: &Rows) {
+    let before = faults.count();
+    for step in steps(time).filter(|step| step.to <= step.from) {
         faults.add("time that does not grow", |file| {
-            let what = format!("{} {unit} comes after {} {unit}", pair[1], pair[0], unit = want.column.unit.name());
+            let what = format!("{} {unit} comes after {} {unit}", step.to, step.from, unit = want.column.unit.name());
             Problem::error(file, what, "time must grow with every row: delete repeated rows, sort the others")
-                .at_row(rows.of(index + 1))
+                .at_row(rows.of(step.sample))
                 .in_column(&want.column.name)
         });
     }
-}
-
-fn gaps(faults: &mut Faults<'_>, time: &[f64], want: &Wanted, rows: &Rows) {
-    let period = median_period(time);
-    for (index, pair) in time.windows(2).enumerate().filter(|(_, pair)| pair[1] - pair[0] > GAP_PERIODS * period) {
+    let period: Vec<f64> = steps(time).filter(|step| step.rows == 1).map(|step| step.to - step.from).collect();
+    if faults.count() > before || period.is_empty() {
+        return;
+    }
+    let period = median(period);
+    let periods = |step: &Step| (step.to - step.from) / (period * step.rows as f64);
+    for step in steps(time).filter(|step| periods(step) > GAP_PERIODS) {
         faults.add("a gap before them", |file| {
-            let gap_s = (pair[1] - pair[0]) * want.factor();
-            let what =
-                format!("a gap of {gap_s:.6} s before this row: {:.1} sample periods", (pair[1] - pair[0]) / period);
+            let gap_s = (step.to - step.from) * want.column.unit.factor();
+            let what = format!("a gap of {gap_s:.6} s before this row: {:.1} sample periods", periods(&step));
             Problem::error(file, what, "split the log here into two trials, or record it without drop-outs")
-                .at_row(rows.of(index + 1))
+                .at_row(rows.of(step.sample))
                 .in_column(&want.column.name)
         });
+    }
+    if let Some(signal) = signal {
+        rate_and_duration(faults, time, want, signal);
     }
 }
 
 fn rate_and_duration(faults: &mut Faults<'_>, time: &[f64], want: &Wanted, signal: &Signal) {
-    let duration_s = (time[time.len() - 1] - time[0]) * want.factor();
-    let rate_hz = (time.len() - 1) as f64 / duration_s;
+    let known = || time.iter().enumerate().filter(|(_, stamp)| stamp.is_finite());
+    let (Some((first, start)), Some((last, end))) = (known().next(), known().next_back()) else { return };
+    let rate_hz = (last - first) as f64 / ((end - start) * want.factor());
+    let duration_s = (time.len() - 1) as f64 / rate_hz;
     let lowpass_hz = signal.lowpass_hz;
     let unit = want.column.unit.name();
     let mut fault = |kind, what: String, cure: String| {
@@ -108,9 +145,11 @@ fn rate_and_duration(faults: &mut Faults<'_>, time: &[f64], want: &Wanted, signa
 
 /// A column that never changes comes from a sensor that is not connected.
 fn alive(faults: &mut Faults<'_>, column: &[f64], want: &Wanted, why: &str) {
-    if column.iter().all(|reading| *reading == column[0]) {
+    let mut known = column.iter().filter(|reading| reading.is_finite());
+    let Some(first) = known.next() else { return };
+    if known.all(|reading| reading == first) {
         faults.add("a dead sensor", |file| {
-            let what = format!("reads {} {} throughout; {why}", column[0], want.column.unit.name());
+            let what = format!("reads {first} {} throughout; {why}", want.column.unit.name());
             Problem::error(file, what, "check the sensor's plug and the recorder's channel")
                 .in_column(&want.column.name)
         });

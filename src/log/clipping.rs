@@ -45,13 +45,16 @@ pub(super) struct ClippedEnd {
 }
 
 impl ClippedEnd {
-    /// What the reader should know.
-    pub fn warning(&self, file: &Path, rows: &Rows, want: &Wanted) -> Problem {
-        let samples: usize = self.runs.iter().map(Range::len).sum();
+    /// What the reader should know, of a log of so many `samples`.
+    pub fn warning(&self, file: &Path, rows: &Rows, want: &Wanted, samples: usize) -> Problem {
+        let clipped: usize = self.runs.iter().map(Range::len).sum();
         let (runs, unit) = (self.runs.len(), want.column.unit.name());
-        let what =
-            format!("reads exactly {} {unit} in {samples} samples, in {runs} runs: the sensor clips", self.reading);
-        let cure = "these samples are marked as clipped; record with a wider range or less load";
+        let percent = 100.0 * clipped as f64 / samples as f64;
+        let what = format!(
+            "reads exactly {} {unit} in {clipped} samples ({percent:.2} %), in {runs} runs: the sensor clips",
+            self.reading
+        );
+        let cure = "these samples and those beside them are left out; record with a wider range or less load";
         Problem::warning(file, what, cure).at_row(rows.of(self.runs[0].start)).in_column(&want.column.name)
     }
 }

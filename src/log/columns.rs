@@ -3,6 +3,7 @@
 use crate::document::Section;
 use crate::dynamics::JointKind;
 use crate::units::{Quantity, Unit};
+use std::cell::RefCell;
 
 /// One column of a log.
 #[derive(Debug, Clone, PartialEq)]
@@ -73,28 +74,31 @@ impl Wanted {
 }
 
 impl Columns {
-    /// Reads `[columns]` of a joint of this `kind`.
-    pub(super) fn from_section(section: &Section<'_>, kind: JointKind) -> Option<Self> {
-        let column = |quantity: Quantity| section.need(quantity.name()).section(|at| one(at, quantity, kind));
-        let optional = |quantity: Quantity| section.may(quantity.name()).section(|at| one(at, quantity, kind));
-        let (time, position, torque) = (column(Quantity::Time), column(Quantity::Position), column(Quantity::Torque));
+    /// Reads `[columns]` of a joint of this `kind`; besides, whatever else is wrong, every column whose name is given.
+    pub(super) fn read(section: &Section<'_>, kind: JointKind) -> (Option<Self>, Vec<Wanted>) {
+        let reader = Reader { section, kind, named: RefCell::default() };
+        let [time, position, torque] = [(Quantity::Time, "s"), (Quantity::Position, "deg"), (Quantity::Torque, "N m")]
+            .map(|(quantity, unit)| reader.needed(quantity, unit));
+        let optional = |quantity: Quantity| reader.column(quantity.name(), quantity);
         let (velocity, current) = (optional(Quantity::Velocity), optional(Quantity::Current));
         let (temperature, load_torque) = (optional(Quantity::Temperature), optional(Quantity::LoadTorque));
-        let reference_torque = section.may(Quantity::ReferenceTorque.name()).section(|at| reference(at, kind));
-        let other_position = other_positions(section, kind);
-        let columns = Self {
-            time: time?,
-            position: position?,
-            torque: torque?,
-            velocity,
-            current,
-            temperature,
-            load_torque,
-            reference_torque,
-            other_position,
+        let (reference_torque, other_position) = (reader.reference(), reader.other_positions());
+        let named = reader.named.into_inner();
+        let are_distinct = report_shared_names(section, &named);
+        let columns = || {
+            Some(Self {
+                time: time?,
+                position: position?,
+                torque: torque?,
+                velocity,
+                current,
+                temperature,
+                load_torque,
+                reference_torque,
+                other_position,
+            })
         };
-        columns.report_shared_names(section);
-        Some(columns)
+        (columns().filter(|_| are_distinct), named)
     }
 
     /// Every column there is; time, position and torque come first, in this order.
@@ -128,17 +132,19 @@ impl Columns {
         }));
         all
     }
+}
 
-    /// Two quantities in one column are a slip of the pen: one of them would be wrong.
-    fn report_shared_names(&self, section: &Section<'_>) {
-        let all = self.wanted();
-        for (index, wanted) in all.iter().enumerate() {
-            if let Some(first) = all[..index].iter().find(|first| first.column.name == wanted.column.name) {
-                let what = format!("reads column `{}`, as `{}` does", wanted.column.name, first.key);
-                section.reject(&wanted.key, what, "name the column that holds this quantity alone");
-            }
+/// Two quantities in one column are a slip of the pen: one of them would be wrong. Gives whether there are none.
+fn report_shared_names(section: &Section<'_>, named: &[Wanted]) -> bool {
+    let mut are_distinct = true;
+    for (index, wanted) in named.iter().enumerate() {
+        if let Some(first) = named[..index].iter().find(|first| first.column.name == wanted.column.name) {
+            let what = format!("reads column `{}`, as `{}` does", wanted.column.name, first.key);
+            section.reject(&wanted.key, what, "name the column that holds this quantity alone");
+            are_distinct = false;
         }
     }
+    are_distinct
 }
 
 /// The key of the `index`th coupled joint's position: `other_position`, `other_position_2`, ...
@@ -147,42 +153,72 @@ fn other_position_key(index: usize) -> String {
     if index == 0 { name.to_string() } else { format!("{name}_{}", index + 1) }
 }
 
-fn one(section: &Section<'_>, quantity: Quantity, kind: JointKind) -> Option<Column> {
-    let (name, unit) = (section.need("name").text(), section.need("unit").text());
-    let unit = match quantity.parse_unit(kind, &unit?) {
-        Ok(unit) => Some(unit),
-        Err((what, cure)) => {
-            section.reject("unit", what, cure);
-            None
-        }
-    };
-    Some(Column { name: name?.trim().to_string(), unit: unit? })
+/// `[columns]` being read.
+struct Reader<'s, 'a> {
+    section: &'s Section<'a>,
+    kind: JointKind,
+    /// The columns whose name was given, those without a good unit in the first that their quantity may have.
+    named: RefCell<Vec<Wanted>>,
 }
 
-fn reference(section: &Section<'_>, kind: JointKind) -> Option<ReferenceColumn> {
-    let arm_m = section.may("arm_m").positive();
-    let column = one(section, Quantity::ReferenceTorque, kind)?;
-    let is_force_on_an_arm = column.unit == Unit::Newton && kind == JointKind::Revolute;
-    if is_force_on_an_arm && !section.keys().any(|key| key == "arm_m") {
-        section.reject("unit", "a force (N) is no torque yet", "add `arm_m`, the moment arm about the joint in m");
+impl Reader<'_, '_> {
+    /// A column that every log has; `unit` serves an example of what to write.
+    fn needed(&self, quantity: Quantity, unit: &str) -> Option<Column> {
+        let key = quantity.name();
+        let example = format!("{{ name = \"{key}\", unit = \"{unit}\" }}");
+        let field = self.section.need(key).such_as(&example, "the column's name in the logs, and its unit");
+        field.section(|at| self.one(at, key, quantity))
     }
-    if !is_force_on_an_arm && arm_m.is_some() {
-        section.reject("arm_m", "goes only with a force (N) on a revolute joint", "delete it, or correct the unit");
-    }
-    Some(ReferenceColumn { column, arm_m })
-}
 
-fn other_positions(section: &Section<'_>, kind: JointKind) -> Vec<OtherColumn> {
-    let mut found = Vec::new();
-    for index in 0.. {
-        let key = other_position_key(index);
-        found.extend(section.may(&key).section(|at| {
-            let joint = at.may("joint").text();
-            Some(OtherColumn { column: one(at, Quantity::OtherPosition, kind)?, joint })
-        }));
-        if !section.keys().any(|present| present == key) {
-            break;
-        }
+    /// A column that may be absent.
+    fn column(&self, key: &str, quantity: Quantity) -> Option<Column> {
+        self.section.may(key).section(|at| self.one(at, key, quantity))
     }
-    found
+
+    fn one(&self, at: &Section<'_>, key: &str, quantity: Quantity) -> Option<Column> {
+        let name = at.need("name").such_as("\"...\"", "the column's name in the header of the logs").text();
+        let units = quantity.units(self.kind);
+        let example = format!("\"{}\"", units[0].name());
+        let unit = at.need("unit").such_as(&example, "the unit of the column").text();
+        let unit = unit.and_then(|unit| {
+            let parsed = quantity.parse_unit(self.kind, &unit);
+            parsed.map_err(|(what, cure)| at.reject("unit", what, cure)).ok()
+        });
+        let name = name?.trim().to_string();
+        let column = Column { name: name.clone(), unit: unit.unwrap_or(units[0]) };
+        self.named.borrow_mut().push(Wanted { key: key.to_string(), quantity, column, arm_m: None, joint: None });
+        Some(Column { name, unit: unit? })
+    }
+
+    fn reference(&self) -> Option<ReferenceColumn> {
+        let key = Quantity::ReferenceTorque.name();
+        self.section.may(key).section(|at| {
+            let arm_m = at.may("arm_m").positive();
+            let column = self.one(at, key, Quantity::ReferenceTorque)?;
+            let is_force_on_an_arm = column.unit == Unit::Newton && self.kind == JointKind::Revolute;
+            if is_force_on_an_arm && !at.keys().any(|key| key == "arm_m") {
+                at.reject("unit", "a force (N) is no torque yet", "add `arm_m`, the moment arm about the joint in m");
+            }
+            if !is_force_on_an_arm && arm_m.is_some() {
+                let what = "goes only with a force (N) on a revolute joint";
+                at.reject("arm_m", what, "delete it, or correct the unit");
+            }
+            Some(ReferenceColumn { column, arm_m })
+        })
+    }
+
+    fn other_positions(&self) -> Vec<OtherColumn> {
+        let mut found = Vec::new();
+        for index in 0.. {
+            let key = other_position_key(index);
+            found.extend(self.section.may(&key).section(|at| {
+                let joint = at.may("joint").text();
+                Some(OtherColumn { column: self.one(at, &key, Quantity::OtherPosition)?, joint })
+            }));
+            if !self.section.keys().any(|present| present == key) {
+                break;
+            }
+        }
+        found
+    }
 }

@@ -14,10 +14,11 @@ const ROWS_SEEN: usize = 64;
 /// Characters of a faulty field that a message shows.
 const SHOWN_CHARS: usize = 40;
 
-/// Reads the wanted columns of `file`.
+/// Reads the wanted columns of `file`. Missing columns, rows of unequal length, and every field that is no finite number
+/// go to `faults`, by row and column.
 ///
-/// Errors: no such column, rows of unequal length, and every field that is no finite number, by row and column.
-pub(super) fn read(file: &Path, wanted: &[Wanted]) -> Result<Readings> {
+/// Errors: the file cannot be read as a table at all.
+pub(super) fn read(file: &Path, wanted: &[Wanted], faults: &mut Faults<'_>) -> Result<Readings> {
     let (source, length) = open(file)?;
     let mut records = Records::new(source);
     let mut record = ByteRecord::new();
@@ -26,23 +27,25 @@ pub(super) fn read(file: &Path, wanted: &[Wanted]) -> Result<Readings> {
     }
     let names: Vec<String> = record.iter().map(name).collect();
     check_separator(file, &names)?;
-    let places = locate(file, &names, wanted)?;
+    let places = locate(&names, wanted, faults);
 
-    let mut faults = Faults::of(file);
     let mut columns = vec![Vec::new(); wanted.len()];
     let mut rows = Rows::default();
     let mut sample = 0;
     while records.next(file, &mut record)? {
         let row = records.row;
-        if record.len() != names.len() {
+        let is_ragged = record.len() != names.len();
+        if is_ragged {
             faults.add("another number of fields", |file| ragged(file, &record, names.len()).at_row(row));
-            continue;
         }
-        for ((column, &place), want) in columns.iter_mut().zip(&places).zip(wanted) {
-            let field = &record[place];
-            column.push(number(field).unwrap_or_else(|| {
-                faults.add("no number", |file| no_number(file, field, want).at_row(row));
-                f64::NAN
+        for ((column, place), want) in columns.iter_mut().zip(&places).zip(wanted) {
+            // Of a ragged row nobody knows which field is which.
+            let field = place.filter(|_| !is_ragged).map(|place| &record[place]);
+            column.push(field.map_or(f64::NAN, |field| {
+                number(field).unwrap_or_else(|| {
+                    faults.add("no number", |file| no_number(file, field, want).at_row(row));
+                    f64::NAN
+                })
             }));
         }
         rows.note(sample, row);
@@ -51,7 +54,7 @@ pub(super) fn read(file: &Path, wanted: &[Wanted]) -> Result<Readings> {
             reserve(&mut columns, length, records.bytes());
         }
     }
-    faults.unless_any(Readings { columns, rows })
+    Ok(Readings { columns, rows })
 }
 
 fn open(file: &Path) -> Result<(File, u64)> {

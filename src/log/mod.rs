@@ -6,22 +6,24 @@ mod checks;
 mod clipping;
 mod columns;
 mod csv_file;
+mod entries;
 mod parquet_file;
 mod readings;
 mod resample;
 mod samples;
 pub mod table;
+mod velocity;
 mod written;
 
 pub use arm::{Arm, Place};
-pub use campaign::{Campaign, Protocol, Signal, TrialEntry};
+pub use campaign::{Campaign, Protocol, Signal, Survey, TrialEntry};
 pub use columns::{Column, Columns, OtherColumn, ReferenceColumn};
 pub use samples::{Sample, Samples};
 
-use crate::problem::{Problem, Result};
+use crate::problem::{Problem, Problems, Result};
 use crate::units::Quantity;
 use columns::Wanted;
-use readings::Readings;
+use readings::{Faults, Readings};
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 
@@ -65,31 +67,72 @@ pub struct Log {
 ///
 /// Errors: every fault of the file that makes it unusable, with row, column and cure.
 pub fn read_trial(campaign: &Campaign, index: usize) -> Result<Log> {
+    match examine_trial(campaign, index) {
+        (Some(log), problems) => Problems(problems).unless_errors(log),
+        (None, problems) => Err(Problems(problems)),
+    }
+}
+
+/// The same, with everything that is wrong with the file, and the log even where only single cells are, drawn straight
+/// across them: its motion can then still be looked at.
+pub fn examine_trial(campaign: &Campaign, index: usize) -> (Option<Log>, Vec<Problem>) {
     let entry = &campaign.trials[index];
     let file = campaign.folder.join(&entry.file);
     let wanted = campaign.columns.wanted();
-    let recorded = read_columns(&file, &wanted)?;
-    checks::check(&file, &recorded, &wanted, &campaign.signal, entry.protocol)?;
-    let (mut columns, rate_hz, mut warnings) = resample::onto_even_grid(&file, recorded.columns, &wanted[TIME]);
-    let clipped = clipping::find(&columns[POSITION], &columns[TORQUE], rate_hz);
-    warnings.extend(clipped.iter().map(|end| end.warning(&file, &recorded.rows, &wanted[TORQUE])));
-    for (column, want) in columns.iter_mut().zip(&wanted) {
-        let sign = if want.quantity == Quantity::Torque { campaign.signal.torque_sign } else { 1.0 };
-        scale(column, sign * want.factor());
+    let mut faults = Faults::of(&file);
+    let mut recorded = match read_columns(&file, &wanted, &mut faults) {
+        Ok(recorded) => recorded,
+        Err(Problems(problems)) => return (None, problems),
+    };
+    let in_cells = faults.count();
+    checks::check(&recorded, &wanted, Some(&campaign.signal), entry.protocol, &mut faults);
+    let is_usable = faults.count() == in_cells && (in_cells == 0 || recorded.bridge_holes());
+    let mut problems = faults.into_problems();
+    let log = is_usable.then(|| log_of(file, recorded, &wanted, &campaign.signal));
+    if let Some(log) = &log {
+        problems.extend(velocity::check(log, &wanted, campaign.joint.kind));
     }
-    let mut log = assemble(file, rate_hz, columns, &wanted);
-    log.clipped = clipping::merge(clipped);
-    log.warnings = warnings;
-    Ok(log)
+    (log, problems)
 }
 
-fn read_columns(file: &Path, wanted: &[Wanted]) -> Result<Readings> {
+impl Survey {
+    /// Everything that is wrong with the log of `entry` by itself, where what `campaign.toml` says of units or low-pass is not
+    /// understood: its columns, numbers, time stamps, dead sensors.
+    pub fn problems_of(&self, entry: &TrialEntry) -> Vec<Problem> {
+        let file = self.folder.join(&entry.file);
+        let mut faults = Faults::of(&file);
+        match read_columns(&file, &self.columns, &mut faults) {
+            Ok(recorded) => {
+                checks::check(&recorded, &self.columns, None, entry.protocol, &mut faults);
+                faults.into_problems()
+            }
+            Err(Problems(problems)) => problems,
+        }
+    }
+}
+
+fn read_columns(file: &Path, wanted: &[Wanted], faults: &mut Faults<'_>) -> Result<Readings> {
     let extension = file.extension().and_then(|extension| extension.to_str()).unwrap_or_default();
     match extension.to_ascii_lowercase().as_str() {
-        "csv" => csv_file::read(file, wanted),
-        "parquet" => parquet_file::read(file, wanted),
+        "csv" => csv_file::read(file, wanted, faults),
+        "parquet" => parquet_file::read(file, wanted, faults),
         _ => Problem::error(file, "is no kind of log known here", "save it as .csv or .parquet").alone(),
     }
+}
+
+fn log_of(file: PathBuf, recorded: Readings, wanted: &[Wanted], signal: &Signal) -> Log {
+    let (mut columns, rate_hz, mut warnings) = resample::onto_even_grid(&file, recorded.columns, &wanted[TIME]);
+    let clipped = clipping::find(&columns[POSITION], &columns[TORQUE], rate_hz);
+    let samples = columns[TORQUE].len();
+    warnings.extend(clipped.iter().map(|end| end.warning(&file, &recorded.rows, &wanted[TORQUE], samples)));
+    for (column, want) in columns.iter_mut().zip(wanted) {
+        let sign = if want.quantity == Quantity::Torque { signal.torque_sign } else { 1.0 };
+        scale(column, sign * want.factor());
+    }
+    let mut log = assemble(file, rate_hz, columns, wanted);
+    log.clipped = clipping::merge(clipped);
+    log.warnings = warnings;
+    log
 }
 
 fn scale(column: &mut [f64], factor: f64) {

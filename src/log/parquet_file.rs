@@ -11,23 +11,21 @@ use std::panic::{self, AssertUnwindSafe};
 use std::path::Path;
 use std::sync::Once;
 
-/// Reads the wanted columns of `file`. A row is counted as if a header stood in row 1.
+/// Reads the wanted columns of `file`. A row is counted as if a header stood in row 1. Missing columns, columns of another
+/// type than numbers, nulls, and numbers that are not finite go to `faults`.
 ///
-/// Errors: no such column, a column of another type than numbers, nulls, and numbers that are not finite.
-pub(super) fn read(file: &Path, wanted: &[Wanted]) -> Result<Readings> {
+/// Errors: the file cannot be read as Parquet at all.
+pub(super) fn read(file: &Path, wanted: &[Wanted], faults: &mut Faults<'_>) -> Result<Readings> {
     let frame = match File::open(file) {
-        Ok(source) => guarded(file, || frame(file, source, wanted))?,
+        Ok(source) => guarded(file, || frame(file, source, wanted, faults))?,
         Err(error) => return unreadable(file, &error),
     };
-    let mut faults = Faults::of(file);
-    let mut columns = Vec::with_capacity(wanted.len());
-    for want in wanted {
-        match frame.column(&want.column.name) {
-            Ok(column) => columns.push(numbers(column, want, &mut faults)),
-            Err(error) => return unreadable(file, &error),
-        }
-    }
-    faults.unless_any(Readings { columns, rows: Rows::plain() })
+    // A column that was not found is not in the frame, and was reported.
+    let column = |want: &Wanted| {
+        let numbers = frame.column(&want.column.name).ok().and_then(|column| numbers(column, want, faults));
+        numbers.unwrap_or_else(|| vec![f64::NAN; frame.height()])
+    };
+    Ok(Readings { columns: wanted.iter().map(column).collect(), rows: Rows::plain() })
 }
 
 fn unreadable<T>(file: &Path, why: &dyn Display) -> Result<T> {
@@ -56,38 +54,38 @@ fn guarded<T>(file: &Path, read: impl FnOnce() -> Result<T>) -> Result<T> {
 }
 
 /// The wanted columns only: a log may hold many more.
-fn frame(file: &Path, source: File, wanted: &[Wanted]) -> Result<DataFrame> {
+fn frame(file: &Path, source: File, wanted: &[Wanted], faults: &mut Faults<'_>) -> Result<DataFrame> {
     let mut reader = ParquetReader::new(source);
     let names: Vec<String> = match reader.schema() {
         Ok(schema) => schema.iter_names().map(|name| name.to_string()).collect(),
         Err(error) => return unreadable(file, &error),
     };
-    locate(file, &names, wanted)?;
-    let only = wanted.iter().map(|want| want.column.name.clone()).collect();
+    let found = locate(&names, wanted, faults);
+    let only = wanted.iter().zip(found).filter_map(|(want, place)| place.map(|_| want.column.name.clone())).collect();
     // In this thread: trials are read side by side, and the guard sees no other thread.
     let reader = reader.with_columns(Some(only)).read_parallel(ParallelStrategy::None);
     reader.finish().or_else(|error| unreadable(file, &error))
 }
 
-/// The numbers of one column; NaN where there is none, which is then a fault.
-fn numbers(column: &Column, want: &Wanted, faults: &mut Faults<'_>) -> Vec<f64> {
+/// The numbers of one column, NaN where there is none, which is then a fault; `None` of a column of another type.
+fn numbers(column: &Column, want: &Wanted, faults: &mut Faults<'_>) -> Option<Vec<f64>> {
     let name = &want.column.name;
+    let expected = format!("expected numbers in {}", want.column.unit.name());
     let kind = column.dtype();
     if !kind.is_primitive_numeric() {
         faults.add("another type", |file| {
-            let cure = format!("expected numbers in {}", want.column.unit.name());
-            Problem::error(file, format!("holds {kind}"), cure).in_column(name)
+            Problem::error(file, format!("holds {kind}"), expected.clone()).in_column(name)
         });
-        return Vec::new();
+        return None;
     }
     let read = || -> std::result::Result<Vec<f64>, PolarsError> {
         let column = column.cast(&DataType::Float64)?;
         Ok(column.f64()?.iter().map(|number| number.unwrap_or(f64::NAN)).collect())
     };
-    let numbers = read().unwrap_or_else(|error| {
-        faults.add("another type", |file| Problem::error(file, error.to_string(), "").in_column(name));
-        Vec::new()
-    });
+    let fault = |error: PolarsError| {
+        faults.add("another type", |file| Problem::error(file, error.to_string(), expected.clone()).in_column(name));
+    };
+    let numbers = read().map_err(fault).ok()?;
     for (sample, number) in numbers.iter().enumerate().filter(|(_, number)| !number.is_finite()) {
         faults.add("no number", |file| {
             let cure = format!("expected a number in {}; repair or delete the row", want.column.unit.name());
@@ -95,5 +93,5 @@ fn numbers(column: &Column, want: &Wanted, faults: &mut Faults<'_>) -> Vec<f64> 
             Problem::error(file, what, cure).at_row(Rows::plain().of(sample)).in_column(name)
         });
     }
-    numbers
+    Some(numbers)
 }

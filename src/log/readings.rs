@@ -2,7 +2,7 @@
 
 use super::columns::Wanted;
 use crate::document::suggest;
-use crate::problem::{Problem, Problems, Result};
+use crate::problem::Problem;
 use std::path::Path;
 
 /// After this many problems of one kind in one file the rest is only counted: the reader has seen the pattern.
@@ -11,10 +11,31 @@ const LISTED_MAX: usize = 20;
 /// The wanted columns of one log, as recorded: in the file's units.
 #[derive(Debug)]
 pub(super) struct Readings {
-    /// One per wanted column, in that order, all of one length.
+    /// One per wanted column, in that order, all of one length. NaN where the file holds no number, which was reported;
+    /// NaN throughout where it has no such column.
     pub columns: Vec<Vec<f64>>,
     /// Where each sample stands in the file.
     pub rows: Rows,
+}
+
+impl Readings {
+    /// Draws a straight line across the cells that hold no number; false where a column holds none at all.
+    pub fn bridge_holes(&mut self) -> bool {
+        self.columns.iter_mut().all(|column| bridge(column))
+    }
+}
+
+fn bridge(column: &mut [f64]) -> bool {
+    let known: Vec<usize> = (0..column.len()).filter(|sample| column[*sample].is_finite()).collect();
+    let (Some(first), Some(last)) = (known.first(), known.last()) else { return false };
+    let (start, end) = (column[*first], column[*last]);
+    column[..*first].fill(start);
+    column[*last..].fill(end);
+    for pair in known.windows(2) {
+        let (low, step) = (column[pair[0]], (column[pair[1]] - column[pair[0]]) / (pair[1] - pair[0]) as f64);
+        (pair[0] + 1..pair[1]).for_each(|sample| column[sample] = low + step * (sample - pair[0]) as f64);
+    }
+    true
 }
 
 /// Turns a sample's place in its column into its row in the file, without storing a number per sample.
@@ -73,39 +94,36 @@ impl<'a> Faults<'a> {
         }
     }
 
-    /// Whether nothing was found so far.
-    pub fn is_empty(&self) -> bool {
-        self.problems.is_empty()
+    /// How many were found so far.
+    pub fn count(&self) -> usize {
+        self.counts.iter().map(|(_, count)| count).sum()
     }
 
-    /// `value` if nothing was found, else everything.
-    pub fn unless_any<T>(mut self, value: T) -> Result<T> {
+    /// Everything that was found.
+    pub fn into_problems(mut self) -> Vec<Problem> {
         for (kind, count) in self.counts.iter().filter(|(_, count)| *count > LISTED_MAX) {
             let what = format!("and {} more rows with {kind}", count - LISTED_MAX);
             self.problems.push(Problem::error(self.file, what, ""));
         }
-        if self.problems.is_empty() { Ok(value) } else { Err(Problems(self.problems)) }
+        self.problems
     }
 }
 
-/// Where each wanted column stands in a file with these `names`.
-///
-/// Errors: columns that are missing, or there twice.
-pub(super) fn locate(file: &Path, names: &[String], wanted: &[Wanted]) -> Result<Vec<usize>> {
-    let mut faults = Faults::of(file);
-    let mut places = Vec::with_capacity(wanted.len());
-    for want in wanted {
+/// Where each of the `wanted` columns stands in a file with these `names`; none where it is missing, or there twice.
+pub(super) fn locate(names: &[String], wanted: &[Wanted], faults: &mut Faults<'_>) -> Vec<Option<usize>> {
+    let mut place = |want: &Wanted| {
         let name = &want.column.name;
         let mut found = names.iter().enumerate().filter(|(_, other)| *other == name).map(|(place, _)| place);
         match (found.next(), found.next()) {
-            (Some(place), None) => places.push(place),
+            (Some(place), None) => return Some(place),
             (Some(_), Some(_)) => faults.add("a column twice", |file| {
                 Problem::error(file, "this column is there twice", "rename one of the two").at_row(1).in_column(name)
             }),
             (None, _) => faults.add("a missing column", |file| missing(file, names, want)),
         }
-    }
-    faults.unless_any(places)
+        None
+    };
+    wanted.iter().map(&mut place).collect()
 }
 
 fn missing(file: &Path, names: &[String], want: &Wanted) -> Problem {

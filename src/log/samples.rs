@@ -3,9 +3,9 @@
 use super::campaign::Campaign;
 use super::columns::Wanted;
 use super::csv_file::{check_separator, name, no_number, number, ragged};
-use super::readings::locate;
+use super::readings::{Faults, locate};
 use super::{POSITION, TIME, TORQUE};
-use crate::problem::{Problem, Result};
+use crate::problem::{Problem, Problems, Result};
 use crate::units::Quantity;
 use csv::{ByteRecord, Reader, ReaderBuilder};
 use std::io::Read;
@@ -55,7 +55,9 @@ impl<R: Read> Samples<R> {
             [Quantity::Time, Quantity::Position, Quantity::Torque, Quantity::LoadTorque, Quantity::OtherPosition];
         let wanted: Vec<Wanted> =
             campaign.columns.wanted().into_iter().filter(|want| needed.contains(&want.quantity)).collect();
-        let places = locate(file, &names, &wanted)?;
+        let mut faults = Faults::of(file);
+        let places: Option<Vec<usize>> = locate(&names, &wanted, &mut faults).into_iter().collect();
+        let places = places.ok_or_else(|| Problems(faults.into_problems()))?;
         let (fields, torque_sign) = (names.len(), campaign.signal.torque_sign);
         Ok(Self { reader, record, wanted, places, fields, torque_sign, last_s: f64::NEG_INFINITY })
     }

@@ -24,7 +24,7 @@ impl Model {
             for key in EXTRA_KEYS {
                 root.may(key);
             }
-            let joint = root.need("joint").section(Joint::read);
+            let joint = root.need("joint").section(|s| Joint::read(s, Joint::read_kind(s)));
             let dynamics = root.need("dynamics").section(|s| {
                 let gravity_nm = s.need("gravity_nm").number();
                 let inertia_kg_m2 = s.need("inertia_kg_m2").not_negative();

@@ -19,20 +19,26 @@ pub struct Joint {
 }
 
 impl Joint {
-    /// Reads `[joint]` of a campaign or `joint` of a model; faults go to the section.
-    pub fn read(section: &Section<'_>) -> Option<Self> {
-        let name = section.need("name").text();
+    /// Reads the kind of a joint, which decides what all its units are; revolute where it says none.
+    pub fn read_kind(section: &Section<'_>) -> JointKind {
         let kinds = [JointKind::Revolute, JointKind::Prismatic].map(|kind| (kind.name(), kind));
-        let kind = section.may("kind").choice(&kinds).unwrap_or_default();
-        let radius = |key: &str| {
-            let radius_m = section.need(key).positive()?;
+        section.may("kind").choice(&kinds).unwrap_or_default()
+    }
+
+    /// Reads `[joint]` of a campaign or `joint` of a model, its `kind` read before; faults go to the section.
+    pub fn read(section: &Section<'_>, kind: JointKind) -> Option<Self> {
+        let name = section.need("name").such_as("\"elbow\"", "any name").text();
+        let radius = |key: &str, example: &str, means: &str| {
+            let radius_m = section.need(key).such_as(example, means).positive()?;
             if kind == JointKind::Prismatic && radius_m != 1.0 {
                 section.reject(key, format!("is {radius_m} on a prismatic joint"), "set it to 1.0: there is no arm");
             }
             Some(radius_m)
         };
-        let (winch_radius_m, pulley_radius_m) = (radius("winch_radius_m"), radius("pulley_radius_m"));
-        let backlash_m = section.need("backlash_m").not_negative();
+        let winch_radius_m = radius("winch_radius_m", "0.012", "the winch's radius in m");
+        let pulley_radius_m = radius("pulley_radius_m", "0.040", "the radius of the pulley at the joint in m");
+        let means = "the clearance as travel of the cable in m, 0 without any";
+        let backlash_m = section.need("backlash_m").such_as("0.0008", means).not_negative();
         Some(Self {
             name: name?,
             kind,

@@ -1,7 +1,8 @@
 //! The constant-speed legs of a sweep: where (17) holds.
 
+use crate::dynamics::JointKind;
 use crate::log::Log;
-use crate::model::Direction;
+use crate::model::{Direction, Joint};
 use crate::numerics::statistics::quantile;
 use crate::problem::{Problem, Result};
 use std::ops::Range;
@@ -19,7 +20,7 @@ const REVERSAL_BACKLASHES: f64 = 1.1;
 /// Left out at both ends, in periods of the low-pass: where it carries in what lies outside the leg.
 const FILTER_PERIODS: f64 = 1.5;
 /// Fewest samples that a leg may have.
-const MIN_SAMPLES: usize = 20;
+pub(super) const MIN_SAMPLES: usize = 20;
 
 /// One stretch of motion at constant speed in one direction, transitions left out.
 #[derive(Debug, Clone, PartialEq)]
@@ -28,34 +29,29 @@ pub struct Leg {
     pub direction: Direction,
     /// Its samples in the trial.
     pub samples: Range<usize>,
+    /// Those of them that a clipped sensor spoils; empty where it does not.
+    pub left_out: Range<usize>,
+}
+
+impl Leg {
+    /// The samples that can be used.
+    pub fn used(&self) -> impl Iterator<Item = usize> + Clone {
+        (self.samples.start..self.left_out.start).chain(self.left_out.end..self.samples.end)
+    }
 }
 
 /// The legs of a sweep at `speed_rad_s` (declared, positive), in order of time.
 ///
-/// `backlash_rad` is X_cl / r2, `lowpass_hz` the torque's cut-off. Errors: no plateau at the declared speed.
+/// `lowpass_hz` is the torque's cut-off. Errors: no plateau at the declared speed, or none of it left by the clearance.
 pub fn find_legs(
     log: &Log,
     position_rad: &[f64],
     speed_rad_s: f64,
-    backlash_rad: f64,
+    joint: &Joint,
     lowpass_hz: f64,
 ) -> Result<Vec<Leg>> {
-    let (low, high) = position_rad.iter().fold((f64::MAX, f64::MIN), |(l, h), x| (l.min(*x), h.max(*x)));
-    let range_rad = high - low;
-    let half = ((WINDOW_TRAVEL * range_rad / speed_rad_s * log.rate_hz / 2.0) as usize).max(2);
-    let margin = (FILTER_PERIODS / lowpass_hz * log.rate_hz) as usize;
-    let speeds = window_speeds(position_rad, half, log.rate_hz);
-    let mut legs: Vec<Leg> = Vec::new();
-    let mut longest_rad = 0f64;
-    for direction in Direction::BOTH {
-        for run in plateaus(&speeds, direction.sign() * speed_rad_s) {
-            let travel = (position_rad[run.end - 1] - position_rad[run.start]).abs();
-            longest_rad = longest_rad.max(travel);
-            if travel >= MIN_TRAVEL * range_rad {
-                legs.extend(trim(position_rad, direction, run, backlash_rad, margin));
-            }
-        }
-    }
+    let Cut { legs, speeds, longest_rad } = cut(position_rad, log.rate_hz, speed_rad_s, joint, lowpass_hz);
+    let backlash_rad = joint.backlash_rad();
     if legs.is_empty() && longest_rad > 0.0 && REVERSAL_BACKLASHES * backlash_rad >= 0.5 * longest_rad {
         let what = format!(
             "after the declared clearance of {backlash_rad:.3} rad at the joint nothing is left of a leg of {longest_rad:.3} rad"
@@ -63,10 +59,41 @@ pub fn find_legs(
         return Problem::error(&log.file, what, "correct backlash_m (metres on the cable) in campaign.toml").alone();
     }
     if legs.is_empty() {
-        return no_plateau(log, &speeds, speed_rad_s).alone();
+        return no_plateau(log, &speeds, speed_rad_s, joint.kind).alone();
+    }
+    Ok(legs)
+}
+
+/// What cutting a sweep gives.
+pub(super) struct Cut {
+    pub legs: Vec<Leg>,
+    /// Speed around each sample, rad/s.
+    speeds: Vec<f64>,
+    /// Travel of the longest plateau, rad.
+    longest_rad: f64,
+}
+
+pub(super) fn cut(position_rad: &[f64], rate_hz: f64, speed_rad_s: f64, joint: &Joint, lowpass_hz: f64) -> Cut {
+    let (low, high) = position_rad.iter().fold((f64::MAX, f64::MIN), |(l, h), x| (l.min(*x), h.max(*x)));
+    let range_rad = high - low;
+    // Where the declared speed is far too slow, still a window that fits into the log.
+    let window = (WINDOW_TRAVEL * range_rad / speed_rad_s * rate_hz).min(WINDOW_TRAVEL * position_rad.len() as f64);
+    let half = ((window / 2.0) as usize).max(2);
+    let margin = (FILTER_PERIODS / lowpass_hz * rate_hz) as usize;
+    let speeds = window_speeds(position_rad, half, rate_hz);
+    let mut legs: Vec<Leg> = Vec::new();
+    let mut longest_rad = 0f64;
+    for direction in Direction::BOTH {
+        for run in plateaus(&speeds, direction.sign() * speed_rad_s) {
+            let travel = (position_rad[run.end - 1] - position_rad[run.start]).abs();
+            longest_rad = longest_rad.max(travel);
+            if travel >= MIN_TRAVEL * range_rad {
+                legs.extend(trim(position_rad, direction, run, joint.backlash_rad(), margin));
+            }
+        }
     }
     legs.sort_by_key(|leg| leg.samples.start);
-    Ok(legs)
+    Cut { legs, speeds, longest_rad }
 }
 
 /// Mean speed over `half` samples either side of each sample; zero where there are too few.
@@ -112,14 +139,17 @@ fn trim(
     // A fast leg may be short against the filter: then give up at most a sixth of it at each end.
     let margin = margin.min(run.len() / 6);
     let samples = past.max(run.start + margin)..run.end - margin;
-    (samples.len() >= MIN_SAMPLES).then_some(Leg { direction, samples })
+    let left_out = samples.end..samples.end;
+    (samples.len() >= MIN_SAMPLES).then_some(Leg { direction, samples, left_out })
 }
 
-fn no_plateau(log: &Log, speeds: &[f64], speed_rad_s: f64) -> Problem {
+fn no_plateau(log: &Log, speeds: &[f64], speed_rad_s: f64, kind: JointKind) -> Problem {
     let mut magnitudes: Vec<f64> = speeds.iter().map(|v| v.abs()).filter(|v| *v > 0.0).collect();
-    let top = quantile(&mut magnitudes, 0.9);
-    let what =
-        format!("no plateau at the declared speed_rad_s = {speed_rad_s}: the joint moves at up to {top:.4} rad/s");
+    // At rest throughout there is no quantile.
+    let (top, unit) = (quantile(&mut magnitudes, 0.9).max(0.0), kind.speed_unit());
+    let what = format!(
+        "no plateau at the declared speed_rad_s = {speed_rad_s} {unit}: the joint moves at up to {top:.4} {unit}"
+    );
     let cure = "correct speed_rad_s in campaign.toml, the position's unit, or mark the trial `free`";
     Problem::error(&log.file, what, cure)
 }

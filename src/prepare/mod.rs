@@ -1,5 +1,6 @@
 //! A log made ready: torque low-passed, motion differentiated, sweeps cut into legs.
 
+mod clipped;
 mod legs;
 mod rigid;
 mod series;
@@ -9,10 +10,14 @@ pub use series::Series;
 
 use crate::dynamics::{Dynamics, JointKind, RigidTorque};
 use crate::log::{Campaign, Log, Protocol, TrialEntry};
+use crate::model::Joint;
 use crate::numerics::difference::{acceleration, velocity};
 use crate::numerics::filter::LowPass;
+use crate::numerics::line::crossing;
 use crate::numerics::statistics::quantile;
 use crate::problem::{Problem, Result};
+use crate::trajectory::Trajectory;
+use legs::cut;
 
 /// The motion is low-passed at this many times the torque's cut-off ...
 const MOTION_BANDWIDTH: f64 = 4.0;
@@ -86,7 +91,7 @@ impl Trial {
 /// Filters and differentiates `log`, trial `index` of `campaign`, and cuts a sweep into its legs.
 ///
 /// Errors: the sample rate does not carry the declared low-pass; a sweep without a leg at its declared speed.
-pub fn prepare(campaign: &Campaign, index: usize, log: Log) -> Result<Trial> {
+pub fn prepare(campaign: &Campaign, index: usize, mut log: Log) -> Result<Trial> {
     let entry = campaign.trials[index].clone();
     let rate_hz = log.rate_hz;
     let too_slow = || {
@@ -112,16 +117,13 @@ pub fn prepare(campaign: &Campaign, index: usize, log: Log) -> Result<Trial> {
         let own = [&position_rad[..], &velocity_rad_s, &acceleration_rad_s2];
         rigid::along(arm, own, &log.other_position_rad, &motion, rate_hz)
     });
+    let lowpass_hz = campaign.signal.lowpass_hz;
     let legs = match entry.protocol {
-        Protocol::Uniform { .. } if campaign.joint.kind == JointKind::Prismatic => {
-            let what = "a uniform sweep of a prismatic joint: without an angle there is no y = A sin(theta) + B";
-            return Problem::error(&log.file, what, "mark the trial `free`").alone();
-        }
-        Protocol::Uniform { speed_rad_s } => {
-            find_legs(&log, &position_rad, speed_rad_s, campaign.joint.backlash_rad(), campaign.signal.lowpass_hz)?
-        }
+        Protocol::Uniform { speed_rad_s } => find_legs(&log, &position_rad, speed_rad_s, &campaign.joint, lowpass_hz)?,
         _ => Vec::new(),
     };
+    let (legs, warnings) = clipped::leave_out(legs, &log, lowpass_hz);
+    log.warnings.extend(warnings);
     Ok(Trial {
         index,
         entry,
@@ -135,6 +137,28 @@ pub fn prepare(campaign: &Campaign, index: usize, log: Log) -> Result<Trial> {
         legs,
         log,
     })
+}
+
+/// The fastest sweep, from `slowest_rad_s` to `fastest_rad_s`, that recorded at `rate_hz` has a leg to cut; `None` if not even
+/// the slowest has.
+pub fn fastest_sweep_rad_s(
+    slowest_rad_s: f64,
+    fastest_rad_s: f64,
+    rate_hz: f64,
+    joint: &Joint,
+    lowpass_hz: f64,
+) -> Option<f64> {
+    /// Halvings of the range: to 1e-6 of it.
+    const HALVINGS: usize = 20;
+    let motion = motion_filter(lowpass_hz, rate_hz)?;
+    let has_legs = |speed_rad_s: f64| {
+        let positions_rad = motion.zero_phase(&Trajectory::sweep(speed_rad_s).positions_rad(rate_hz));
+        !cut(&positions_rad, rate_hz, speed_rad_s, joint, lowpass_hz).legs.is_empty()
+    };
+    if has_legs(fastest_rad_s) {
+        return Some(fastest_rad_s);
+    }
+    has_legs(slowest_rad_s).then(|| crossing(slowest_rad_s, fastest_rad_s, HALVINGS, has_legs))
 }
 
 /// The motion's low-pass: 4th order, its -3 dB well above what the torque's low-pass lets through.

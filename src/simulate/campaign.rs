@@ -53,14 +53,19 @@ pub struct PlannedTrial {
 }
 
 impl Plan {
+    /// The speeds of the sweeps, rad/s, to a tenth of a mrad/s: the file's name and the declared speed then say the same.
+    pub fn speeds_rad_s(&self) -> Vec<f64> {
+        let ratio = self.fastest_rad_s / self.slowest_rad_s;
+        let speed = |i: usize| self.slowest_rad_s * ratio.powf(i as f64 / (self.speeds.max(2) - 1) as f64);
+        (0..self.speeds).map(|i| (speed(i) * 1e4).round() / 1e4).collect()
+    }
+
     /// The trials in order: sweeps by speed and repeat, then cosines.
     pub fn trials(&self) -> Vec<PlannedTrial> {
         let ending = if self.parquet { "parquet" } else { "csv" };
-        let ratio = self.fastest_rad_s / self.slowest_rad_s;
-        let speed = |i: usize| self.slowest_rad_s * ratio.powf(i as f64 / (self.speeds.max(2) - 1) as f64);
-        let sweeps = (0..self.speeds).flat_map(|i| (1..=self.repeats).map(move |r| (i, r))).map(|(i, repeat)| {
-            // To a tenth of a mrad/s: the file's name and the declared speed then say the same.
-            let speed_rad_s = (speed(i) * 1e4).round() / 1e4;
+        let speeds = self.speeds_rad_s();
+        let each = speeds.iter().flat_map(|speed_rad_s| (1..=self.repeats).map(move |repeat| (*speed_rad_s, repeat)));
+        let sweeps = each.map(|(speed_rad_s, repeat)| {
             let file = format!("sweep_{speed_rad_s:.4}_{repeat}.{ending}");
             (file, Protocol::Uniform { speed_rad_s }, repeat, Trajectory::sweep(speed_rad_s))
         });
@@ -97,6 +102,7 @@ impl Plan {
                 other_position: Vec::new(),
             },
             trials: trials.iter().map(|trial| trial.entry.clone()).collect(),
+            warnings: Vec::new(),
         }
     }
 

@@ -167,6 +167,7 @@ prop_compose! {
             signal: Signal { torque_sign: -1.0, lowpass_hz: 5.0, lowpass_order: 4 },
             columns,
             trials: vec![TrialEntry { file: "a.csv".into(), protocol, repeat, trajectory }],
+            warnings: Vec::new(),
         }
     }
 }

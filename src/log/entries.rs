@@ -1,0 +1,153 @@
+//! `[[trials]]` of `campaign.toml`: which logs there are and how the joint was moved in each.
+
+use super::campaign::{Protocol, TrialEntry};
+use crate::document::Section;
+use crate::dynamics::JointKind;
+use std::collections::BTreeMap;
+use std::collections::btree_map::Entry;
+use std::path::{Component, Path, PathBuf};
+
+/// The trials, as far as they are understood.
+pub(super) struct Entries {
+    /// Those whose log is named; one of a protocol that is not understood is taken as free motion.
+    pub trials: Vec<TrialEntry>,
+    /// Those of them whose log is there to be read, each once.
+    pub readable: Vec<TrialEntry>,
+    /// Whether `trials` is all of them, all understood.
+    pub are_whole: bool,
+}
+
+/// What was read so far, with the rows where it stands.
+#[derive(Default)]
+struct Seen {
+    count: usize,
+    files: BTreeMap<PathBuf, Option<u64>>,
+    repeats: BTreeMap<String, Option<u64>>,
+    has_unknown_protocol: bool,
+}
+
+impl Entries {
+    /// Reads the list in `root`; its logs lie in `folder`.
+    pub fn read(root: &Section<'_>, folder: &Path, kind: JointKind) -> Self {
+        let mut seen = Seen::default();
+        let list = root.need("trials").such_as("[[trials]]", "one for each log, with its file and protocol");
+        let trials = list.sections(|section| {
+            seen.count += 1;
+            seen.trial(section, folder, kind)
+        });
+        if trials.is_some() && seen.count == 0 {
+            root.reject("trials", "lists no trial", "add `[[trials]]` with its file and protocol");
+        }
+        let trials = trials.unwrap_or_default();
+        let readable = trials.iter().filter(|(_, is_readable)| *is_readable).map(|(entry, _)| entry.clone()).collect();
+        let are_whole = seen.count > 0 && trials.len() == seen.count && !seen.has_unknown_protocol;
+        Self { trials: trials.into_iter().map(|(entry, _)| entry).collect(), readable, are_whole }
+    }
+}
+
+impl Seen {
+    /// The trial, if its log is named, and whether that can be read.
+    fn trial(&mut self, section: &Section<'_>, folder: &Path, kind: JointKind) -> Option<(TrialEntry, bool)> {
+        let means = "the log, CSV or Parquet, by its path from this folder";
+        let file = section.need("file").such_as("\"sweep_1.csv\"", means).text();
+        let is_readable = file.as_ref().is_some_and(|file| self.check_file(section, file, folder));
+        let protocol = protocol(section, kind);
+        let repeat = section.may("repeat").whole(1, u32::MAX.into()).unwrap_or(1);
+        let repeat = u32::try_from(repeat).ok()?;
+        let trajectory = section.may("trajectory").text();
+        self.has_unknown_protocol |= protocol.is_none();
+        let entry = TrialEntry { file: file?, protocol: protocol.unwrap_or(Protocol::Free), repeat, trajectory };
+        if protocol.is_some() {
+            self.check_repeat(section, &entry);
+        }
+        Some((entry, is_readable))
+    }
+
+    /// Reports a log that lies outside the campaign's folder, is absent, or is listed already; false of such.
+    fn check_file(&mut self, section: &Section<'_>, file: &str, folder: &Path) -> bool {
+        let parts: Vec<Component<'_>> =
+            Path::new(file).components().filter(|part| *part != Component::CurDir).collect();
+        let is_inside = parts.iter().all(|part| matches!(part, Component::Normal(_)));
+        let exists = folder.join(file).is_file();
+        if !is_inside {
+            let cure = "move the log into the folder of campaign.toml and name it by its path from there";
+            section.reject("file", format!("`{file}` lies outside the campaign"), cure);
+        } else if !exists {
+            let cure = suggest_file(file, folder).unwrap_or("add the log, or delete this trial".to_string());
+            section.reject("file", format!("there is no file `{file}`"), cure);
+        }
+        match self.files.entry(parts.iter().collect()) {
+            Entry::Occupied(first) => {
+                let what = format!("`{file}` is listed already{}", in_row(*first.get()));
+                section.reject("file", what, "delete one of the two trials");
+                false
+            }
+            Entry::Vacant(place) => {
+                place.insert(section.row());
+                is_inside && exists
+            }
+        }
+    }
+
+    /// Repeats differ in their number. Trials of free motion or with a person are repeats only where they name one
+    /// trajectory.
+    fn check_repeat(&mut self, section: &Section<'_>, entry: &TrialEntry) {
+        let is_planned = matches!(entry.protocol, Protocol::Uniform { .. } | Protocol::Cosine);
+        if !is_planned && entry.trajectory.is_none() {
+            return;
+        }
+        let TrialEntry { protocol, repeat, trajectory, .. } = entry;
+        match self.repeats.entry(format!("{protocol:?} {trajectory:?} {repeat}")) {
+            Entry::Occupied(first) => {
+                let key = if section.keys().any(|key| key == "repeat") { "repeat" } else { "file" };
+                let same = if protocol.speed_rad_s().is_some() { "protocol, speed" } else { "protocol" };
+                let what = format!("has {same}, trajectory and repeat ({repeat}) of the trial{}", in_row(*first.get()));
+                section.doubt(key, what, "number the repeats of one motion 1, 2, 3 ..., or name their trajectories");
+            }
+            Entry::Vacant(place) => {
+                place.insert(section.row());
+            }
+        }
+    }
+}
+
+fn in_row(row: Option<u64>) -> String {
+    row.map_or(String::new(), |row| format!(" in row {row}"))
+}
+
+fn protocol(section: &Section<'_>, kind: JointKind) -> Option<Protocol> {
+    // The speed is filled in below.
+    let sweep = Protocol::Uniform { speed_rad_s: f64::NAN };
+    let all = [sweep, Protocol::Cosine, Protocol::Interaction, Protocol::Free];
+    let protocol = section.need("protocol").choice(&all.map(|protocol| (protocol.name(), protocol)));
+    match protocol {
+        Some(Protocol::Uniform { .. }) if kind == JointKind::Prismatic => {
+            let what = "is `uniform` on a prismatic joint: without an angle there is no y = A sin(theta) + B";
+            section.reject("protocol", what, "write `free` and delete speed_rad_s");
+            section.may("speed_rad_s").ignore();
+            None
+        }
+        Some(Protocol::Uniform { .. }) => {
+            let speed = section.need("speed_rad_s").such_as("0.1", "the sweep's speed, rad/s");
+            speed.positive().map(|speed_rad_s| Protocol::Uniform { speed_rad_s })
+        }
+        Some(other) => {
+            if section.may("speed_rad_s").number().is_some() {
+                let what = format!("is given on a `{}` trial", other.name());
+                section.reject("speed_rad_s", what, "delete it; only a uniform trial has one speed");
+            }
+            Some(other)
+        }
+        None => {
+            section.may("speed_rad_s").positive();
+            None
+        }
+    }
+}
+
+fn suggest_file(file: &str, folder: &Path) -> Option<String> {
+    let names: Vec<String> =
+        std::fs::read_dir(folder).ok()?.filter_map(|entry| entry.ok()?.file_name().into_string().ok()).collect();
+    let near = crate::document::nearest(file, names.iter().map(String::as_str))?;
+    Some(format!("did you mean `{near}`?"))
+}
