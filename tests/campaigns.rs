@@ -15,6 +15,8 @@ pub fn plan() -> Plan {
         fastest_rad_s: 0.4,
         repeats: 1,
         cosines: 0,
+        interactions: 0,
+        arm: None,
         rate_hz: 200.0,
         sensors: Sensors { torque_noise_nm: 0.0, encoder_counts: 0.0 },
         seed: 1,

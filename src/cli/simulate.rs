@@ -3,13 +3,13 @@
 use super::interrupt;
 use super::outcome::Talk;
 use super::progress;
-use crate::dynamics::JointKind;
+use crate::dynamics::{Chain, JointKind};
 use crate::log::Signal;
 use crate::model::{Joint, Model};
 use crate::prepare::fastest_sweep_rad_s;
 use crate::problem::{Problem, Problems, Result};
 use crate::report::json_text;
-use crate::simulate::{Plan, Sensors};
+use crate::simulate::{Plan, Sensors, SimulatedArm};
 use clap::ValueEnum;
 use rayon::prelude::*;
 use serde_json::json;
@@ -20,7 +20,8 @@ use std::process::ExitCode;
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Examples:
   tautline simulate --model data/elbow/truth/model.json -o simulated
-  tautline simulate --model out/model.json -o simulated --rate-hz 100 --format parquet --seed 3")]
+  tautline simulate --model out/model.json -o simulated --rate-hz 100 --format parquet --seed 3
+  tautline simulate --model out/model.json -o arm --urdf data/arm/arm.urdf --joint elbow_flexion --multi-joint 3")]
 pub struct Arguments {
     /// The model: a model.json
     #[arg(long)]
@@ -43,6 +44,18 @@ pub struct Arguments {
     /// Trials of the cosine cascade (265.6 s each)
     #[arg(long, default_value_t = 3)]
     cosines: u32,
+    /// Times that a person touches the joint, at rest and in motion (60 s and 80 s), beside a load cell
+    #[arg(long, default_value_t = 0)]
+    interactions: u32,
+    /// URDF of the whole arm, in place of the model's gravity and inertia
+    #[arg(long, requires = "joint")]
+    urdf: Option<PathBuf>,
+    /// The model's joint in the URDF
+    #[arg(long, requires = "urdf")]
+    joint: Option<String>,
+    /// Trials of the cosine cascade with the arm's first other joint moving
+    #[arg(long, default_value_t = 0, requires = "urdf")]
+    multi_joint: u32,
     /// Sample rate, Hz
     #[arg(long, default_value_t = 1000.0)]
     rate_hz: f64,
@@ -109,7 +122,7 @@ impl Arguments {
         );
         need(self.torque_sign != 0, "torque-sign", 0.0, "1 or -1");
         need(
-            self.speeds * self.repeats as usize + self.cosines as usize > 0,
+            self.speeds * self.repeats as usize + (self.cosines + self.interactions + self.multi_joint) as usize > 0,
             "speeds",
             self.speeds as f64,
             "at least one trial",
@@ -120,6 +133,8 @@ impl Arguments {
             fastest_rad_s: self.fastest_rad_s,
             repeats: self.repeats,
             cosines: self.cosines,
+            interactions: self.interactions,
+            arm: None,
             rate_hz: self.rate_hz,
             sensors: Sensors { torque_noise_nm: self.noise_nm, encoder_counts: self.encoder_counts },
             seed: self.seed,
@@ -127,6 +142,26 @@ impl Arguments {
             parquet: self.format == Format::Parquet,
         };
         Problems(problems).unless_errors(plan)
+    }
+}
+
+/// The name of the URDF in the campaign.
+const URDF: &str = "arm.urdf";
+
+impl Arguments {
+    /// Errors: no such joint, one of another kind, or one that moves alone.
+    fn arm(&self, joint: &Joint) -> Result<Option<SimulatedArm>> {
+        let (Some(urdf), Some(name)) = (&self.urdf, &self.joint) else { return Ok(None) };
+        let chain = Chain::read(urdf, name)?;
+        if chain.kind() != joint.kind {
+            let what = format!("`{name}` is {}, the model's joint {}", chain.kind().name(), joint.kind.name());
+            return Problem::error(urdf, what, "name the joint that the model is of").alone();
+        }
+        if self.multi_joint > 0 && chain.others().next().is_none() {
+            let what = format!("--multi-joint is {}, and `{name}` moves alone", self.multi_joint);
+            return Problem::error(urdf, what, "leave it out").alone();
+        }
+        Ok(Some(SimulatedArm { urdf: URDF.to_string(), chain, multi_joint: self.multi_joint }))
     }
 }
 
@@ -160,14 +195,14 @@ fn check_sweeps(plan: &Plan, joint: &Joint) -> Result<()> {
 }
 
 pub fn run(arguments: &Arguments, talk: &Talk) -> Result<ExitCode> {
-    let plan = arguments.plan()?;
     let model = Model::read(&arguments.model)?;
+    let plan = Plan { arm: arguments.arm(&model.joint)?, ..arguments.plan()? };
     check_sweeps(&plan, &model.joint)?;
     let trials = plan.trials();
     let output = interrupt::output(
         &arguments.output,
         arguments.force,
-        &["simulated.json", "campaign.toml", "*.csv", "*.parquet"],
+        &["simulated.json", "campaign.toml", URDF, "*.csv", "*.parquet"],
     )?;
     let bar = progress::bar(talk, "simulating", trials.len());
     trials.par_iter().try_for_each(|trial| {
@@ -176,6 +211,10 @@ pub fn run(arguments: &Arguments, talk: &Talk) -> Result<ExitCode> {
         Ok::<(), Problems>(())
     })?;
     bar.finish_and_clear();
+    if let Some(urdf) = &arguments.urdf {
+        let text = std::fs::read(urdf).or_else(|e| Problem::error(urdf, format!("cannot be read: {e}"), "").alone())?;
+        output.write(URDF, text)?;
+    }
     output.write("campaign.toml", plan.campaign(&model, &arguments.output, &trials).to_toml().as_bytes())?;
     let mark = json!({ "tautline": env!("CARGO_PKG_VERSION"), "seed": plan.seed, "model": model.to_json() });
     output.write("simulated.json", json_text(&mark))?;

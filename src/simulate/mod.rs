@@ -1,9 +1,11 @@
 //! A joint driven along a prescribed motion, as its log would show it.
 
 mod campaign;
+mod contacts;
 
-pub use campaign::{Plan, PlannedTrial};
+pub use campaign::{Plan, PlannedTrial, SimulatedArm};
 
+use crate::dynamics::{Chain, Motion, RigidTorque};
 use crate::model::{Direction, Model, Transition};
 use crate::numerics::difference::{acceleration, velocity};
 use rand::SeedableRng;
@@ -19,6 +21,17 @@ pub struct Sensors {
     pub encoder_counts: f64,
 }
 
+/// What happens in a trial, sample by sample.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Course {
+    /// Position of the joint, rad.
+    pub position_rad: Vec<f64>,
+    /// Positions of a chain's other joints, in their order, rad or m.
+    pub others_rad: Vec<Vec<f64>>,
+    /// What a person adds at the winch, N m; nothing where empty.
+    pub contact_nm: Vec<f64>,
+}
+
 /// Samples of a motion: what a log would hold.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Recording {
@@ -26,44 +39,74 @@ pub struct Recording {
     pub time_s: Vec<f64>,
     /// Position as measured, rad.
     pub position_rad: Vec<f64>,
+    /// Positions of the other joints as measured, rad or m.
+    pub others_rad: Vec<Vec<f64>>,
     /// y as measured, N m; the log holds it times the campaign's torque sign.
     pub torque_nm: Vec<f64>,
 }
 
-/// The torque of `model` along `positions_rad`, `rate_hz` a second, without any sensor: y, N m.
+/// The torque of `model` along `positions_rad`, `rate_hz` a second, moving alone and without any sensor: y, N m.
 pub fn torque_nm(model: &Model, positions_rad: &[f64], rate_hz: f64) -> Vec<f64> {
-    let speeds = velocity(positions_rad, rate_hz);
-    let accelerations = acceleration(positions_rad, rate_hz);
-    let Some(first) = positions_rad.first() else { return Vec::new() };
-    let start = match positions_rad.iter().find(|x| **x != *first) {
-        Some(x) if x < first => Direction::Down,
+    let course = Course { position_rad: positions_rad.to_vec(), ..Course::default() };
+    course_torque_nm(model, None, &course, rate_hz)
+}
+
+/// y along `course`, N m; `chain` takes the place of the model's own gravity and inertia.
+pub fn course_torque_nm(model: &Model, chain: Option<&Chain>, course: &Course, rate_hz: f64) -> Vec<f64> {
+    let own = moving(&course.position_rad, rate_hz);
+    let others: Vec<Vec<Motion>> = course.others_rad.iter().map(|positions| moving(positions, rate_hz)).collect();
+    let Some(first) = own.first() else { return Vec::new() };
+    let start = match own.iter().find(|m| m.position != first.position) {
+        Some(m) if m.position < first.position => Direction::Down,
         _ => Direction::Up,
     };
-    let mut transition = Transition::after(start, *first);
+    let mut transition = Transition::after(start, first.position);
     let backlash_rad = model.joint.backlash_rad();
-    positions_rad
-        .iter()
-        .zip(&speeds)
-        .zip(&accelerations)
-        .map(|((x, v), a)| {
-            let k_tilde = transition.step(*x, &model.combination, backlash_rad, 0.0);
-            let rigid_nm = model.dynamics.gravity_nm(model.joint.kind, *x) + model.dynamics.inertia_kg_m2 * a;
-            model.torque_nm(rigid_nm, *v, k_tilde).torque_nm
-        })
-        .collect()
+    let torque = |(i, motion): (usize, &Motion)| {
+        let rigid = match chain {
+            Some(chain) => chain.torque(*motion, &others.iter().map(|other| other[i]).collect::<Vec<Motion>>()),
+            None => RigidTorque {
+                gravity_nm: model.dynamics.gravity_nm(model.joint.kind, motion.position),
+                inertia_nm: model.dynamics.inertia_kg_m2 * motion.acceleration,
+                coriolis_nm: 0.0,
+            },
+        };
+        let k_tilde = transition.step(motion.position, &model.combination, backlash_rad, 0.0);
+        let contact_nm = course.contact_nm.get(i).copied().unwrap_or(0.0);
+        model.torque_nm(rigid.total_nm(), motion.velocity, k_tilde).torque_nm + contact_nm
+    };
+    own.iter().enumerate().map(torque).collect()
+}
+
+fn moving(positions: &[f64], rate_hz: f64) -> Vec<Motion> {
+    let (speeds, accelerations) = (velocity(positions, rate_hz), acceleration(positions, rate_hz));
+    let motion = |((position, velocity), acceleration): ((&f64, f64), f64)| Motion {
+        position: *position,
+        velocity,
+        acceleration,
+    };
+    positions.iter().zip(speeds).zip(accelerations).map(motion).collect()
 }
 
 /// The same as recorded by `sensors`, repeatable by `seed`.
-pub fn record(model: &Model, positions_rad: &[f64], rate_hz: f64, sensors: Sensors, seed: u64) -> Recording {
+pub fn record(
+    model: &Model,
+    chain: Option<&Chain>,
+    course: &Course,
+    rate_hz: f64,
+    sensors: Sensors,
+    seed: u64,
+) -> Recording {
     let mut random = ChaCha8Rng::seed_from_u64(seed);
     // A spread that is not finite or negative gives no noise rather than no simulation; the command line refuses it.
     let noise = Normal::new(0.0, sensors.torque_noise_nm).ok();
     let count_rad = std::f64::consts::TAU / sensors.encoder_counts;
     let measured = |x: &f64| if sensors.encoder_counts > 0.0 { (x / count_rad).round() * count_rad } else { *x };
-    let torque = torque_nm(model, positions_rad, rate_hz);
+    let torque = course_torque_nm(model, chain, course, rate_hz);
     Recording {
-        time_s: (0..positions_rad.len()).map(|i| i as f64 / rate_hz).collect(),
-        position_rad: positions_rad.iter().map(measured).collect(),
+        time_s: (0..course.position_rad.len()).map(|i| i as f64 / rate_hz).collect(),
+        position_rad: course.position_rad.iter().map(measured).collect(),
+        others_rad: course.others_rad.iter().map(|other| other.iter().map(measured).collect()).collect(),
         torque_nm: torque.iter().map(|y| y + noise.map_or(0.0, |n| n.sample(&mut random))).collect(),
     }
 }

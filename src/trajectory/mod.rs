@@ -50,6 +50,35 @@ impl Trajectory {
         }
     }
 
+    /// The paper's motion with another joint moving along: the cascade at 40 to 90 deg.
+    pub fn wide_cascade() -> Self {
+        Self::Cosine {
+            periods_s: vec![160.0, 80.0, 16.0, 8.0, 1.6],
+            low_rad: 40f64.to_radians(),
+            high_rad: 90f64.to_radians(),
+        }
+    }
+
+    /// For touching the joint while it rests: half a minute at 20 deg, a move, half a minute at 45 deg, and back.
+    pub fn held() -> Self {
+        Self::Uniform {
+            speed_rad_s: 0.4,
+            acceleration_rad_s2: 4.0,
+            dwell_s: 30.0,
+            low_rad: 20f64.to_radians(),
+            high_rad: 45f64.to_radians(),
+        }
+    }
+
+    /// For touching the joint while it moves: cosines of two frequencies, 20 to 60 deg.
+    pub fn touched() -> Self {
+        Self::Cosine {
+            periods_s: vec![16.0, 16.0, 16.0, 8.0, 8.0, 8.0, 8.0],
+            low_rad: 20f64.to_radians(),
+            high_rad: 60f64.to_radians(),
+        }
+    }
+
     /// Positions in rad, `rate_hz` a second.
     pub fn positions_rad(&self, rate_hz: f64) -> Vec<f64> {
         match self {
