@@ -2,10 +2,14 @@
 
 mod architecture;
 mod campaigns;
+mod chain;
 mod cli;
 mod combination;
+mod compare;
+mod evaluate;
 mod friction;
 mod golden;
+mod interaction;
 mod log;
 mod model;
 mod recovery;

@@ -4,9 +4,8 @@ use super::outcome::{Talk, complain};
 use super::progress;
 use crate::evaluate::fitted;
 use crate::interaction::{self, Settings, Stream, StreamOutput};
-use crate::log::{Campaign, Samples, read_trial};
+use crate::log::{Campaign, Samples};
 use crate::model::Model;
-use crate::prepare::prepare;
 use crate::problem::{Problem, Problems, Result};
 use serde_json::json;
 use std::cell::RefCell;
@@ -26,17 +25,18 @@ pub fn run(
 ) -> Result<ExitCode> {
     let (model, warnings) = fitted(campaign, model)?;
     let bar = progress::bar(talk, "reading quiet trials", campaign.trials.len());
-    let quiet = interaction::quiet(campaign, &model, settings, &|| bar.inc(1));
+    let stream = interaction::stream_of(campaign, &model, settings, rate_hz, &|| bar.inc(1));
     bar.finish_and_clear();
-    let quiet = quiet?;
-    // The first trial tells the encoder's noise and, where nobody said, the rate.
-    let first = read_trial(campaign, 0).and_then(|log| prepare(campaign, 0, log))?;
-    let rate_hz = rate_hz.unwrap_or(first.log.rate_hz);
-    let told = warnings.into_iter().chain(quiet.warnings.iter().cloned());
+    let mut stream = stream?;
+    let told = warnings.into_iter().chain(stream.quiet().warnings.iter().cloned());
     complain(&Problems(told.map(|warning| Problem::warning(&campaign.file, warning, "")).collect()));
-    let mut stream = Stream::new(campaign, &model, settings, quiet, rate_hz, first.deadband_rad)?;
     if talk.shows_progress() {
-        let _ = writeln!(anstream::stderr(), "following at {rate_hz} Hz; the torque is {:.3} s late", stream.delay_s());
+        let _ = writeln!(
+            anstream::stderr(),
+            "following at {} Hz; the torque is {:.3} s late",
+            stream.rate_hz(),
+            stream.delay_s()
+        );
     }
     let output = Rc::new(RefCell::new(BufWriter::new(io::stdout().lock())));
     let input = FlushBeforeRead { input: io::stdin().lock(), output: Rc::clone(&output) };

@@ -1,6 +1,5 @@
 //! y less the prediction, sample by sample, with where it can be trusted.
 
-use super::Settings;
 use super::causal::Estimator;
 use crate::evaluate::low_pass;
 use crate::log::Campaign;
@@ -39,6 +38,18 @@ impl Frame {
     }
 }
 
+/// How torque and prediction are low-passed.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Filtering {
+    /// Forwards and backwards: nothing is late.
+    ZeroPhase,
+    /// Forwards only, as on a stream.
+    Causal {
+        /// Travel back below which nothing counts as a reversal, rad.
+        deadband_rad: f64,
+    },
+}
+
 /// The interaction torque of one trial.
 #[derive(Debug, Clone, Default)]
 pub struct Extracted {
@@ -67,14 +78,13 @@ const TARE_S: f64 = 0.5;
 
 impl Extracted {
     /// Of `trial` by `model`. Errors: the log's rate does not carry the low-pass.
-    pub fn new(campaign: &Campaign, model: &Model, settings: Settings, trial: &Trial) -> Result<Self> {
-        let mut extracted = if settings.causal {
-            Self::causal(campaign, model, settings.frame, trial)?
-        } else {
-            Self::zero_phase(campaign, model, settings.frame, trial)
+    pub fn new(campaign: &Campaign, model: &Model, frame: Frame, filtering: Filtering, trial: &Trial) -> Result<Self> {
+        let mut extracted = match filtering {
+            Filtering::ZeroPhase => Self::zero_phase(campaign, model, frame, trial),
+            Filtering::Causal { deadband_rad } => Self::causal(campaign, model, frame, deadband_rad, trial)?,
         };
         extracted.spread_weakness(campaign.signal.lowpass_hz);
-        if !settings.causal && !extracted.known.iter().any(|known| *known) {
+        if filtering == Filtering::ZeroPhase && !extracted.known.contains(&true) {
             extracted.tare(&trial.entry.file);
         }
         Ok(extracted)
@@ -99,8 +109,8 @@ impl Extracted {
         }
     }
 
-    fn causal(campaign: &Campaign, model: &Model, frame: Frame, trial: &Trial) -> Result<Self> {
-        let mut estimator = Estimator::new(campaign, model, frame, trial.log.rate_hz, trial.deadband_rad)?;
+    fn causal(campaign: &Campaign, model: &Model, frame: Frame, deadband_rad: f64, trial: &Trial) -> Result<Self> {
+        let mut estimator = Estimator::new(campaign, model, frame, trial.log.rate_hz, deadband_rad)?;
         let log = &trial.log;
         let mut made = Self {
             rate_hz: log.rate_hz,

@@ -12,14 +12,14 @@ mod stream;
 
 pub use compare::Comparison;
 pub use contacts::{Contact, contacts};
-pub use extract::{Extracted, Frame};
+pub use extract::{Extracted, Filtering, Frame};
 pub use quiet::{Levels, Quiet};
 pub use stream::{Stream, StreamOutput};
 
 use crate::evaluate::fitted;
 use crate::log::{Campaign, Protocol, TrialEntry, read_trial};
 use crate::model::Model;
-use crate::prepare::prepare;
+use crate::prepare::{Trial, prepare};
 use crate::problem::{Problem, Problems, Result};
 use rayon::prelude::*;
 
@@ -85,9 +85,10 @@ pub fn run(
         let cure = "mark the trials in which somebody touches the joint with protocol = \"interaction\"";
         return Problem::error(&campaign.file, "holds no interaction trial", cure).alone();
     }
-    let (quiet_ones, mut found) = all(campaign, &model, settings, &of(false), progress)?;
+    let filtering = filtering(campaign, settings.causal)?;
+    let (quiet_ones, mut found) = all(campaign, &model, settings.frame, filtering, &of(false), progress)?;
     warnings.append(&mut found);
-    let (trials, mut found) = all(campaign, &model, settings, &touched, progress)?;
+    let (trials, mut found) = all(campaign, &model, settings.frame, filtering, &touched, progress)?;
     warnings.append(&mut found);
     let quiet = Quiet::new(&quiet_ones, &trials, settings.threshold_nm, campaign.signal.lowpass_hz);
     warnings.extend(quiet.warnings.iter().cloned());
@@ -103,14 +104,38 @@ pub fn run(
     Ok(Interaction { model, settings, quiet, trials, filter_delay_s, lowpass_hz, warnings })
 }
 
-/// What counts as contact on a stream: from the quiet trials of `campaign`, filtered as the stream will be.
+/// How `campaign`'s trials are filtered; forwards only, what counts as a reversal is the same in all and on a stream.
+fn filtering(campaign: &Campaign, causal: bool) -> Result<Filtering> {
+    Ok(if causal {
+        Filtering::Causal { deadband_rad: first_trial(campaign)?.deadband_rad }
+    } else {
+        Filtering::ZeroPhase
+    })
+}
+
+/// The trial that tells the encoder's noise, and the rate where nobody said.
+fn first_trial(campaign: &Campaign) -> Result<Trial> {
+    read_trial(campaign, 0).and_then(|log| prepare(campaign, 0, log))
+}
+
+/// A stream of samples of `campaign`'s joint at `rate_hz` (where nobody says, that of its first trial); what counts as contact
+/// comes from its quiet trials, filtered as the stream will be.
 ///
 /// Errors: as `run`.
-pub fn quiet(campaign: &Campaign, model: &Model, settings: Settings, progress: &(dyn Fn() + Sync)) -> Result<Quiet> {
+pub fn stream_of(
+    campaign: &Campaign,
+    model: &Model,
+    settings: Settings,
+    rate_hz: Option<f64>,
+    progress: &(dyn Fn() + Sync),
+) -> Result<Stream> {
+    let first = first_trial(campaign)?;
+    let filtering = Filtering::Causal { deadband_rad: first.deadband_rad };
     let is_quiet = |index: &usize| campaign.trials[*index].protocol != Protocol::Interaction;
     let chosen: Vec<usize> = (0..campaign.trials.len()).filter(is_quiet).collect();
-    let (found, _) = all(campaign, model, settings, &chosen, progress)?;
-    Ok(Quiet::new(&found, &[], settings.threshold_nm, campaign.signal.lowpass_hz))
+    let (found, _) = all(campaign, model, settings.frame, filtering, &chosen, progress)?;
+    let quiet = Quiet::new(&found, &[], settings.threshold_nm, campaign.signal.lowpass_hz);
+    Stream::new(campaign, model, settings.frame, quiet, rate_hz.unwrap_or(first.log.rate_hz), first.deadband_rad)
 }
 
 fn touched_trial(campaign: &Campaign, index: usize, extracted: Extracted, quiet: &Quiet) -> TrialInteraction {
@@ -124,14 +149,15 @@ fn touched_trial(campaign: &Campaign, index: usize, extracted: Extracted, quiet:
 fn all(
     campaign: &Campaign,
     model: &Model,
-    settings: Settings,
+    frame: Frame,
+    filtering: Filtering,
     chosen: &[usize],
     progress: &(dyn Fn() + Sync),
 ) -> Result<(Vec<Extracted>, Vec<String>)> {
     let one = |index: &usize| {
         let extracted = read_trial(campaign, *index)
             .and_then(|log| prepare(campaign, *index, log))
-            .and_then(|trial| Extracted::new(campaign, model, settings, &trial));
+            .and_then(|trial| Extracted::new(campaign, model, frame, filtering, &trial));
         progress();
         extracted
     };

@@ -1,6 +1,6 @@
 //! The interaction torque of samples as they come.
 
-use super::Settings;
+use super::Frame;
 use super::causal::Estimator;
 use super::contacts::Detector;
 use super::quiet::Quiet;
@@ -51,12 +51,12 @@ impl Stream {
     pub fn new(
         campaign: &Campaign,
         model: &Model,
-        settings: Settings,
+        frame: Frame,
         quiet: Quiet,
         rate_hz: f64,
         deadband_rad: f64,
     ) -> Result<Self> {
-        let fresh = Estimator::new(campaign, model, settings.frame, rate_hz, deadband_rad)?;
+        let fresh = Estimator::new(campaign, model, frame, rate_hz, deadband_rad)?;
         let lowpass_hz = campaign.signal.lowpass_hz;
         Ok(Self {
             estimator: fresh.clone(),
@@ -69,6 +69,16 @@ impl Stream {
             last_s: None,
             gaps: 0,
         })
+    }
+
+    /// Samples a second that it is for.
+    pub fn rate_hz(&self) -> f64 {
+        1.0 / self.period_s
+    }
+
+    /// What counts as contact.
+    pub fn quiet(&self) -> &Quiet {
+        &self.quiet
     }
 
     /// How late the torque is, s.

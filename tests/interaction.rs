@@ -1,0 +1,151 @@
+//! The torque that a person adds: as exact as the model, in time, the same on a stream.
+
+use crate::campaigns::{plan, record, truth};
+use std::io::Write;
+use std::process::{Command, Stdio};
+use tautline::interaction::{Frame, Interaction, Settings, run};
+use tautline::log::Campaign;
+use tautline::simulate::{Plan, Sensors};
+use tempfile::TempDir;
+
+/// Extraction is no worse than this many times what the model leaves of quiet motion.
+const AGAINST_QUIET: f64 = 1.2;
+/// Largest difference between a stream and the same samples from a log, N m.
+const STREAM_AGREEMENT_NM: f64 = 1e-12;
+
+fn campaign() -> TempDir {
+    let sensors = Sensors { torque_noise_nm: 0.02, encoder_counts: 524_288.0 };
+    record(&truth(), &Plan { speeds: 2, cosines: 1, interactions: 1, rate_hz: 500.0, sensors, ..plan() })
+}
+
+fn extracted(folder: &TempDir, settings: Settings) -> Interaction {
+    run(&Campaign::read(folder.path()).unwrap(), &truth(), settings, &|| ()).unwrap()
+}
+
+#[test]
+fn extraction_is_as_exact_as_the_model() {
+    let folder = campaign();
+    let found = extracted(&folder, Settings::default());
+    let quiet_nm = found.quiet.rmse_nm.unwrap();
+    assert_eq!(found.trials.len(), 2);
+    assert_eq!(found.quiet.false_alarms, Some(0));
+    for trial in &found.trials {
+        let compared = trial.comparison.as_ref().unwrap();
+        assert!(compared.error.rmse_nm < AGAINST_QUIET * quiet_nm, "{compared:?} against {quiet_nm}");
+        assert!(compared.contacts > 10 && compared.missed == 0 && compared.spurious == 0, "{compared:?}");
+        assert!(compared.peak_error_nm < 0.01, "{compared:?}");
+        assert!(compared.delay_s.abs() < 1e-3 && compared.onset_delay_s.abs() < 0.02, "{compared:?}");
+    }
+}
+
+#[test]
+fn filtered_forwards_it_is_late_and_says_so() {
+    let found = extracted(&campaign(), Settings { causal: true, ..Settings::default() });
+    // 4th-order Butterworth at 5 Hz: 2.6131 / (2 pi 5) = 83 ms; the motion's filter at 20 Hz: 2 / (2 pi 20) = 16 ms.
+    assert!((found.filter_delay_s - 0.0991).abs() < 0.001, "{}", found.filter_delay_s);
+    for trial in &found.trials {
+        let compared = trial.comparison.as_ref().unwrap();
+        assert!(compared.error.rmse_nm < AGAINST_QUIET * found.quiet.rmse_nm.unwrap(), "{compared:?}");
+    }
+}
+
+#[test]
+fn a_reference_at_the_joint_is_recognised_and_met_there() {
+    // A load at the joint reaches the winch through transmission and friction: here by 0.3 / (1 - 0.395).
+    let folder = campaign();
+    let mean_mu = (truth().friction.up.mu_c + truth().friction.down.mu_c) / 2.0;
+    let arm = (1.0 - mean_mu) / 0.3;
+    let file = folder.path().join("campaign.toml");
+    let text = std::fs::read_to_string(&file).unwrap();
+    let column = "name = \"interaction_nm\", unit = \"N m\"";
+    assert!(text.contains(column));
+    std::fs::write(&file, text.replace(column, &format!("name = \"interaction_nm\", unit = \"N\", arm_m = {arm}")))
+        .unwrap();
+    let at_winch = extracted(&folder, Settings::default());
+    assert!(at_winch.warnings.iter().any(|w| w.contains("--at joint")), "{:?}", at_winch.warnings);
+    let at_joint = extracted(&folder, Settings { frame: Frame::Joint, ..Settings::default() });
+    assert!(at_joint.warnings.is_empty(), "{:?}", at_joint.warnings);
+    for trial in &at_joint.trials {
+        assert!((trial.comparison.as_ref().unwrap().slope - 1.0).abs() < 0.03);
+    }
+}
+
+#[test]
+fn before_the_clearance_is_passed_nothing_is_claimed() {
+    let found = extracted(&campaign(), Settings::default());
+    let held = &found.trials.iter().find(|t| t.entry.file.contains("held")).unwrap().extracted;
+    // 30 s of rest come first: which branch holds the joint is not known then.
+    assert!(held.known[..25 * 500].iter().all(|known| !known));
+    let change_nm = held.change_nm[0];
+    assert!(change_nm > 0.5 && found.quiet.levels.uncertainty(false, false, change_nm) > change_nm);
+}
+
+#[test]
+fn a_stream_gives_what_the_log_gives() {
+    let folder = campaign();
+    let found = extracted(&folder, Settings { causal: true, ..Settings::default() });
+    let trial = found.trials.iter().find(|t| t.entry.file.contains("moving")).unwrap();
+    let log = std::fs::read(folder.path().join(&trial.entry.file)).unwrap();
+    let model = folder.path().join("model.json");
+    std::fs::write(&model, tautline::report::json_text(&truth().to_json())).unwrap();
+    let mut program = Command::new(env!("CARGO_BIN_EXE_tautline"))
+        .args([
+            "interaction",
+            &folder.path().to_string_lossy(),
+            "--model",
+            &model.to_string_lossy(),
+            "--follow",
+            "--quiet",
+        ])
+        .stdin(Stdio::piped())
+        .stdout(Stdio::piped())
+        .spawn()
+        .unwrap();
+    let mut input = program.stdin.take().unwrap();
+    let feeder = std::thread::spawn(move || input.write_all(&log).unwrap());
+    let output = program.wait_with_output().unwrap();
+    feeder.join().unwrap();
+    assert!(output.status.success());
+    let text = String::from_utf8(output.stdout).unwrap();
+    let mut lines = text.lines();
+    assert_eq!(lines.next(), Some("time_s,interaction_nm,uncertainty_nm,threshold_nm,contact,known"));
+    let mut count = 0;
+    for (line, expected) in lines.zip(&trial.extracted.torque_nm) {
+        let torque_nm: f64 = line.split(',').nth(1).unwrap().parse().unwrap();
+        assert!((torque_nm - expected).abs() < STREAM_AGREEMENT_NM, "sample {count}: {torque_nm} against {expected}");
+        count += 1;
+    }
+    assert_eq!(count, trial.extracted.torque_nm.len());
+}
+
+#[test]
+fn a_damaged_stream_is_refused_by_row() {
+    let folder = campaign();
+    let model = folder.path().join("model.json");
+    std::fs::write(&model, tautline::report::json_text(&truth().to_json())).unwrap();
+    let follow = |text: &str| {
+        let mut program = Command::new(env!("CARGO_BIN_EXE_tautline"))
+            .args([
+                "interaction",
+                &folder.path().to_string_lossy(),
+                "--model",
+                &model.to_string_lossy(),
+                "--follow",
+                "-q",
+            ])
+            .stdin(Stdio::piped())
+            .stdout(Stdio::piped())
+            .stderr(Stdio::piped())
+            .spawn()
+            .unwrap();
+        program.stdin.take().unwrap().write_all(text.as_bytes()).unwrap();
+        let output = program.wait_with_output().unwrap();
+        assert_eq!(output.status.code(), Some(2), "{output:?}");
+        String::from_utf8(output.stderr).unwrap()
+    };
+    let header = "time_s,position_deg,torque_nm\n";
+    assert!(follow("").contains("standard input"));
+    assert!(follow("time_s,position_deg\n0,0\n").contains("no such column"));
+    assert!(follow(&format!("{header}0.0,1.0,0.1\n0.002,x,0.1\n")).contains("row 3, `position_deg`"));
+    assert!(follow(&format!("{header}0.0,1.0,0.1\n0.0,1.0,0.1\n")).contains("time goes from"));
+}
