@@ -10,3 +10,4 @@ mod log;
 mod model;
 mod recovery;
 mod reference;
+mod validate;
