@@ -179,7 +179,7 @@ fn clipped_legs_leave_a_unbiased() {
     assert!((8..16).contains(&up.len()), "{} legs", up.len());
     let a_nm = up.iter().sum::<f64>() / up.len() as f64;
     let off = a_nm / true_a_nm(&truth, Direction::Up) - 1.0;
-    // Taking all samples but the clipped ones themselves it would be 1 % off.
+    // Taking all samples but the clipped ones themselves it would be 0.8 % off.
     assert!(off.abs() < 4e-3, "A is off by {off}");
     let told = |words: &str| found.warnings.iter().filter(|w| w.contains(words)).count();
     assert_eq!(told("the leg moving up"), 16 - up.len(), "{:?}", found.warnings);

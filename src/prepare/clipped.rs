@@ -20,9 +20,9 @@ pub(super) fn leave_out(legs: Vec<Leg>, log: &Log, lowpass_hz: f64) -> (Vec<Leg>
     let (mut kept, mut warnings) = (Vec::with_capacity(legs.len()), Vec::new());
     for mut leg in legs {
         let within = |at: usize| at.clamp(leg.samples.start, leg.samples.end);
-        let runs = log.clipped.iter().map(|run| within(run.start)..within(run.end)).filter(|run| !run.is_empty());
+        let mut runs = log.clipped.iter().map(|run| within(run.start)..within(run.end)).filter(|run| !run.is_empty());
         let clipped: usize = runs.clone().map(|run| run.len()).sum();
-        if let (Some(first), Some(last)) = (runs.clone().next(), runs.last()) {
+        if let (Some(first), Some(last)) = (runs.clone().next(), runs.next_back()) {
             leg.left_out = within(first.start.saturating_sub(margin))..within(last.end + margin);
         }
         let (whole, left) = (leg.samples.len() as f64, leg.used().count());
