@@ -51,7 +51,8 @@ fn a_joint_at_rest_tells_nothing() {
 #[test]
 fn a_wrong_velocity_is_told_with_its_slope_and_cure() {
     let delete = "delete columns.velocity";
-    let cases: [(&str, &dyn Fn(f64) -> f64, &[&str]); 5] = [
+    type Case<'a> = (&'a str, &'a dyn Fn(f64) -> f64, &'a [&'a str]);
+    let cases: [Case<'_>; 5] = [
         ("rad/s", &velocity_deg_s, &["a.csv", "`vel`", "57.29", "to `deg/s`", delete]),
         ("deg/s", &|t| velocity_deg_s(t).to_radians(), &["0.017", "to `rad/s`", delete]),
         ("deg/s", &|t| -velocity_deg_s(t), &["-1.000 times", "turn its sign", delete]),
