@@ -399,8 +399,9 @@ def try_case(base, binary, seed, index, keep):
             if fault:
                 name = f"case {index}, {case.kind}, {case.file}, {command[0]}"
                 violations.append(f"{name}: {fault}\n    {stderr.strip()[:400]}")
-        if len(answers) == 2 and answers[0][0] == 2 and answers[1][0] == 0:
-            violations.append(f"case {index}, {case.kind}: identify took what validate refused")
+        if len(answers) == 2 and answers[0][0] != answers[1][0]:
+            which = "identify took what validate refused" if answers[0][0] == 2 else "identify refused what validate took"
+            violations.append(f"case {index}, {case.kind}: {which}\n    {answers[1][2].strip()[:400]}")
         return case.kind, case.expected, answers[0][0], violations
     finally:
         if keep:

@@ -7,7 +7,7 @@ use std::process::{Command, Output};
 use tautline::simulate::Plan;
 use tempfile::TempDir;
 
-fn tautline(arguments: &[&str]) -> Output {
+pub fn tautline(arguments: &[&str]) -> Output {
     Command::new(env!("CARGO_BIN_EXE_tautline")).args(arguments).env_remove("NO_COLOR").output().unwrap()
 }
 
@@ -179,29 +179,6 @@ fn a_failed_run_leaves_nothing() {
 }
 
 #[test]
-fn validate_lists_all_problems_at_once() {
-    let campaign = campaign();
-    let break_log = |file: &str, from: &str, to: &str| {
-        let file = campaign.path().join(file);
-        let log = std::fs::read_to_string(&file).unwrap();
-        assert!(log.contains(from), "{from}");
-        std::fs::write(file, log.replacen(from, to, 1)).unwrap();
-    };
-    break_log("sweep_0.0500_1.csv", "\n0.02000,", "\nNaN,");
-    break_log("sweep_0.4000_1.csv", "torque_nm", "torqe_nm");
-    std::fs::remove_file(campaign.path().join("cosine_1.csv")).unwrap();
-    std::fs::write(campaign.path().join("cosine_1.csv"), "time_s,position_deg,torque_nm\n").unwrap();
-    let done = tautline(&["validate", &campaign.path().to_string_lossy(), "--json"]);
-    assert_eq!(done.status.code(), Some(2));
-    let result: Value = serde_json::from_slice(&done.stdout).unwrap();
-    let files: Vec<String> =
-        result["problems"].as_array().unwrap().iter().map(|p| p["file"].as_str().unwrap().to_string()).collect();
-    for file in ["sweep_0.0500_1.csv", "sweep_0.4000_1.csv", "cosine_1.csv"] {
-        assert!(files.iter().any(|f| f.ends_with(file)), "{file} not among {files:?}");
-    }
-}
-
-#[test]
 fn a_sweep_that_misses_its_speed_is_refused() {
     let (campaign, out) = (campaign(), TempDir::new().unwrap());
     let file = campaign.path().join("campaign.toml");
@@ -230,10 +207,40 @@ fn wrong_usage_ends_with_status_2() {
         &["frobnicate"],
         &["simulate", "--model", "data/elbow/truth/model.json", "-o", "never", "--rate-hz=-5"],
         &["simulate", "--model", "data/elbow/truth/model.json", "-o", "never", "--speeds", "0", "--cosines", "0"],
+        &["simulate", "--model", "data/elbow/truth/model.json", "-o", "never", "--slowest-rad-s", "0.00001"],
+        &["simulate", "--model", "data/elbow/truth/model.json", "-o", "never", "--slowest-rad-s", "0.4"],
     ] {
         assert_eq!(tautline(arguments).status.code(), Some(2), "{arguments:?}");
     }
     assert!(!Path::new("never").exists());
+}
+
+#[test]
+fn sweeps_too_fast_for_their_stroke_are_not_simulated() {
+    let out = TempDir::new().unwrap();
+    let to = path(&out, "fast").1;
+    let simulate = |fastest: &str, to: &str| {
+        let fixed = ["simulate", "--model", "data/elbow/truth/model.json", "--speeds", "2", "--repeats", "1", "-o", to];
+        tautline(&[&fixed[..], &["--cosines", "0", "--rate-hz", "100", "--fastest-rad-s", fastest, "--quiet"]].concat())
+    };
+    let errors = refused(&simulate("19", &to));
+    let fastest = errors.split_whitespace().find(|word| errors.contains(&format!("{word} is the fastest")));
+    assert!(simulate(fastest.expect("names the largest speed"), &to).status.success());
+    assert!(tautline(&["validate", &to]).status.success());
+}
+
+#[test]
+fn a_prismatic_joint_is_simulated_without_sweeps() {
+    let out = TempDir::new().unwrap();
+    let (model, to) = (path(&out, "model.json"), path(&out, "slide").1);
+    let mut slide = truth();
+    slide.joint.kind = tautline::dynamics::JointKind::Prismatic;
+    (slide.joint.winch_radius_m, slide.joint.pulley_radius_m) = (1.0, 1.0);
+    std::fs::write(&model.0, slide.to_json().to_string()).unwrap();
+    let arguments = ["simulate", "--model", &model.1, "-o", &to, "--rate-hz", "50", "--cosines", "1", "--quiet"];
+    assert!(refused(&tautline(&arguments)).contains("--speeds 0"));
+    assert!(tautline(&[&arguments[..], &["--speeds", "0"]].concat()).status.success());
+    assert!(tautline(&["validate", &to]).status.success());
 }
 
 #[test]

@@ -14,3 +14,4 @@ mod log;
 mod model;
 mod recovery;
 mod reference;
+mod validate;

@@ -156,3 +156,32 @@ fn gravity_of_zero_that_the_torque_contradicts_is_refused() {
     let problems = tautline::identify::run(&campaign, Settings::default(), &|| ()).unwrap_err().to_string();
     assert!(problems.contains("gravity_nm"), "{problems}");
 }
+
+/// A sensor that clips at the top of the way up: what is left of the legs is no biased choice, and what is not is told.
+#[test]
+fn clipped_legs_leave_a_unbiased() {
+    let truth = truth();
+    let sensors = Sensors { torque_noise_nm: 0.02, encoder_counts: 524_288.0 };
+    let folder = record(&truth, &Plan { repeats: 2, sensors, ..plan() });
+    for entry in std::fs::read_dir(folder.path()).unwrap() {
+        let file = entry.unwrap().path();
+        if file.extension().is_some_and(|e| e == "csv") {
+            let text = std::fs::read_to_string(&file).unwrap();
+            let clip = |line: &str| match line.rsplit_once(',') {
+                Some((rest, torque)) if torque.parse::<f64>().is_ok_and(|y| y < -1.12) => format!("{rest},-1.12\n"),
+                _ => format!("{line}\n"),
+            };
+            std::fs::write(&file, text.lines().map(clip).collect::<String>()).unwrap();
+        }
+    }
+    let found = identified(folder.path(), Settings::default());
+    let up: Vec<f64> = found.legs.iter().filter(|leg| leg.direction == Direction::Up).map(|leg| leg.a_nm).collect();
+    assert!((8..16).contains(&up.len()), "{} legs", up.len());
+    let a_nm = up.iter().sum::<f64>() / up.len() as f64;
+    let off = a_nm / true_a_nm(&truth, Direction::Up) - 1.0;
+    // Taking all samples but the clipped ones themselves it would be 0.8 % off.
+    assert!(off.abs() < 4e-3, "A is off by {off}");
+    let told = |words: &str| found.warnings.iter().filter(|w| w.contains(words)).count();
+    assert_eq!(told("the leg moving up"), 16 - up.len(), "{:?}", found.warnings);
+    assert!(told("the sensor clips; these samples and those beside them are left out") >= 16 - up.len());
+}

@@ -99,7 +99,12 @@ impl Arguments {
             }
         };
         let positive = |x: f64| x.is_finite() && x > 0.0;
-        need(self.slowest_rad_s >= 0.001, "slowest-rad-s", self.slowest_rad_s, "0.001 or more: it takes an hour");
+        need(
+            self.slowest_rad_s >= 0.001,
+            "slowest-rad-s",
+            self.slowest_rad_s,
+            "0.001 or more (that sweep takes an hour)",
+        );
         need(
             self.fastest_rad_s >= self.slowest_rad_s && self.fastest_rad_s <= 20.0,
             "fastest-rad-s",

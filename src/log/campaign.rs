@@ -7,14 +7,11 @@ use crate::document::{Document, Section};
 use crate::dynamics::{Dynamics, JointKind};
 use crate::model::Joint;
 use crate::problem::{Problem, Problems, Result, Severity};
-use std::ops::RangeInclusive;
 use std::path::{Path, PathBuf};
 
 const FORMAT: &str = "campaign/1";
 /// Highest order of low-pass: beyond it a filter rings more than it separates.
 const ORDER_MAX: i64 = 12;
-/// Radii of winches and pulleys, m: what lies outside was most likely given in another unit.
-const SANE_RADIUS_M: RangeInclusive<f64> = 1e-4..=1.0;
 
 /// One joint, recorded.
 #[derive(Debug, Clone, PartialEq)]
@@ -156,9 +153,7 @@ impl Survey {
         let mut kind = JointKind::default();
         let joint = root.need("joint").such_as("[joint]", "a section with name and radii").section(|section| {
             kind = Joint::read_kind(section);
-            let joint = Joint::read(section, kind)?;
-            doubt_radii(section, &joint);
-            Some(joint)
+            Joint::read(section, kind)
         });
         let means = "a section with gravity_nm and inertia_kg_m2";
         let dynamics_field = root.need("dynamics").such_as("[dynamics]", means);
@@ -193,15 +188,6 @@ impl Survey {
 
 fn unknown_joint(kind: JointKind) -> Joint {
     Joint { name: String::new(), kind, winch_radius_m: 1.0, pulley_radius_m: 1.0, backlash_m: 0.0 }
-}
-
-fn doubt_radii(section: &Section<'_>, joint: &Joint) {
-    for (key, radius_m) in [("winch_radius_m", joint.winch_radius_m), ("pulley_radius_m", joint.pulley_radius_m)] {
-        if !SANE_RADIUS_M.contains(&radius_m) {
-            let what = format!("is {radius_m} m, no likely radius of a winch or pulley");
-            section.doubt(key, what, "give it in metres, not in millimetres: 12 mm is 0.012");
-        }
-    }
 }
 
 /// The single-joint form, or the whole chain, whose other joints stand in the columns `others`.

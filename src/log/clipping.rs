@@ -40,7 +40,7 @@ const MOVING_WINDOW_S: f64 = 0.05;
 pub(super) struct ClippedEnd {
     /// The reading there, in the log's unit.
     pub reading: f64,
-    /// The runs of that reading; not empty.
+    /// The runs of that reading, single samples too; not empty.
     pub runs: Vec<Range<usize>>,
 }
 
@@ -48,10 +48,10 @@ impl ClippedEnd {
     /// What the reader should know, of a log of so many `samples`.
     pub fn warning(&self, file: &Path, rows: &Rows, want: &Wanted, samples: usize) -> Problem {
         let clipped: usize = self.runs.iter().map(Range::len).sum();
-        let (runs, unit) = (self.runs.len(), want.column.unit.name());
+        let unit = want.column.unit.name();
         let percent = 100.0 * clipped as f64 / samples as f64;
         let what = format!(
-            "reads exactly {} {unit} in {clipped} samples ({percent:.2} %), in {runs} runs: the sensor clips",
+            "reads exactly {} {unit} in {clipped} samples ({percent:.2} % of the log): the sensor clips",
             self.reading
         );
         let cure = "these samples and those beside them are left out; record with a wider range or less load";
@@ -70,7 +70,7 @@ pub(super) fn merge(ends: Vec<ClippedEnd>) -> Vec<Range<usize>> {
 pub(super) fn find(position: &[f64], torque: &[f64], rate_hz: f64) -> Vec<ClippedEnd> {
     let fold = |pick: fn(f64, f64) -> f64| torque.iter().copied().fold(torque[0], pick);
     let (low, high) = (fold(f64::min), fold(f64::max));
-    let ends = [low, high].map(|reading| ClippedEnd { reading, runs: runs(torque, reading) });
+    let ends = [low, high].map(|reading| ClippedEnd { reading, runs: runs(torque, reading, RUN_MIN) });
     if ends.iter().all(|end| end.runs.is_empty()) {
         return Vec::new();
     }
@@ -83,14 +83,17 @@ pub(super) fn find(position: &[f64], torque: &[f64], rate_hz: f64) -> Vec<Clippe
     let clips = |end: &ClippedEnd| {
         is_no_chance(end, &motion, inner.equal_share, torque.len()) && is_spike(torque, &moving, end.reading)
     };
-    ends.into_iter().filter(clips).collect()
+    // Long runs prove that the sensor clips; then every reading there is clipped, single ones as well.
+    let whole = |end: ClippedEnd| ClippedEnd { runs: runs(torque, end.reading, 1), ..end };
+    ends.into_iter().filter(clips).map(whole).collect()
 }
 
-fn runs(torque: &[f64], reading: f64) -> Vec<Range<usize>> {
+/// Runs of `reading`, from `shortest` on.
+fn runs(torque: &[f64], reading: f64, shortest: usize) -> Vec<Range<usize>> {
     let mut runs = Vec::new();
     let mut start = 0;
     for run in torque.chunk_by(|a, b| (*a == reading) == (*b == reading)) {
-        if run[0] == reading && run.len() >= RUN_MIN {
+        if run[0] == reading && run.len() >= shortest {
             runs.push(start..start + run.len());
         }
         start += run.len();

@@ -2,6 +2,10 @@
 
 use crate::document::Section;
 use crate::dynamics::JointKind;
+use std::ops::RangeInclusive;
+
+/// Radii of winches and pulleys, m: one outside was most likely given in another unit.
+const SANE_RADIUS_M: RangeInclusive<f64> = 1e-4..=1.0;
 
 /// What a ruler tells of a joint.
 #[derive(Debug, Clone, PartialEq)]
@@ -32,6 +36,9 @@ impl Joint {
             let radius_m = section.need(key).such_as(example, means).positive()?;
             if kind == JointKind::Prismatic && radius_m != 1.0 {
                 section.reject(key, format!("is {radius_m} on a prismatic joint"), "set it to 1.0: there is no arm");
+            } else if !SANE_RADIUS_M.contains(&radius_m) {
+                let what = format!("is {radius_m} m, no likely radius of a winch or pulley");
+                section.doubt(key, what, "give it in metres, not in millimetres: 12 mm is 0.012");
             }
             Some(radius_m)
         };

@@ -1,8 +1,8 @@
 //! What a clipped sensor leaves of a leg.
 //!
 //! Near the end of the sensor's range noise decides which readings clip: those beside the clipped ones are a biased choice,
-//! and the low-pass carries the clip into its surroundings. So the whole stretch from the first to the last clipped run is
-//! left out, with a period of the low-pass to either side.
+//! and the low-pass carries the clip into its surroundings. So the whole stretch from the first to the last clipped sample
+//! is left out, with a period of the low-pass to either side.
 
 use super::legs::{Leg, MIN_SAMPLES};
 use crate::log::Log;
@@ -10,9 +10,8 @@ use crate::problem::Problem;
 
 /// Left out on either side of the clipped stretch, in periods of the low-pass.
 const MARGIN_PERIODS: f64 = 1.0;
-/// A leg of which more than this share is clipped is left out: too little is known of where clipping begins.
-const MAX_CLIPPED: f64 = 0.05;
-/// So is a leg of which less than this share would remain: A of half a leg is poorly known, and counts as much as another.
+/// A leg of which less than this share remains is left out: A of a short piece is poorly known, and counts as much as that
+/// of a whole leg.
 const MIN_KEPT: f64 = 0.5;
 
 /// `legs` of `log` without what clipping spoils, and a word on each that is lost by it.
@@ -21,13 +20,13 @@ pub(super) fn leave_out(legs: Vec<Leg>, log: &Log, lowpass_hz: f64) -> (Vec<Leg>
     let (mut kept, mut warnings) = (Vec::with_capacity(legs.len()), Vec::new());
     for mut leg in legs {
         let within = |at: usize| at.clamp(leg.samples.start, leg.samples.end);
-        let runs = log.clipped.iter().map(|run| within(run.start)..within(run.end)).filter(|run| !run.is_empty());
+        let mut runs = log.clipped.iter().map(|run| within(run.start)..within(run.end)).filter(|run| !run.is_empty());
         let clipped: usize = runs.clone().map(|run| run.len()).sum();
-        if let (Some(first), Some(last)) = (runs.clone().next(), runs.last()) {
+        if let (Some(first), Some(last)) = (runs.clone().next(), runs.next_back()) {
             leg.left_out = within(first.start.saturating_sub(margin))..within(last.end + margin);
         }
         let (whole, left) = (leg.samples.len() as f64, leg.used().count());
-        if clipped as f64 <= MAX_CLIPPED * whole && left as f64 >= MIN_KEPT * whole && left >= MIN_SAMPLES {
+        if left as f64 >= MIN_KEPT * whole && left >= MIN_SAMPLES {
             kept.push(leg);
         } else {
             warnings.push(lost(log, &leg, clipped as f64 / whole, left as f64 / whole));

@@ -26,12 +26,27 @@ fn reads_a_folder_and_the_file_alike() {
 }
 
 /// (what stands there, what is put instead, row, key, words of the message)
-const FAULTS: [(&str, &str, u64, &str, &str); 33] = [
+const FAULTS: [(&str, &str, u64, &str, &str); 42] = [
     ("campaign/1", "campaign/2", 1, "format", "campaign/1"),
     ("kind = \"revolute\"", "kind = \"revolut\"", 5, "joint.kind", "did you mean `revolute`?"),
     ("kind = \"revolute\"", "kind = \"prismatic\"", 6, "joint.winch_radius_m", "set it to 1.0"),
     ("winch_radius_m = 0.012", "winch_radius = 0.012", 6, "joint.winch_radius", "did you mean `winch_radius_m`?"),
-    ("winch_radius_m = 0.012", "winch_radius = 0.012", 3, "joint.winch_radius_m", "missing"),
+    ("winch_radius_m = 0.012", "winch_radius = 0.012", 3, "joint.winch_radius_m", "write `winch_radius_m = 0.012`"),
+    ("torque_sign = -1\n", "", 14, "signal.torque_sign", "write `torque_sign = -1`: 1 or -1, so that y ="),
+    ("lowpass_hz = 5.0\n", "", 14, "signal.lowpass_hz", "write `lowpass_hz = 5.0`: cut-off"),
+    (
+        "torque = { name = \"trq\", unit = \"N m\" }\n",
+        "",
+        19,
+        "columns.torque",
+        "{ name = \"torque\", unit = \"N m\" }`",
+    ),
+    (", unit = \"N m\"", "", 22, "columns.torque.unit", "write `unit = \"N m\"`"),
+    ("protocol = \"uniform\"\n", "", 24, "trials[0].protocol", "write `protocol = \"uniform\"`, or one of cosine"),
+    ("speed_rad_s = 0.5\n", "", 24, "trials[0].speed_rad_s", "write `speed_rad_s = 0.1`: the sweep's speed"),
+    ("unit = \"N m\"", "unit = \"Nmm\"", 22, "columns.torque.unit", "did you mean `mN m`?"),
+    ("unit = \"deg\"", "unit = \"degrees\"", 21, "columns.position.unit", "did you mean `deg`?"),
+    ("kind = \"revolute\"", "kind = \"prismatic\"", 26, "trials[0].protocol", "write `free` and delete speed_rad_s"),
     ("winch_radius_m = 0.012", "winch_radius_m = 0", 6, "joint.winch_radius_m", "a number above 0"),
     ("winch_radius_m = 0.012", "winch_radius_m = -0.01", 6, "joint.winch_radius_m", "a number above 0"),
     ("winch_radius_m = 0.012", "winch_radius_m = \"0.012\"", 6, "joint.winch_radius_m", "the text `0.012`"),
@@ -44,7 +59,7 @@ const FAULTS: [(&str, &str, u64, &str, &str); 33] = [
     ("lowpass_order = 4", "lowpass_order = 0", 17, "signal.lowpass_order", "from 1 to 12"),
     ("lowpass_order = 4", "lowpass_order = 13", 17, "signal.lowpass_order", "from 1 to 12"),
     ("lowpass_order = 4", "lowpass_order = 4.5", 17, "signal.lowpass_order", "from 1 to 12"),
-    ("unit = \"s\"", "unit = \"sec\"", 20, "columns.time.unit", "`s`, `ms`, `us`"),
+    ("unit = \"s\"", "unit = \"min\"", 20, "columns.time.unit", "expected one of `s`, `ms`, `us`"),
     ("unit = \"N m\"", "unit = \"Nm\"", 22, "columns.torque.unit", "did you mean `N m`?"),
     ("unit = \"deg\"", "unit = \"mm\"", 21, "columns.position.unit", "no unit of position on a revolute joint"),
     ("name = \"trq\"", "name = \"pos\"", 22, "columns.torque", "as `position` does"),
@@ -95,6 +110,44 @@ fn each_fault_is_named_with_row_key_and_cure() {
         assert!(problem.to_string().contains(words), "{new}: {problem}");
         assert!(!problem.cure.is_empty(), "{problem}");
     }
+}
+
+#[test]
+fn what_is_missing_outermost_is_written_out() {
+    let found = |old: &str| faults(old, "").into_iter().map(|problem| problem.to_string()).collect::<String>();
+    assert!(found("format = \"campaign/1\"\n").contains("missing; write `format = \"campaign/1\"`"));
+    let signal = "[signal]\ntorque_sign = -1\nlowpass_hz = 5.0\nlowpass_order = 4\n";
+    assert!(found(signal).contains("missing; write `[signal]`: a section with torque_sign"));
+}
+
+/// The warnings of CAMPAIGN after `old` became `new`.
+fn doubts(old: &str, new: &str) -> Vec<Problem> {
+    assert!(CAMPAIGN.contains(old), "{old}");
+    let folder = folder(&CAMPAIGN.replace(old, new), sweep());
+    std::fs::write(folder.path().join("b.csv"), sweep()).expect("writes");
+    Campaign::read(folder.path()).expect("reads").warnings
+}
+
+#[test]
+fn radii_in_millimetres_are_doubted() {
+    for (new, count) in [("12", 1), ("0.00001", 1), ("0.5", 0), ("0.012", 0)] {
+        let found = doubts("winch_radius_m = 0.012", &format!("winch_radius_m = {new}"));
+        assert_eq!(found.len(), count, "{found:?}");
+        assert!(found.iter().all(|p| p.row == Some(6) && p.cure.contains("metres") && p.to_string().contains(new)));
+    }
+}
+
+#[test]
+fn repeats_with_one_number_are_doubted() {
+    let second = |trial: &str| doubts("repeat = 1", &format!("repeat = 1\n[[trials]]\nfile = \"b.csv\"\n{trial}"));
+    let sweep = "protocol = \"uniform\"\nspeed_rad_s = 0.5";
+    let found = second(sweep);
+    assert!(found.len() == 1 && found[0].row == Some(30), "{found:?}");
+    assert!(found[0].to_string().contains("trial in row 24"), "{}", found[0]);
+    for fine in ["\nrepeat = 2", "\ntrajectory = \"wide\""] {
+        assert_eq!(second(&format!("{sweep}{fine}")), []);
+    }
+    assert_eq!(second("protocol = \"free\""), []);
 }
 
 #[test]

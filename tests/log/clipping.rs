@@ -52,10 +52,11 @@ fn a_clipped_sensor_is_told_with_its_samples() {
         let log = log(read);
         let marked: usize = log.clipped.iter().map(|run| run.len()).sum();
         let clipped = (0..SAMPLES).filter(|sample| read(*sample) == rounded(0.36, step)).count();
-        assert!(marked > 8 * clipped / 10 && marked <= clipped, "{marked} of {clipped}");
+        assert_eq!(marked, clipped);
         assert!(log.clipped.iter().all(|run| log.torque_nm[run.clone()].iter().all(|y| *y == rounded(0.36, step))));
         let warning = log.warnings[0].to_string();
         assert!(warning.contains(&format!("{marked} samples")) && warning.contains("0.36"), "{warning}");
+        assert!(warning.contains("% of the log") && warning.contains("left out"), "{warning}");
     }
 }
 
