@@ -4,7 +4,11 @@
 //! squares is itself a far narrower low-pass than the declared one, and unlike it carries nothing of the reversals into the
 //! leg, so that A and B are exact on exact data. The declared low-pass serves the figures (R^2, RMSE), as in the paper.
 //! Then A is the mean over the legs of a direction, and B of a leg its mean of y - A sin(theta).
+//!
+//! A measured load stands beside gravity: then the regressor is (G sin(theta) + load) / G, and without gravity the load alone,
+//! of which A is what the winch sees of 1 N m. Without either A is fixed at zero, and y is friction.
 
+use crate::log::Campaign;
 use crate::model::{Both, Direction};
 use crate::numerics::statistics::{mean, root_mean_square, standard_deviation, student_t};
 use crate::prepare::{Leg, Trial};
@@ -44,7 +48,7 @@ pub struct LegFit {
     pub rmse_nm: f64,
     /// Residual of the torque as recorded, N m.
     pub raw_rmse_nm: f64,
-    /// Mean of sin(theta), with any measured load over gravity added.
+    /// Mean of the regressor: sin(theta), with any measured load over gravity added.
     pub mean_sine: f64,
     /// Mean torque, N m.
     pub mean_torque_nm: f64,
@@ -61,6 +65,8 @@ pub struct Amplitude {
     pub half_width_nm: f64,
     /// Legs.
     pub legs: usize,
+    /// Whether A is no result but fixed at zero, there being no load.
+    pub fixed: bool,
     /// Root mean square of the legs' own standard errors of A over their scatter: 1 when only noise separates the torque from
     /// A sin(theta) + B, far above when every leg strays from it in the same way.
     pub misfit: f64,
@@ -74,11 +80,28 @@ const MISFIT_OF_FEW: f64 = 6.0;
 impl Amplitude {
     /// Whether the torque of the legs follows A sin(theta) + B.
     pub fn describes(&self) -> bool {
-        self.legs < 3 || self.misfit < MISFIT + MISFIT_OF_FEW / (self.legs as f64 - 1.0)
+        self.fixed || self.legs < 3 || self.misfit < MISFIT + MISFIT_OF_FEW / (self.legs as f64 - 1.0)
     }
 }
 
-/// Regresses every leg of `trial` that is not clipped away; `gravity_nm` scales a measured load beside sin(theta).
+/// The load at the joint that A belongs to, N m: gravity's at 90 deg, or without gravity 1 N m of a measured load; 0 with
+/// neither.
+pub fn load_of_a_nm(campaign: &Campaign) -> f64 {
+    let gravity_nm = campaign.dynamics.gravity_nm;
+    if gravity_nm == 0.0 && campaign.columns.load_torque.is_some() { 1.0 } else { gravity_nm }
+}
+
+/// The regressor of (17) at sample `i`: sin(theta), with a measured load G sin(theta) + load over the load of A.
+pub fn regressor(trial: &Trial, gravity_nm: f64, i: usize) -> f64 {
+    let sine = trial.log.position_rad[i].sin();
+    match &trial.load_torque_nm {
+        None => sine,
+        Some(load_nm) if gravity_nm == 0.0 => load_nm[i],
+        Some(load_nm) => sine + load_nm[i] / gravity_nm,
+    }
+}
+
+/// Regresses every leg of `trial` that is not clipped away on gravity of `gravity_nm` and any measured load.
 pub fn fit_legs(trial: &Trial, gravity_nm: f64) -> Vec<LegFit> {
     let clipped = |leg: &Leg| leg.samples.clone().filter(|i| is_clipped(trial, *i)).count();
     let usable = |leg: &&Leg| clipped(leg) as f64 <= MAX_CLIPPED * leg.samples.len() as f64;
@@ -90,13 +113,11 @@ fn is_clipped(trial: &Trial, sample: usize) -> bool {
 }
 
 fn fit_leg(trial: &Trial, leg: &Leg, gravity_nm: f64) -> LegFit {
-    let load = trial.load_torque_nm.as_deref().filter(|_| gravity_nm != 0.0);
     let used: Vec<usize> = match trial.log.clipped.is_empty() {
         true => leg.samples.clone().collect(),
         false => leg.samples.clone().filter(|i| !is_clipped(trial, *i)).collect(),
     };
-    let sine: Vec<f64> =
-        used.iter().map(|i| trial.log.position_rad[*i].sin() + load.map_or(0.0, |l| l[*i] / gravity_nm)).collect();
+    let sine: Vec<f64> = used.iter().map(|i| regressor(trial, gravity_nm, *i)).collect();
     let raw: Vec<f64> = used.iter().map(|i| trial.log.torque_nm[*i]).collect();
     let line = Line::fit(&sine, &raw);
     let filtered: Vec<f64> = used.iter().map(|i| trial.torque_nm[*i]).collect();
@@ -177,21 +198,40 @@ pub fn amplitude(legs: &[LegFit], direction: Direction) -> Option<Amplitude> {
     let half_width_nm = if n > 1 { student_t(n as f64 - 1.0) * sd_nm / (n as f64).sqrt() } else { f64::INFINITY };
     let errors: Vec<f64> = mine().map(|leg| leg.a_se_nm).collect();
     let misfit = root_mean_square(&errors) / sd_nm;
-    (n > 0).then(|| Amplitude { a_nm: mean(&values), sd_nm, half_width_nm, legs: n, misfit })
+    (n > 0).then(|| Amplitude { a_nm: mean(&values), sd_nm, half_width_nm, legs: n, fixed: false, misfit })
 }
 
-/// Step 3 for both directions; `campaign` is named when one has no legs.
-pub fn amplitudes(legs: &[LegFit], campaign: &Path) -> Result<Both<Amplitude>> {
+/// An A of more than this many half widths contradicts the statement that there is no load.
+const CONTRADICTION: f64 = 5.0;
+
+/// Step 3 for both directions. Without a load, `load_nm` = 0, an A that is consistent with none is fixed at zero.
+///
+/// Errors, naming `campaign`: a direction without legs; legs that do not show A; a torque that follows sin(theta) without a load.
+pub fn amplitudes(legs: &[LegFit], load_nm: f64, campaign: &Path) -> Result<Both<Amplitude>> {
     Both::try_make(|direction| {
-        amplitude(legs, direction).ok_or_else(|| {
-            let what = format!("no leg of constant speed moves {}", direction.name());
-            Problem::error(
-                campaign,
-                what,
-                "record sweeps in both directions, within the range of the sensor, or mark the trials `free`",
-            )
-            .into()
-        })
+        let moving = direction.name();
+        let Some(a) = amplitude(legs, direction) else {
+            let what = format!("no leg of constant speed moves {moving}");
+            let cure = "record sweeps in both directions, within the range of the sensor, or mark the trials `free`";
+            return Problem::error(campaign, what, cure).alone();
+        };
+        if !a.a_nm.is_finite() {
+            let what = format!("moving {moving}, the load does not change along a leg: A is not to be had from it");
+            let cure = "record sweeps along which the load changes, or mark the trials `free`";
+            return Problem::error(campaign, what, cure).alone();
+        }
+        if load_nm != 0.0 {
+            return Ok(a);
+        }
+        if a.a_nm.abs() > CONTRADICTION * a.half_width_nm {
+            let what = format!(
+                "gravity_nm = 0, yet moving {moving} the torque follows sin(theta) with A = {:.4} N m",
+                a.a_nm
+            );
+            let cure = "give the gravity torque at 90 deg, or a measured load_torque";
+            return Problem::error(campaign, what, cure).in_column("gravity_nm").alone();
+        }
+        Ok(Amplitude { a_nm: 0.0, sd_nm: 0.0, half_width_nm: 0.0, fixed: true, ..a })
     })
 }
 
