@@ -122,6 +122,9 @@ fn friction(common: &Common, trials: &Path, choices: &Choices, talk: &Talk) -> R
     let warnings: Vec<String> = [&fits.up, &fits.down].into_iter().flat_map(friction::warnings).collect();
     let mut json = model.to_json();
     json["warnings"] = json!(warnings);
+    for fit in [&fits.up, &fits.down] {
+        identification::write_covariance(&mut json["fit"][fit.direction.name()], fit);
+    }
     json["forms"] = json!({
         "up": identification::branch_forms(&fits.up),
         "down": identification::branch_forms(&fits.down),

@@ -90,9 +90,8 @@ pub(super) fn choose(branches: &Both<Branch>, judge: Option<&Judge>) -> Both<Tak
     let mut places = Both::make(|direction| if judge.is_some() { 0 } else { ladders.of(direction).len() - 1 });
     let mut lost: Both<Option<[f64; 2]>> = Both::default();
     if let Some(judge) = judge {
-        let left_by = |places: &Both<usize>| {
-            judge(&Both::make(|d| branches.of(d).friction(ladders.of(d)[*places.of(d)])))
-        };
+        let left_by =
+            |places: &Both<usize>| judge(&Both::make(|d| branches.of(d).friction(ladders.of(d)[*places.of(d)])));
         let mut here = None;
         for (place, direction) in (1..=2).flat_map(|place| Direction::BOTH.map(|direction| (place, direction))) {
             let Some(larger) = ladders.of(direction).get(place) else { continue };
@@ -117,12 +116,14 @@ pub(super) fn choose(branches: &Both<Branch>, judge: Option<&Judge>) -> Both<Tak
 /// The forms worth comparing, the smallest first; at least one.
 fn ladder(branch: &Branch, judged: bool) -> Vec<&ExponentialFit> {
     let usable = |form: &&ExponentialFit| {
-        let asked = form.rates.len() <= branch.wanted && (judged || has_speeds(branch, form));
-        form.rates.is_empty() || asked && holds_at_rest(form, &branch.points)
+        form.rates.is_empty()
+            || form.rates.len() <= branch.wanted
+                && holds_at_rest(form, &branch.points)
+                && (judged || has_speeds(branch, form))
     };
     let mut ladder: Vec<&ExponentialFit> = branch.forms.iter().filter(usable).collect();
     // Where the points ask for an exponential, none at all is no rival.
-    if branch.supported > 0 && ladder.len() > 1 {
+    if branch.supported > 0 && ladder.get(1).is_some_and(|form| has_speeds(branch, form)) {
         ladder.remove(0);
     }
     ladder
@@ -148,10 +149,9 @@ fn cut(branch: &Branch, taken: &ExponentialFit, lost: Option<[f64; 2]>) -> Optio
         return None;
     }
     let asked = branch.forms.iter().find(|form| form.rates.len() == branch.wanted);
-    Some(match (asked.is_some_and(|form| has_speeds(branch, form)), lost) {
-        (false, _) => Cut::Speeds,
-        (true, Some(lost)) => Cut::Series(lost),
-        (true, None) => Cut::AtRest,
+    Some(match (asked, lost) {
+        (Some(asked), lost) if has_speeds(branch, asked) => lost.map_or(Cut::AtRest, Cut::Series),
+        _ => Cut::Speeds,
     })
 }
 
@@ -176,9 +176,13 @@ pub(super) fn why(forms: &[ExponentialFit], supported: usize) -> String {
     let step = |pair: &[ExponentialFit]| {
         let (fewer, more) = (&pair[0], &pair[1]);
         let change = more.aicc() - fewer.aicc();
+        if more.freedom() < 1.0 {
+            return format!("{} would be exactly determined by the points", WORDS[more.rates.len()]);
+        }
         let by = match chance(fewer, more) {
-            _ if more.freedom() < 1.0 => "exactly determined, which supports nothing".to_string(),
-            _ if change.is_finite() => format!("AICc {} by {:.1}", if change < 0.0 { "falls" } else { "rises" }, change.abs()),
+            _ if change.is_finite() => {
+                format!("AICc {} by {:.1}", if change < 0.0 { "falls" } else { "rises" }, change.abs())
+            }
             p if p < 1e-4 => "F test p < 0.0001".to_string(),
             p => format!("F test p = {p:.4}"),
         };
@@ -202,7 +206,10 @@ pub(super) fn warning(fit: &FrictionFit) -> Option<String> {
     let b = format!("B(v) moving {} is taken with {}", fit.direction.name(), WORDS[taken]);
     let speeds = fit.points.distinct_speeds();
     if fit.taken.freedom() < 1.0 {
-        return Some(format!("{b}, exactly determined by {speeds} speeds: nothing is known of its errors; record more"));
+        let why = if taken > supported { ", for the whole series asks for it" } else { "" };
+        return Some(format!(
+            "{b}{why}; {speeds} speeds determine it exactly and tell nothing of its errors: record more"
+        ));
     }
     if taken > supported {
         return Some(format!(
@@ -212,7 +219,9 @@ pub(super) fn warning(fit: &FrictionFit) -> Option<String> {
     }
     let reason = match fit.cut? {
         Cut::Speeds => format!("{speeds} speeds are too few to tell more apart; nothing of this form counts as pinned"),
-        Cut::AtRest => "more would run away between rest and the slowest sweep, where every reversal passes".to_string(),
+        Cut::AtRest => {
+            "more would run away between rest and the slowest sweep, where every reversal passes".to_string()
+        }
         Cut::Series([larger_nm, taken_nm]) => format!(
             "more would leave {:.1} mN m of the whole series where this leaves {:.1}",
             1e3 * larger_nm,

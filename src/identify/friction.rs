@@ -163,7 +163,11 @@ fn check_amplitude(a: &Amplitude, direction: Direction, load_nm: f64, campaign: 
     if a.fixed || a.a_nm * load_nm > 0.0 {
         return Ok(());
     }
-    let what = format!("A = {:.4} N m moving {}, but the load it belongs to is {load_nm} N m: opposite signs", a.a_nm, direction.name());
+    let what = format!(
+        "A = {:.4} N m moving {}, but the load it belongs to is {load_nm} N m: opposite signs",
+        a.a_nm,
+        direction.name()
+    );
     let cure = "turn torque_sign, or correct gravity_nm, load_torque or the position's zero";
     Problem::error(campaign, what, cure).in_column("torque_sign").alone()
 }
@@ -186,9 +190,11 @@ pub fn warnings(fit: &FrictionFit) -> Vec<String> {
         ));
     }
     if fit.friction.d < 0.0 {
+        let [.., of_d] = fit.confidence;
+        let doubt = if of_d.high > 0.0 { "; its interval holds zero" } else { "" };
         words.push(format!(
-            "d = {:.3} N s/rad moving {moving}: viscous friction that helps the motion; beyond the fastest sweep B(v) is not to \
-             be used",
+            "d = {:.3} N s/rad moving {moving} is viscous friction that helps the motion{doubt}: beyond the fastest sweep do \
+             not use B(v)",
             fit.friction.d
         ));
     }

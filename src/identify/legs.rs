@@ -15,6 +15,8 @@ use crate::prepare::{Leg, Trial};
 use crate::problem::{Problem, Result};
 use std::path::Path;
 
+/// A load whose standard deviation along a leg is below this share of it does not change.
+const STEADY: f64 = 0.01;
 /// A leg is cut into this many blocks to judge its errors: a block outlasts the noise's memory, and 20 of them leave a
 /// standard error known to 16 %.
 const BLOCKS: usize = 20;
@@ -157,7 +159,9 @@ impl Line {
             sxx += (a - mean_x) * (a - mean_x);
             sxy += (a - mean_x) * (b - mean_y);
         }
-        let slope = sxy / sxx;
+        // A load that stays the same, but for its noise, is no load to tell A from.
+        let steady = (sxx / x.len() as f64).sqrt() <= STEADY * mean_x.abs();
+        let slope = if steady { f64::NAN } else { sxy / sxx };
         // Sums of errors over blocks, not single errors: neighbours are correlated, blocks hardly.
         let length = x.len().div_ceil(BLOCKS).max(1);
         let (mut slope_square, mut mean_square, mut blocks) = (0.0, 0.0, 0.0);
@@ -201,8 +205,10 @@ pub fn amplitude(legs: &[LegFit], direction: Direction) -> Option<Amplitude> {
     (n > 0).then(|| Amplitude { a_nm: mean(&values), sd_nm, half_width_nm, legs: n, fixed: false, misfit })
 }
 
-/// An A of more than this many half widths contradicts the statement that there is no load.
+/// An A of more than this many half widths contradicts the statement that there is no load, ...
 const CONTRADICTION: f64 = 5.0;
+/// ... unless it is less than this share of the torque: even where nothing scatters a log is not exact.
+const NEGLIGIBLE: f64 = 1e-3;
 
 /// Step 3 for both directions. Without a load, `load_nm` = 0, an A that is consistent with none is fixed at zero.
 ///
@@ -223,11 +229,11 @@ pub fn amplitudes(legs: &[LegFit], load_nm: f64, campaign: &Path) -> Result<Both
         if load_nm != 0.0 {
             return Ok(a);
         }
-        if a.a_nm.abs() > CONTRADICTION * a.half_width_nm {
-            let what = format!(
-                "gravity_nm = 0, yet moving {moving} the torque follows sin(theta) with A = {:.4} N m",
-                a.a_nm
-            );
+        let torques: Vec<f64> = legs.iter().map(|leg| leg.mean_torque_nm).filter(|y| y.is_finite()).collect();
+        let negligible_nm = if torques.is_empty() { 0.0 } else { NEGLIGIBLE * root_mean_square(&torques) };
+        if a.a_nm.abs() > negligible_nm.max(CONTRADICTION * a.half_width_nm) {
+            let what =
+                format!("gravity_nm = 0, yet moving {moving} the torque follows sin(theta) with A = {:.4} N m", a.a_nm);
             let cure = "give the gravity torque at 90 deg, or a measured load_torque";
             return Problem::error(campaign, what, cure).in_column("gravity_nm").alone();
         }

@@ -41,6 +41,8 @@ pub struct Trace {
     pub raw_nm: Vec<f64>,
     /// y low-passed, N m.
     pub filtered_nm: Vec<f64>,
+    /// Whether a measured load is part of what was fitted.
+    pub with_load: bool,
     /// Fitted legs: direction, time (s) and A sin(theta) + B (N m) of the leg alone, with any measured load in it.
     pub legs: Vec<(Direction, Vec<(f64, f64)>)>,
 }
@@ -106,6 +108,7 @@ fn trace(trial: &Trial, fits: &[LegFit], gravity_nm: f64) -> Trace {
     };
     Trace {
         file: trial.entry.file.clone(),
+        with_load: trial.load_torque_nm.is_some(),
         speed_rad_s: fits.first().map_or(f64::NAN, |fit| fit.speed_rad_s),
         time_s: thin(&trial.log.time_s),
         raw_nm: thin(&trial.log.torque_nm),

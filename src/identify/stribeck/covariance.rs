@@ -18,9 +18,8 @@ impl Points {
         let rates = (0..fit.rates.len()).filter(|i| !fit.at_bound[*i]).map(|i| coefficients + i);
         let free: Vec<usize> = (0..coefficients).chain(rates).collect();
         let slopes: Vec<Vec<f64>> = self.speeds.iter().map(|s| slopes(fit, s.speed_rad_s)).collect();
-        let jacobian = DMatrix::from_fn(self.speeds.len(), free.len(), |i, j| {
-            self.speeds[i].weight.sqrt() * slopes[i][free[j]]
-        });
+        let jacobian =
+            DMatrix::from_fn(self.speeds.len(), free.len(), |i, j| self.speeds[i].weight.sqrt() * slopes[i][free[j]]);
         let solved = solve(&jacobian, &DVector::zeros(self.speeds.len()));
         let unscaled = solved.ok_or("singular: the points do not tell the parameters apart")?.unscaled_covariance;
         let mut all = DMatrix::zeros(fit.parameters(), fit.parameters());
