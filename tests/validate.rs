@@ -92,8 +92,8 @@ fn every_fault_of_a_campaign_is_listed_at_once() {
             ("sweep_0.1149_1.csv", "holds `noon`"),
             ("sweep_0.1149_1.csv", "no plateau at the declared speed_rad_s = 0.2 rad/s"),
             ("sweep_0.4000_1.csv", "there is no such column"),
-            ("campaign.toml", "moving up, but gravity_nm = 0.6916: opposite signs"),
-            ("campaign.toml", "moving down, but gravity_nm = 0.6916: opposite signs"),
+            ("campaign.toml", "moving up, but the load it belongs to is 0.6916 N m: opposite signs"),
+            ("campaign.toml", "moving down, but the load it belongs to is 0.6916 N m: opposite signs"),
         ],
     );
 }

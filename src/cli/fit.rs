@@ -5,7 +5,7 @@ use super::interrupt;
 use super::outcome::Talk;
 use super::progress;
 use crate::identify::combination::fit_combination;
-use crate::identify::friction::{fit_friction, form_warning, line_warning};
+use crate::identify::friction::{self, fit_friction};
 use crate::identify::{Reading, blank_model, legs, of_the_joint_alone, read_trials, with_friction};
 use crate::log::Campaign;
 use crate::model::Model;
@@ -89,7 +89,7 @@ fn trials(common: &Common, talk: &Talk) -> Result<()> {
     let campaign = Campaign::read(&common.campaign)?;
     let output = interrupt::output(&common.output, common.force, &["trials.csv"])?;
     let mut legs: Vec<_> = readings(&campaign, talk)?.into_iter().flat_map(|r| r.legs).collect();
-    let a = legs::amplitudes(&legs, &campaign.file)?;
+    let a = legs::amplitudes(&legs, legs::load_of_a_nm(&campaign), &campaign.file)?;
     legs::fix_a(&mut legs, &a);
     write_trials(&legs, &output)?;
     output.finish()?;
@@ -114,15 +114,17 @@ fn friction(common: &Common, trials: &Path, choices: &Choices, talk: &Talk) -> R
     let campaign = Campaign::read(&common.campaign)?;
     let legs = read_trials_csv(trials)?;
     let output = interrupt::output(&common.output, common.force, &["model.json"])?;
-    let a = legs::amplitudes(&legs, trials)?;
-    let form = choices.settings(false).form;
-    let fits = fit_friction(&legs, &a, &campaign.joint, campaign.dynamics.gravity_nm, form, trials)?;
+    let load_nm = legs::load_of_a_nm(&campaign);
+    let a = legs::amplitudes(&legs, load_nm, trials)?;
+    let data = friction::Data { legs: &legs, a: &a, joint: &campaign.joint, load_nm, campaign: trials };
+    let fits = fit_friction(&data, choices.settings(false).form, None)?;
     let model = with_friction(blank_model(&campaign), &fits);
-    let both = [&fits.up, &fits.down];
-    let warnings: Vec<String> =
-        both.iter().flat_map(|fit| form_warning(fit, form).into_iter().chain(line_warning(fit))).collect();
+    let warnings: Vec<String> = [&fits.up, &fits.down].into_iter().flat_map(friction::warnings).collect();
     let mut json = model.to_json();
     json["warnings"] = json!(warnings);
+    for fit in [&fits.up, &fits.down] {
+        identification::write_covariance(&mut json["fit"][fit.direction.name()], fit);
+    }
     json["forms"] = json!({
         "up": identification::branch_forms(&fits.up),
         "down": identification::branch_forms(&fits.down),

@@ -1,7 +1,6 @@
 //! What the trials of a campaign contradict or lack together, told before anything is fitted.
 
-use super::friction::contradiction;
-use super::legs::{LegFit, amplitude, no_leg};
+use super::legs::{LegFit, amplitude, consistent, load_of_a_nm, no_leg};
 use super::reading::Reading;
 use crate::log::{Campaign, Protocol};
 use crate::model::Direction;
@@ -22,8 +21,8 @@ pub fn check(campaign: &Campaign, readings: &[Reading]) -> Vec<Problem> {
     }
     let legs: Vec<&LegFit> = readings.iter().flat_map(|reading| &reading.legs).collect();
     let unread: Vec<f64> = unread.iter().filter_map(|protocol| protocol.speed_rad_s()).collect();
-    let gravity_nm = campaign.dynamics.gravity_nm;
-    let in_direction = |direction| of_direction(direction, &legs, &unread, gravity_nm, &campaign.file);
+    let load_nm = load_of_a_nm(campaign);
+    let in_direction = |direction| of_direction(direction, &legs, &unread, load_nm, &campaign.file);
     Direction::BOTH.into_iter().flat_map(in_direction).collect()
 }
 
@@ -31,7 +30,7 @@ fn of_direction(
     direction: Direction,
     legs: &[&LegFit],
     unread_rad_s: &[f64],
-    gravity_nm: f64,
+    load_nm: f64,
     campaign: &Path,
 ) -> Vec<Problem> {
     let Some(a) = amplitude(legs.iter().copied(), direction) else {
@@ -40,7 +39,7 @@ fn of_direction(
     };
     let read = legs.iter().filter(|leg| leg.direction == direction).map(|leg| leg.speed_rad_s);
     let few = few_speeds(direction, read.chain(unread_rad_s.iter().copied()), campaign);
-    contradiction(&a, direction, gravity_nm, campaign).into_iter().chain(few).collect()
+    consistent(a, legs.iter().copied(), direction, load_nm, campaign).err().into_iter().chain(few).collect()
 }
 
 /// What is wrong where the legs of `direction` have these `speeds`, rad/s.

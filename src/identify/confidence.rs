@@ -22,7 +22,8 @@ pub fn of_k(of_p: Confidence) -> Confidence {
 
 /// The confidence of `value` within `ends` (in any order), `beside` added in quadrature on both sides.
 ///
-/// `half_widths` is the half width in standard errors; `alone` the coefficient of variation were all else known.
+/// `half_widths` is what the half width would be in standard errors if the size of the errors were known: where few data had
+/// to tell it, the wider interval then counts against the parameter. `alone` is the coefficient of variation were all else known.
 pub fn interval(value: f64, ends: [f64; 2], beside: f64, half_widths: f64, alone: f64, at_bound: bool) -> Confidence {
     let (low, high) = (ends[0].min(ends[1]), ends[0].max(ends[1]));
     let (low, high) = (value - (value - low).hypot(beside), value + (high - value).hypot(beside));

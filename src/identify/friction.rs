@@ -2,34 +2,20 @@
 
 use super::check::few_speeds;
 use super::confidence::demote;
+use super::covariance::Covariance;
+use super::forms::{self, Cut, Judge, Taken};
 use super::legs::{Amplitude, LegFit, weights};
 use super::scale::{CONSPIRING, Scale};
 use super::stribeck::{ExponentialFit, Points, Profile};
 use crate::model::{Both, Confidence, Direction, Friction, Joint};
-use crate::numerics::statistics::{fisher_tail, mean, standard_deviation};
-use crate::problem::{Problem, Problems, Result};
+use crate::numerics::statistics::{mean, standard_deviation};
+use crate::problem::{Problem, Result};
 use std::path::Path;
 
-/// A gravity of zero is contradicted by an A of this many half widths.
-const CONTRADICTION: f64 = 5.0;
+pub use super::forms::Form;
+
 /// Speeds at which the confidence band of B is drawn.
 const BAND_POINTS: usize = 60;
-
-/// Friction between rest and the slowest sweep may be this many times the largest that the sweeps saw: static friction is
-/// seldom over twice the sliding one.
-const EXTRAPOLATION: f64 = 2.5;
-
-/// Which form of (19) the model takes.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum Form {
-    /// Two exponentials, as the paper: seven parameters; fewer where they would run away towards rest.
-    #[default]
-    Two,
-    /// One exponential; it goes to b_j, c_j, and b_c is zero.
-    One,
-    /// Whichever the data support.
-    Supported,
-}
 
 /// The fit of one direction.
 #[derive(Debug, Clone)]
@@ -42,6 +28,8 @@ pub struct FrictionFit {
     pub friction: Friction,
     /// What is known of each, in the order of `Friction::NAMES`.
     pub confidence: [Confidence; 7],
+    /// What is known of them together, or in words why that cannot be said.
+    pub covariance: std::result::Result<Covariance, &'static str>,
     /// The points B(v).
     pub points: Points,
     /// The fit that the model took.
@@ -50,173 +38,152 @@ pub struct FrictionFit {
     pub profile: Option<Profile>,
     /// All forms that the speeds can hold, by their number of exponentials.
     pub forms: Vec<ExponentialFit>,
-    /// How many exponentials the data support, by Akaike's corrected criterion.
+    /// How many exponentials the data support.
     pub supported: usize,
     /// Why, in words.
     pub why: String,
-    /// Share of the variance of B that the taken fit explains.
+    /// How many exponentials were asked for.
+    pub wanted: usize,
+    /// Why the model takes fewer exponentials than were asked for; `None` when it does not.
+    pub cut: Option<Cut>,
+    /// Share of the variance of B that the taken fit explains; NaN where it is exactly determined.
     pub r_squared: f64,
 }
 
-impl FrictionFit {
-    /// The form with `exponentials`, if the speeds could hold it.
-    pub fn form(&self, exponentials: usize) -> Option<&ExponentialFit> {
-        self.forms.iter().find(|fit| fit.rates.len() == exponentials)
-    }
+/// What B(v) is fitted to.
+pub struct Data<'a> {
+    /// Every leg, with B.
+    pub legs: &'a [LegFit],
+    /// A of each direction.
+    pub a: &'a Both<Amplitude>,
+    /// The joint's geometry.
+    pub joint: &'a Joint,
+    /// The load at the joint that A belongs to, N m (`legs::load_of_a_nm`).
+    pub load_nm: f64,
+    /// The file named when the data contradict the geometry.
+    pub campaign: &'a Path,
 }
 
-/// Fits both directions at once. `campaign` is the file named when the data contradict the geometry.
-pub fn fit_friction(
-    legs: &[LegFit],
-    a: &Both<Amplitude>,
-    joint: &Joint,
-    gravity_nm: f64,
-    form: Form,
-    campaign: &Path,
-) -> Result<Both<FrictionFit>> {
-    let one = |direction| fit_direction(legs, a, direction, joint, gravity_nm, form, campaign);
-    let (up, down) = rayon::join(|| one(Direction::Up), || one(Direction::Down));
-    Ok(Both { up: up?, down: down? })
+/// Fits both directions at once, in the form asked for or, where it is not fit for use, a smaller one.
+///
+/// `judge` compares forms on the whole series; without it B(v) alone decides.
+pub fn fit_friction(data: &Data, form: Form, judge: Option<&Judge>) -> Result<Both<FrictionFit>> {
+    let (up, down) =
+        rayon::join(|| Branch::new(data, Direction::Up, form), || Branch::new(data, Direction::Down, form));
+    let branches = Both { up: up?, down: down? };
+    let taken = forms::choose(&branches, judge);
+    let (up, down) = rayon::join(|| branches.up.take(&taken.up), || branches.down.take(&taken.down));
+    Ok(Both { up, down })
 }
 
-fn fit_direction(
-    legs: &[LegFit],
-    a: &Both<Amplitude>,
+/// One direction with all its forms, none taken yet.
+pub(super) struct Branch {
     direction: Direction,
-    joint: &Joint,
-    gravity_nm: f64,
-    form: Form,
-    campaign: &Path,
-) -> Result<FrictionFit> {
-    let a = *a.of(direction);
-    let mine: Vec<&LegFit> = legs.iter().filter(|leg| leg.direction == direction).collect();
-    let few = few_speeds(direction, mine.iter().map(|leg| leg.speed_rad_s), campaign);
-    Problems(contradiction(&a, direction, gravity_nm, campaign).into_iter().chain(few).collect()).unless_errors(())?;
-    let weighted = mine.iter().zip(weights(&mine)).map(|(leg, weight)| (leg.speed_rad_s, leg.b_nm, weight));
-    let points = Points::new(weighted.collect());
-    let forms: Vec<ExponentialFit> = (0..=2).filter_map(|n| points.fit(n)).collect();
-    let Some(best) = forms.iter().min_by(|x, y| x.aicc().total_cmp(&y.aicc())) else {
-        return Problem::error(campaign, "B(v) has no solution", "check the sweeps' speeds").alone();
-    };
-    let supported = best.rates.len();
-    let wanted = match form {
-        Form::Two => 2,
-        Form::One => 1,
-        Form::Supported => supported,
-    };
-    let fits =
-        |fit: &&ExponentialFit| fit.rates.len() <= wanted && (fit.rates.is_empty() || holds_at_rest(fit, &points));
-    let Some(taken) = forms.iter().rev().find(fits).cloned() else {
-        return Problem::error(campaign, "B(v) has no solution", "check the sweeps' speeds").alone();
-    };
-    let (slow, fast) = points.speed_range_rad_s();
-    let band = (0..BAND_POINTS).map(|i| slow * (fast / slow).powf(i as f64 / (BAND_POINTS - 1) as f64)).collect();
-    let profile = points.profile(&taken, band, CONSPIRING);
-    let mean_sine = mean(&mine.iter().map(|leg| leg.mean_sine).collect::<Vec<f64>>());
-    let scale = Scale::new(&a, direction, joint, gravity_nm, mean_sine);
-    let mut confidence = scale.confidence(&taken, profile.as_ref(), &points);
-    if !a.describes() {
-        demote(confidence.iter_mut());
+    a: Amplitude,
+    scale: Scale,
+    /// Of B(v).
+    pub points: Points,
+    /// All that the speeds can hold, the smallest first; never empty.
+    pub forms: Vec<ExponentialFit>,
+    /// How many exponentials the data support.
+    pub supported: usize,
+    /// How many exponentials are asked for.
+    pub wanted: usize,
+}
+
+impl Branch {
+    fn new(data: &Data, direction: Direction, form: Form) -> Result<Self> {
+        let a = *data.a.of(direction);
+        let mine: Vec<&LegFit> = data.legs.iter().filter(|leg| leg.direction == direction).collect();
+        if let Some(few) = few_speeds(direction, mine.iter().map(|leg| leg.speed_rad_s), data.campaign) {
+            return few.alone();
+        }
+        let weighted = mine.iter().zip(weights(&mine)).map(|(leg, weight)| (leg.speed_rad_s, leg.b_nm, weight));
+        let points = Points::new(weighted.collect());
+        let forms: Vec<ExponentialFit> = (0..=2).filter_map(|n| points.fit(n)).collect();
+        if forms.first().is_none_or(|form| !form.rates.is_empty()) {
+            return Problem::error(data.campaign, "B(v) has no solution", "check the sweeps' speeds").alone();
+        }
+        let supported = forms::supported(&forms);
+        let wanted = match form {
+            Form::Two => 2,
+            Form::One => 1,
+            Form::Supported => supported,
+        };
+        let mean_sine = mean(&mine.iter().map(|leg| leg.mean_sine).collect::<Vec<f64>>());
+        let scale = Scale::new(&a, direction, data.joint, data.load_nm, mean_sine);
+        Ok(Self { direction, a, scale, points, forms, supported, wanted })
     }
-    let spread_nm =
-        standard_deviation(&points.b_nm) * ((points.b_nm.len() as f64 - 1.0) / points.b_nm.len() as f64).sqrt();
-    Ok(FrictionFit {
-        direction,
-        friction: scale.friction(&taken),
-        confidence,
-        r_squared: 1.0 - (taken.rmse_nm / spread_nm).powi(2),
-        why: why(&forms, supported),
-        supported,
-        a,
-        points,
-        taken,
-        profile,
-        forms,
-    })
-}
 
-/// (18) needs 0 < (r1/r2) G <= A: friction adds to the load that the winch feels on the way up and takes from it on the
-/// way down, but a loss factor beyond one, or a signal that falls where gravity rises, is a wrong sign, unit or radius.
-pub fn contradiction(a: &Amplitude, direction: Direction, gravity_nm: f64, campaign: &Path) -> Option<Problem> {
-    let moving = direction.name();
-    if gravity_nm != 0.0 && a.a_nm * gravity_nm <= 0.0 {
-        let what = format!("A = {:.4} N m moving {moving}, but gravity_nm = {gravity_nm}: opposite signs", a.a_nm);
-        let cure = "turn torque_sign, or correct gravity_nm or the position's zero";
-        return Some(Problem::error(campaign, what, cure).in_column("torque_sign"));
+    /// The parameters of `form`.
+    pub fn friction(&self, form: &ExponentialFit) -> Friction {
+        self.scale.friction(form)
     }
-    (gravity_nm == 0.0 && a.a_nm.abs() > CONTRADICTION * a.half_width_nm).then(|| {
-        let what =
-            format!("gravity_nm = 0, yet moving {moving} the torque follows sin(theta) with A = {:.4} N m", a.a_nm);
-        Problem::error(campaign, what, "give the gravity torque at 90 deg").in_column("gravity_nm")
-    })
-}
 
-/// Whether a fit stays sane below the speeds that it saw: every reversal passes there.
-fn holds_at_rest(fit: &ExponentialFit, points: &Points) -> bool {
-    let largest_nm = points.b_nm.iter().fold(0f64, |m, b| m.max(b.abs()));
-    let (slowest, _) = points.speed_range_rad_s();
-    let sign = mean(&points.b_nm).signum();
-    // It does not turn its sign either, but for what a sensor's offset may do.
-    let sane = -0.5 * largest_nm..=EXTRAPOLATION * largest_nm;
-    [0.0, 0.25, 0.5].iter().all(|share| sane.contains(&(sign * fit.b_nm(share * slowest))))
-}
-
-fn why(forms: &[ExponentialFit], supported: usize) -> String {
-    let words = ["no exponential", "one exponential", "two exponentials"];
-    let leave = |fit: &ExponentialFit| {
-        let verb = if fit.rates.len() == 2 { "leave" } else { "leaves" };
-        format!("{} {verb} {:.2e} N m", words[fit.rates.len()], fit.rmse_nm)
-    };
-    let compare = |fewer: &ExponentialFit, more: &ExponentialFit| {
-        let (k, n) = (more.parameters() as f64, more.points as f64);
-        let extra = k - fewer.parameters() as f64;
-        let f = (fewer.residual_sum - more.residual_sum) / extra / (more.residual_sum / (n - k));
-        let p = fisher_tail(f, extra, n - k);
-        let chance = if p < 1e-4 { "p < 0.0001".to_string() } else { format!("p = {p:.4}") };
-        format!("{}, {} (F test {chance})", leave(fewer), leave(more))
-    };
-    let steps: Vec<String> = forms.windows(2).map(|pair| compare(&pair[0], &pair[1])).collect();
-    let verdict = format!("the data support {}", words[supported]);
-    if steps.is_empty() {
-        format!("{verdict}: too few speeds for more")
-    } else {
-        format!("{verdict}: {}", steps.join("; "))
+    fn take(&self, Taken { form, cut }: &Taken) -> FrictionFit {
+        let (slow, fast) = self.points.speed_range_rad_s();
+        let band = (0..BAND_POINTS).map(|i| slow * (fast / slow).powf(i as f64 / (BAND_POINTS - 1) as f64)).collect();
+        let profile = self.points.profile(form, band, CONSPIRING);
+        let mut confidence = self.scale.confidence(form, profile.as_ref(), &self.points);
+        if !self.a.describes() {
+            demote(confidence.iter_mut());
+        }
+        // mu_c does not depend on the form.
+        if form.rates.len() < self.supported || cut.is_some_and(|cut| cut == Cut::Speeds) {
+            demote(confidence.iter_mut().skip(1));
+        }
+        FrictionFit {
+            direction: self.direction,
+            a: self.a,
+            friction: self.scale.friction(form),
+            confidence,
+            covariance: Covariance::new(&self.scale, form, &self.points),
+            r_squared: r_squared(form, &self.points.b_nm),
+            why: forms::why(&self.forms, self.supported),
+            supported: self.supported,
+            wanted: self.wanted,
+            cut: *cut,
+            points: self.points.clone(),
+            taken: form.clone(),
+            profile,
+            forms: self.forms.clone(),
+        }
     }
 }
 
-/// A word when the torque of the legs does not follow A sin(theta) + B.
-pub fn line_warning(fit: &FrictionFit) -> Option<String> {
-    (!fit.a.describes()).then(|| {
-        format!(
-            "moving {}, every leg strays from A sin(theta) + B in the same way ({:.0} times what noise would do): check the zero \
-             of the position and what else loads the joint; until then nothing of this direction counts as pinned",
-            fit.direction.name(),
-            fit.a.misfit
-        )
-    })
+fn r_squared(form: &ExponentialFit, b_nm: &[f64]) -> f64 {
+    if form.freedom() < 1.0 {
+        return f64::NAN;
+    }
+    let spread_nm = standard_deviation(b_nm) * ((b_nm.len() as f64 - 1.0) / b_nm.len() as f64).sqrt();
+    1.0 - (form.rmse_nm / spread_nm).powi(2)
 }
 
-/// A word when the model takes fewer exponentials than were asked for, or more than the data support.
-pub fn form_warning(fit: &FrictionFit, form: Form) -> Option<String> {
-    let wanted = match form {
-        Form::Two => 2,
-        Form::One => 1,
-        Form::Supported => fit.supported,
-    };
-    let (taken, asked) = (fit.taken.rates.len(), fit.form(wanted));
+/// What to distrust of the friction of one direction.
+pub fn warnings(fit: &FrictionFit) -> Vec<String> {
     let moving = fit.direction.name();
-    if taken > fit.supported {
-        return Some(format!(
-            "B(v) moving {moving} is taken with {taken} exponentials where the data support {}: beyond the speeds of the \
-             sweeps it may run away; --form supported is safer there",
-            fit.supported
+    let mut words: Vec<String> = forms::warning(fit).into_iter().collect();
+    if fit.a.fixed {
+        words.push(format!(
+            "gravity_nm = 0, no load is measured, and moving {moving} the torque does not follow sin(theta): A is fixed at 0 \
+             and mu_c left out"
         ));
     }
-    (taken < wanted).then(|| {
-        let reason = match asked {
-            None => "there are too few speeds for more",
-            Some(_) => "more would run away between rest and the slowest sweep, where every reversal passes",
-        };
-        format!("B(v) moving {moving} is taken with {taken} of {wanted} exponentials: {reason}")
-    })
+    if !fit.a.describes() {
+        words.push(format!(
+            "moving {moving}, every leg strays from A sin(theta) + B in the same way ({:.0} times what noise would do): check \
+             the zero of the position and what else loads the joint; until then nothing of this direction counts as pinned",
+            fit.a.misfit
+        ));
+    }
+    if fit.friction.d < 0.0 {
+        let [.., of_d] = fit.confidence;
+        let doubt = if of_d.high > 0.0 { "; its interval holds zero" } else { "" };
+        words.push(format!(
+            "d = {:.3} N s/rad moving {moving} is viscous friction that helps the motion{doubt}: beyond the fastest sweep do \
+             not use B(v)",
+            fit.friction.d
+        ));
+    }
+    words
 }

@@ -3,9 +3,12 @@
 mod check;
 pub mod combination;
 mod confidence;
+mod covariance;
 mod doubts;
+mod forms;
 pub mod free;
 pub mod friction;
+mod judge;
 pub mod legs;
 mod moving;
 pub mod predicted;
@@ -18,6 +21,7 @@ mod windows;
 
 pub use check::check;
 pub use combination::{CombinationFit, CurveFit, CurveKind};
+pub use covariance::Covariance;
 pub use free::FreeFit;
 pub use friction::{Form, FrictionFit};
 pub use legs::{Amplitude, LegFit};
@@ -147,17 +151,22 @@ pub fn blank_model(campaign: &Campaign) -> Model {
 fn from_sweeps(campaign: &Campaign, mut readings: Vec<Reading>, settings: Settings) -> Result<Identification> {
     let lowpass_hz = campaign.signal.lowpass_hz;
     let mut legs: Vec<LegFit> = readings.iter_mut().flat_map(|r| std::mem::take(&mut r.legs)).collect();
-    let a = legs::amplitudes(&legs, &campaign.file)?;
+    let load_nm = legs::load_of_a_nm(campaign);
+    let a = legs::amplitudes(&legs, load_nm, &campaign.file)?;
     legs::fix_a(&mut legs, &a);
-    let gravity_nm = campaign.dynamics.gravity_nm;
-    let fits = friction::fit_friction(&legs, &a, &campaign.joint, gravity_nm, settings.form, &campaign.file)?;
-    let mut model = with_friction(blank_model(campaign), &fits);
     let sliding_nm = root_mean_square(&legs.iter().map(|leg| leg.rmse_nm).collect::<Vec<f64>>());
     let mut warnings: Vec<String> = readings.iter().flat_map(|r| r.warnings.iter().map(Problem::to_string)).collect();
-    warnings.extend([&fits.up, &fits.down].into_iter().filter_map(|fit| friction::form_warning(fit, settings.form)));
     let (rows, trials) = (readings.iter().map(|r| r.rows).sum(), readings.len());
     let trace = readings.iter_mut().find_map(|r| r.trace.take());
     let (prepared, entries) = of_the_joint_alone(readings);
+    let judge = |friction: &Both<Friction>| {
+        let model = Model { friction: *friction, ..blank_model(campaign) };
+        judge::left_nm(&prepared, model, lowpass_hz, settings.combination)
+    };
+    let data = friction::Data { legs: &legs, a: &a, joint: &campaign.joint, load_nm, campaign: &campaign.file };
+    let fits = friction::fit_friction(&data, settings.form, Some(&judge))?;
+    let mut model = with_friction(blank_model(campaign), &fits);
+    warnings.extend([&fits.up, &fits.down].into_iter().flat_map(friction::warnings));
     let combination =
         combination::fit_combination(&prepared, &model, lowpass_hz, settings.combination, Some(sliding_nm));
     match &combination {
@@ -178,7 +187,6 @@ fn from_sweeps(campaign: &Campaign, mut readings: Vec<Reading>, settings: Settin
         learn(&mut model, &refined.fit.confidence);
     }
     let residuals = residuals(&prepared, &entries, &model);
-    warnings.extend([&fits.up, &fits.down].into_iter().filter_map(friction::line_warning));
     warnings.extend(doubts::extrapolation_warning(&residuals, fits.up.points.speed_range_rad_s().1, settings.refine));
     let route = Route::Sweeps(Box::new(fits));
     Ok(Identification { model, route, legs, combination, refinement, residuals, trace, warnings, trials, rows })

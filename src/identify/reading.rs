@@ -1,6 +1,6 @@
 //! Trials read in parallel, each thinned to what the stages need before the next is opened.
 
-use super::legs::{LegFit, fit_legs};
+use super::legs::{LegFit, fit_legs, regressor};
 use super::predicted::Prepared;
 use crate::log::{self, Campaign, TrialEntry};
 use crate::model::Direction;
@@ -41,7 +41,9 @@ pub struct Trace {
     pub raw_nm: Vec<f64>,
     /// y low-passed, N m.
     pub filtered_nm: Vec<f64>,
-    /// Fitted legs: direction, time (s) and A sin(theta) + B (N m) of the leg alone.
+    /// Whether a measured load is part of what was fitted.
+    pub with_load: bool,
+    /// Fitted legs: direction, time (s) and A sin(theta) + B (N m) of the leg alone, with any measured load in it.
     pub legs: Vec<(Direction, Vec<(f64, f64)>)>,
 }
 
@@ -93,10 +95,11 @@ fn trial_to_show(campaign: &Campaign) -> Option<usize> {
 }
 
 fn reading(campaign: &Campaign, mut trial: Trial, show: bool) -> Reading {
-    let legs = fit_legs(&trial, campaign.dynamics.gravity_nm);
+    let gravity_nm = campaign.dynamics.gravity_nm;
+    let legs = fit_legs(&trial, gravity_nm);
     let series = Series::new(&trial, campaign.signal.lowpass_hz, campaign.joint.kind, &campaign.dynamics);
     Reading {
-        trace: show.then(|| trace(&trial, &legs)),
+        trace: show.then(|| trace(&trial, &legs, gravity_nm)),
         prepared: Prepared::new(series, campaign.signal.lowpass_order, campaign.signal.lowpass_hz),
         rows: trial.log.time_s.len(),
         warnings: std::mem::take(&mut trial.log.warnings),
@@ -105,15 +108,16 @@ fn reading(campaign: &Campaign, mut trial: Trial, show: bool) -> Reading {
     }
 }
 
-fn trace(trial: &Trial, fits: &[LegFit]) -> Trace {
+fn trace(trial: &Trial, fits: &[LegFit], gravity_nm: f64) -> Trace {
     let step = trial.torque_nm.len().div_ceil(TRACE_SAMPLES);
     let thin = |values: &[f64]| values.iter().step_by(step).copied().collect();
     let line = |(leg, fit): (&crate::prepare::Leg, &LegFit)| {
-        let at = |i: usize| (trial.log.time_s[i], fit.a_nm * trial.log.position_rad[i].sin() + fit.b_nm);
+        let at = |i: usize| (trial.log.time_s[i], fit.a_nm * regressor(trial, gravity_nm, i) + fit.b_nm);
         (leg.direction, leg.used().step_by(step).map(at).collect())
     };
     Trace {
         file: trial.entry.file.clone(),
+        with_load: trial.load_torque_nm.is_some(),
         speed_rad_s: fits.first().map_or(f64::NAN, |fit| fit.speed_rad_s),
         time_s: thin(&trial.log.time_s),
         raw_nm: thin(&trial.log.torque_nm),

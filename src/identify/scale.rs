@@ -4,37 +4,57 @@ use super::confidence::interval;
 use super::legs::Amplitude;
 use super::stribeck::{ExponentialFit, Points, Profile};
 use crate::model::{Confidence, Direction, Friction, Joint, Status};
-use crate::numerics::statistics::{fisher_f, student_t};
+use crate::numerics::statistics::{HALF_WIDTH, fisher_f};
 
 /// A parameter's interval leaves both rates free to conspire with it: where they cannot be told apart, the interval of one
 /// parameter alone is narrow just when it is wrong (in 150 simulated campaigns those so narrow as to be called pinned held
 /// the truth 50 to 80 times in 100).
 pub(super) const CONSPIRING: f64 = 3.0;
+/// Degrees of freedom beyond which the size of the errors counts as known.
+const MANY: f64 = 1e6;
+
 /// From the coefficients of B to the parameters: times (1 - mu_c) / r1 = G / (r2 A), signs by direction.
 pub(super) struct Scale {
     direction: Direction,
+    a: Amplitude,
     mu_c: f64,
     /// (1 - mu_c) / r1, N per N m.
     per_nm: f64,
     pulley_radius_m: f64,
-    /// Relative half width of A; infinite where gravity does not reveal it.
+    /// Relative half width of A; infinite where no load reveals it.
     a_relative: f64,
-    /// Half width of the shift of B that A's error makes, N m.
-    shift_nm: f64,
+    /// Mean over the legs of sin(theta) with any measured load: what A's error shifts B by.
+    mean_sine: f64,
+}
+
+/// Where a parameter comes from.
+pub(super) struct Place {
+    /// One of `Friction::NAMES`.
+    pub name: &'static str,
+    /// Its place among the fit's coefficients and rates; `None` of mu_c.
+    pub in_fit: Option<usize>,
+    /// The parameter per coefficient or rate there.
+    pub factor: f64,
+    /// Its derivative by A, per N m.
+    pub by_a: f64,
+    /// Whether it was not free: a rate at its limit, mu_c without a load.
+    pub held: bool,
 }
 
 impl Scale {
-    pub fn new(a: &Amplitude, direction: Direction, joint: &Joint, gravity_nm: f64, mean_sine: f64) -> Self {
-        // Without gravity (18) says nothing of mu_c: the load term is left out and marked flat.
-        let mu_c = if gravity_nm == 0.0 { 0.0 } else { 1.0 - joint.transmission() * gravity_nm / a.a_nm };
+    /// `load_nm` is the load at the joint that A belongs to: gravity's, or 1 N m of a measured one; 0 without either.
+    pub fn new(a: &Amplitude, direction: Direction, joint: &Joint, load_nm: f64, mean_sine: f64) -> Self {
+        // Without a load (18) says nothing of mu_c: the load term is left out and marked flat.
+        let mu_c = if load_nm == 0.0 { 0.0 } else { 1.0 - joint.transmission() * load_nm / a.a_nm };
         Self {
             direction,
+            a: *a,
             mu_c,
             per_nm: (1.0 - mu_c) / joint.winch_radius_m,
             pulley_radius_m: joint.pulley_radius_m,
-            a_relative: if gravity_nm == 0.0 { f64::INFINITY } else { (a.half_width_nm / a.a_nm).abs() },
+            a_relative: if load_nm == 0.0 { f64::INFINITY } else { (a.half_width_nm / a.a_nm).abs() },
             // Not told by a table that someone else wrote: then at most 1.
-            shift_nm: a.half_width_nm * mean_sine.abs().min(1.0),
+            mean_sine: if mean_sine.is_nan() { 1.0 } else { mean_sine },
         }
     }
 
@@ -56,30 +76,67 @@ impl Scale {
         }
     }
 
+    /// Where each parameter of the form of `fit` comes from, in the order of `Friction::NAMES`.
+    pub fn places(&self, fit: &ExponentialFit) -> Vec<Place> {
+        let (sign, per_nm, number) = (self.direction.sign(), self.per_nm, fit.rates.len());
+        let with_load = self.a_relative.is_finite();
+        // By (18) 1 - mu_c, and with it every force, goes as 1 / A.
+        let relative = if with_load { 1.0 / self.a.a_nm } else { 0.0 };
+        let force = |name, i: usize, factor: f64, shift: f64| {
+            let by_a = -factor * (fit.coefficients[i] * relative + shift);
+            Place { name, in_fit: Some(i), factor, by_a, held: false }
+        };
+        let rate = |name, i: usize, factor: f64| {
+            let in_fit = Some(fit.coefficients.len() + i);
+            Place { name, in_fit, factor, by_a: 0.0, held: fit.at_bound[i] }
+        };
+        let by_a = (1.0 - self.mu_c) * relative;
+        let mut places = vec![Place { name: "mu_c", in_fit: None, factor: 0.0, by_a, held: !with_load }];
+        places.push(force("a_j", 0, per_nm, self.mean_sine));
+        if number == 2 {
+            places.push(force("b_c", 3, per_nm, 0.0));
+            places.push(rate("c_c", 1, sign / self.pulley_radius_m));
+        }
+        if number > 0 {
+            places.push(force("b_j", 2, per_nm, 0.0));
+            places.push(rate("c_j", 0, sign));
+        }
+        places.push(force("d", 1, sign * per_nm, 0.0));
+        places
+    }
+
+    /// Variance of A, (N m)^2.
+    pub fn variance_of_a(&self) -> f64 {
+        if self.a.half_width_nm == 0.0 { 0.0 } else { self.a.sd_nm.powi(2) / self.a.legs as f64 }
+    }
+
+    /// What is known of each parameter, in the order of `Friction::NAMES`.
     pub fn confidence(&self, fit: &ExponentialFit, profile: Option<&Profile>, points: &Points) -> [Confidence; 7] {
-        let freedom = points.b_nm.len() as f64 - fit.parameters() as f64;
-        let t = (CONSPIRING * fisher_f(CONSPIRING, freedom.max(0.0))).sqrt();
-        let sigma = (fit.residual_sum / freedom.max(1.0)).sqrt();
+        let sigma = (fit.residual_sum / fit.freedom().max(1.0)).sqrt();
+        let known_half_widths = (CONSPIRING * fisher_f(CONSPIRING, MANY)).sqrt();
         let (sign, two) = (self.direction.sign(), fit.rates.len() == 2);
         let absent =
             Confidence { low: f64::NEG_INFINITY, high: f64::INFINITY, cv: f64::INFINITY, status: Status::Flat };
-        // A coefficient of B, `i`, as the parameter that is `factor` times it.
         // With mu_c left out, not estimated, its error is nobody's.
         let scale_error = if self.a_relative.is_finite() { self.a_relative } else { 0.0 };
+        let shift_nm = self.a.half_width_nm * self.mean_sine.abs().min(1.0);
+        // A coefficient of B, `i`, as the parameter that is `factor` times it; without a profile nothing is known of it.
         let linear = |i: usize, factor: f64, shift_nm: f64| {
+            let Some(profile) = profile else { return absent };
             let value = factor * fit.coefficients[i];
-            let (low, high) = profile.map_or((f64::NEG_INFINITY, f64::INFINITY), |p| p.coefficients[i]);
+            let (low, high) = profile.coefficients[i];
             let beside = (scale_error * value).hypot(factor * shift_nm);
             let column = points.weighted_norm(|u| basis(i, u, &fit.rates));
             let alone = sigma / column / fit.coefficients[i].abs();
-            interval(value, [factor * low, factor * high], beside, t, alone, false)
+            interval(value, [factor * low, factor * high], beside, known_half_widths, alone, false)
         };
         let rate = |i: usize, factor: f64| {
+            let Some(profile) = profile else { return absent };
             let value = factor * fit.rates[i];
-            let (low, high) = profile.map_or((0.0, f64::INFINITY), |p| p.rates[i]);
+            let (low, high) = profile.rates[i];
             let column = points.weighted_norm(|u| fit.coefficients[2 + i] * u * (-fit.rates[i] * u).exp());
             let alone = sigma / column / fit.rates[i];
-            interval(value, [factor * low, factor * high], 0.0, t, alone, fit.at_bound[i])
+            interval(value, [factor * low, factor * high], 0.0, known_half_widths, alone, fit.at_bound[i])
         };
         let fast = fit.rates.len().saturating_sub(1);
         let per_nm = self.per_nm;
@@ -87,8 +144,8 @@ impl Scale {
         let mu_alone = if self.a_relative.is_finite() { 0.0 } else { f64::INFINITY };
         let any = !fit.rates.is_empty();
         [
-            interval(self.mu_c, [self.mu_c - mu_half, self.mu_c + mu_half], 0.0, student_t(1e6), mu_alone, false),
-            linear(0, per_nm, self.shift_nm),
+            interval(self.mu_c, [self.mu_c - mu_half, self.mu_c + mu_half], 0.0, HALF_WIDTH, mu_alone, false),
+            linear(0, per_nm, shift_nm),
             if two { linear(2 + fast, per_nm, 0.0) } else { absent },
             if two { rate(fast, sign / self.pulley_radius_m) } else { absent },
             if any { linear(2, per_nm, 0.0) } else { absent },

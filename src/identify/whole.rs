@@ -11,7 +11,7 @@ use super::predicted::Prepared;
 use crate::model::{Confidence, Direction, Model, settle};
 use crate::numerics::cluster;
 use crate::numerics::marquardt::{Minimum, Residuals, Stopped, minimise};
-use crate::numerics::statistics::student_t;
+use crate::numerics::statistics::{HALF_WIDTH, student_t};
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 use std::ops::Range;
@@ -116,24 +116,28 @@ impl Whole<'_> {
         let bread = minimum.unscaled_covariance.map(|x| if x.is_nan() { 0.0 } else { x });
         let covariance = cluster::covariance(&bread, &scores);
         let sigma = (minimum.residual_sum / minimum.residual_count as f64).sqrt();
-        let t = student_t(cluster::freedom(strokes.len(), self.free.len()));
+        let freedom = cluster::freedom(strokes.len(), self.free.len());
+        let t = student_t(freedom);
         let known = |(i, free): (usize, &Free)| {
             let moved = minimum.parameters[i];
             let singular = minimum.unscaled_covariance[(i, i)].is_nan();
             let se = if singular { f64::INFINITY } else { covariance[(i, i)].max(0.0).sqrt() };
             // Were all else known: how far the parameter could move for one sigma over one stroke's worth of samples.
             let rows_per_stroke = errors.len() as f64 / strokes.len().max(1) as f64;
-            let alone = sigma * rows_per_stroke.sqrt() / jacobian.column(i).norm();
+            let alone = match freedom > 0.0 {
+                true => sigma * rows_per_stroke.sqrt() / jacobian.column(i).norm(),
+                false => f64::INFINITY,
+            };
             let ends = [moved - t * se, moved + t * se];
             let confidence = match free {
                 Free::Friction(d, 3 | 5) => {
                     let of = |x: f64| d.sign() * x.exp();
-                    interval(of(moved), [of(ends[0]), of(ends[1])], 0.0, t, alone, minimum.at_bound[i])
+                    interval(of(moved), [of(ends[0]), of(ends[1])], 0.0, HALF_WIDTH, alone, minimum.at_bound[i])
                 }
                 Free::Curve | Free::Backlash => {
-                    interval(moved.exp(), [ends[0].exp(), ends[1].exp()], 0.0, t, alone, minimum.at_bound[i])
+                    interval(moved.exp(), [ends[0].exp(), ends[1].exp()], 0.0, HALF_WIDTH, alone, minimum.at_bound[i])
                 }
-                Free::Friction(..) => interval(moved, ends, 0.0, t, alone / moved.abs(), minimum.at_bound[i]),
+                Free::Friction(..) => interval(moved, ends, 0.0, HALF_WIDTH, alone / moved.abs(), minimum.at_bound[i]),
             };
             (free.name(&model.combination), confidence)
         };

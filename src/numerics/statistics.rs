@@ -5,6 +5,9 @@ use statrs::distribution::{ContinuousCDF, FisherSnedecor, StudentsT};
 /// Two-sided level of every interval that is printed.
 pub const CONFIDENCE: f64 = 0.95;
 
+/// Half width of a two-sided `CONFIDENCE` interval in standard errors, the errors' size known.
+pub const HALF_WIDTH: f64 = 1.959_963_984_540_054;
+
 /// Arithmetic mean; NaN of nothing.
 pub fn mean(values: &[f64]) -> f64 {
     values.iter().sum::<f64>() / values.len() as f64

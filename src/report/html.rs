@@ -1,14 +1,13 @@
 //! `report.html`: one file, no link to anything outside.
 
+use super::forms::{FormsTable, forms_of, note};
 use super::identification::{curves_of_model, overall_rmse_nm, parameter};
 use super::number::{as_precise_as, count, percent, r_squared, significant, with_spread};
 use super::parameters::{Parameter, combination, friction_found};
 use super::plots::Figure;
 use super::verdict::{Verdict, verdict};
-use super::wording::{
-    LEFT_OUT, LEFT_OUT_MEANING, Units, amplitude_spread, exponentials, moving, status_meaning, status_word,
-};
-use crate::identify::{CombinationFit, CurveKind, FrictionFit, Identification, LegFit, Route};
+use super::wording::{LEFT_OUT, LEFT_OUT_MEANING, Units, amplitude_spread, moving, status_meaning, status_word};
+use crate::identify::{CombinationFit, CurveKind, Identification, LegFit, Route};
 use crate::model::{Direction, Status};
 use askama::Template;
 
@@ -62,21 +61,6 @@ struct Cell {
     interval: String,
     cv: String,
     chip: Chip,
-}
-
-/// The forms of one direction side by side.
-struct FormsTable {
-    title: &'static str,
-    why: String,
-    rows: Vec<FormRow>,
-}
-
-struct FormRow {
-    name: &'static str,
-    rmse: String,
-    aicc: String,
-    rates: String,
-    note: &'static str,
 }
 
 struct FreeFormRow {
@@ -211,35 +195,6 @@ fn left_out_chip() -> Chip {
 fn forms(found: &Identification, units: &Units) -> Vec<FormsTable> {
     let Route::Sweeps(fits) = &found.route else { return Vec::new() };
     Direction::BOTH.into_iter().map(|direction| forms_of(fits.of(direction), units)).collect()
-}
-
-fn forms_of(fit: &FrictionFit, units: &Units) -> FormsTable {
-    let best = fit.forms.iter().map(|form| form.aicc()).fold(f64::INFINITY, f64::min);
-    let row = |form: &crate::identify::stribeck::ExponentialFit| {
-        let number = form.rates.len();
-        let rates: Vec<String> = form.rates.iter().map(|rate| significant(*rate, 3)).collect();
-        FormRow {
-            name: exponentials(number),
-            rmse: units.torque(form.rmse_nm),
-            aicc: if form.aicc().is_finite() {
-                format!("{:+.1}", form.aicc() - best)
-            } else {
-                "too few points".to_string()
-            },
-            rates: rates.join(", "),
-            note: note(number == fit.taken.rates.len(), number == fit.supported),
-        }
-    };
-    FormsTable { title: moving(fit.direction), why: fit.why.clone(), rows: fit.forms.iter().map(row).collect() }
-}
-
-fn note(taken: bool, supported: bool) -> &'static str {
-    match (taken, supported) {
-        (true, true) => "taken, best supported",
-        (true, false) => "taken",
-        (false, true) => "best supported",
-        (false, false) => "",
-    }
 }
 
 fn free_forms(found: &Identification, units: &Units) -> Vec<FreeFormRow> {

@@ -44,7 +44,7 @@ fn branch_fit(fit: &FrictionFit, legs: &[LegFit]) -> Value {
     let over_legs = |of: fn(&LegFit) -> f64| {
         mean(&legs.iter().filter(|leg| leg.direction == fit.direction).map(of).collect::<Vec<f64>>())
     };
-    json!({
+    let mut out = json!({
         "a_nm": fit.a.a_nm,
         "a_sd_nm": fit.a.sd_nm,
         "a_half_width_nm": fit.a.half_width_nm,
@@ -54,7 +54,21 @@ fn branch_fit(fit: &FrictionFit, legs: &[LegFit]) -> Value {
         "leg_rmse_nm_mean": over_legs(|leg| leg.rmse_nm),
         "leg_raw_rmse_nm_mean": over_legs(|leg| leg.raw_rmse_nm),
         "leg_r_squared_mean": over_legs(|leg| leg.r_squared),
-    })
+    });
+    write_covariance(&mut out, fit);
+    out
+}
+
+/// Adds to `fit` the covariance of the friction parameters as the fit of B(v) has it, before any refining, each in its own
+/// unit; or null and the reason.
+pub fn write_covariance(out: &mut Value, fit: &FrictionFit) {
+    match &fit.covariance {
+        Ok(covariance) => {
+            let rows: Vec<Vec<f64>> = covariance.matrix.row_iter().map(|row| row.iter().copied().collect()).collect();
+            out["covariance"] = json!({ "parameters": covariance.parameters, "matrix": rows });
+        }
+        Err(reason) => (out["covariance"], out["covariance_absent"]) = (Value::Null, json!(reason)),
+    }
 }
 
 /// The forms of (19) side by side.
@@ -63,6 +77,7 @@ pub fn branch_forms(fit: &FrictionFit) -> Value {
         json!({
             "exponentials": form.rates.len(),
             "rmse_nm": form.rmse_nm,
+            "degrees_of_freedom": form.freedom(),
             "aicc": form.aicc(),
             "rates_s_rad": form.rates,
             "stopped": form.stopped.name(),

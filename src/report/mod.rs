@@ -16,12 +16,14 @@
 //! | `terminal` | the summary on the terminal |
 //! | `plots` | one figure per file, drawn on `chart`: canvas, panels, axes, thinning |
 //! | `png` | a figure as a picture, with the bundled font |
+//! | `forms` | the forms of B(v) side by side, for the page |
 //! | `html` | `report.html`: all of it in one file |
 //! | `parameters`, `number`, `wording` | what all of these share: rows, digits, units and words |
 
 pub mod chart;
 pub mod comparison;
 pub mod evaluation;
+mod forms;
 pub mod html;
 pub mod identification;
 pub mod interaction;

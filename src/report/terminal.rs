@@ -7,7 +7,7 @@ use super::identification::{curves_of_model, overall_rmse_nm, parameter};
 use super::number::{counted, r_squared, significant};
 use super::parameters::{Parameter, combination, friction, friction_found};
 use super::verdict::refinement;
-use super::wording::{LEFT_OUT, Units, exponentials, moving, status_word};
+use super::wording::{LEFT_OUT, Units, exponentials, met, moving, status_word};
 use crate::identify::{CombinationFit, FreeFit, FrictionFit, Identification, Route};
 use crate::model::{Both, Direction, Model, Status};
 use anstyle::{AnsiColor, Style};
@@ -93,10 +93,8 @@ pub fn sweeps(out: &mut impl Write, fits: &Both<FrictionFit>, units: &Units) -> 
     for direction in Direction::BOTH {
         let fit = fits.of(direction);
         let a = units.amplitude(&fit.a);
-        let rmse = units.torque(fit.taken.rmse_nm);
-        let r_squared = r_squared(fit.r_squared);
         let name = moving(direction);
-        writeln!(out, "  {name:<12} A = {a}; B(v) met to {rmse}, R² {r_squared}")?;
+        writeln!(out, "  {name:<12} A = {a}; B(v) {}", met(fit, units))?;
     }
     for direction in Direction::BOTH {
         let fit = fits.of(direction);

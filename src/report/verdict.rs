@@ -65,6 +65,9 @@ fn friction(fits: &Both<FrictionFit>, units: &Units) -> String {
             true => "as the data support".to_string(),
             false => format!("where the data support {}", exponentials(supported)),
         };
+        if fit.taken.freedom() < 1.0 {
+            return format!("{}, {} taken, exactly determined by the points", moving(d), exponentials(taken));
+        }
         let (rmse, r_squared) = (units.torque(fit.taken.rmse_nm), r_squared(fit.r_squared));
         format!("{}, {} meet it to {rmse} RMSE (R² {r_squared}), {advice}", moving(d), exponentials(taken))
     };

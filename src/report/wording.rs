@@ -1,9 +1,9 @@
 //! The words of a report: units of the joint's kind, what each parameter means, what each status means.
 
 use crate::dynamics::JointKind;
-use crate::identify::Amplitude;
+use crate::identify::{Amplitude, FrictionFit};
 use crate::model::{Direction, Friction, Status};
-use crate::report::number::{as_precise_as, significant};
+use crate::report::number::{as_precise_as, r_squared, significant};
 
 /// Names of units as a reader sees them; the fields called `_nm` and `_rad` hold N and m for a prismatic joint.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -59,6 +59,7 @@ impl Units {
     /// A with what is known of it.
     pub fn amplitude(&self, a: &Amplitude) -> String {
         match a.half_width_nm.is_finite() {
+            _ if a.fixed => format!("0 {}, fixed for want of a load", self.torque),
             true => format!("{} {}, {}", as_precise_as(a.a_nm, a.half_width_nm), self.torque, amplitude_spread(a)),
             false => format!("{} {}, {}", significant(a.a_nm, 4), self.torque, amplitude_spread(a)),
         }
@@ -69,8 +70,17 @@ impl Units {
 pub fn amplitude_spread(a: &Amplitude) -> String {
     let figure = |x: f64| as_precise_as(x, x);
     match a.half_width_nm.is_finite() {
+        _ if a.fixed => "fixed for want of a load".to_string(),
         true => format!("95 % ± {}, SD {} over {} legs", figure(a.half_width_nm), figure(a.sd_nm), a.legs),
         false => "from a single leg".to_string(),
+    }
+}
+
+/// How well the form taken meets B(v).
+pub fn met(fit: &FrictionFit, units: &Units) -> String {
+    match fit.taken.freedom() < 1.0 {
+        true => "exactly determined".to_string(),
+        false => format!("met to {}, R² {}", units.torque(fit.taken.rmse_nm), r_squared(fit.r_squared)),
     }
 }
 

@@ -6,7 +6,7 @@ use crate::identify::windows::Window;
 use crate::model::{Combination, Confidence, Model};
 use crate::numerics::cluster;
 use crate::numerics::line::lowest;
-use crate::numerics::statistics::student_t;
+use crate::numerics::statistics::{HALF_WIDTH, student_t};
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 
@@ -98,14 +98,17 @@ impl Fitting<'_> {
         };
         let free: Vec<usize> =
             if self.backlash_span_rad.is_some() { (0..start.len()).collect() } else { (1..start.len()).collect() };
+        let freedom = cluster::freedom(self.windows.len(), free.len());
+        // With too few windows to tell anything of the errors nothing is shown of the curve.
+        let alone = if freedom > 0.0 { 0.0 } else { f64::INFINITY };
         for (i, se) in standard_errors(&residuals, &start, &free) {
             let range = if i == 0 { self.backlash_span_rad } else { fit.kind.range() };
             let at_bound = range.is_some_and(|(low, high)| start[i] - low.ln() < 0.02 || high.ln() - start[i] < 0.02);
             let se = se.hypot(SYSTEMATIC);
-            let half = student_t(cluster::freedom(self.windows.len(), free.len())) * se;
+            let half = student_t(freedom) * se;
             let scale = if i == 0 { self.model.joint.pulley_radius_m } else { 1.0 };
             let ends = [scale * (start[i] - half).exp(), scale * (start[i] + half).exp()];
-            let interval = interval(scale * start[i].exp(), ends, 0.0, half / se, 0.0, at_bound);
+            let interval = interval(scale * start[i].exp(), ends, 0.0, HALF_WIDTH, alone, at_bound);
             known.push((names[i].to_string(), interval));
         }
         let p = known.iter().find(|(name, _)| name == "combination.p").map(|(_, of_p)| *of_p);

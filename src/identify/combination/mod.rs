@@ -133,21 +133,11 @@ pub fn fit_combination(
     settings: Settings,
     noise_nm: Option<f64>,
 ) -> Option<CombinationFit> {
-    let stroke_rad = median_stroke_rad(trials);
     let declared_rad = model.joint.backlash_rad();
-    let reach_rad = if settings.estimate_backlash {
-        (REACH_STROKE * stroke_rad).max(REACH_BACKLASHES * declared_rad)
-    } else {
-        (REACH_BACKLASHES * declared_rad).max(REACH_LEAST * stroke_rad).min(stroke_rad)
-    };
-    let all: Vec<Window> =
-        trials.par_iter().flat_map_iter(|trial| windows(trial, model, reach_rad, lowpass_hz)).collect();
-    if all.is_empty() {
-        return None;
-    }
-    let deadband_rad = trials.iter().map(|t| t.series.deadband_rad).fold(0.0, f64::max);
-    let span = settings.estimate_backlash.then(|| ((MIN_DEADBANDS * deadband_rad).max(1e-3 * reach_rad), reach_rad));
-    let fitting = Fitting { windows: &all, model, backlash_span_rad: span, stroke_rad, noise_nm };
+    let reach = Reach::new(trials, model, settings);
+    let all = reach.windows(trials, model, lowpass_hz)?;
+    let fitting =
+        Fitting { windows: &all, model, backlash_span_rad: reach.span_rad, stroke_rad: reach.stroke_rad, noise_nm };
     let (curves, sums): (Vec<CurveFit>, Vec<Vec<f64>>) = CurveKind::ALL.iter().map(|kind| fitting.fit(*kind)).unzip();
     let supported = best_supported(&sums);
     let taken = settings.wanted.and_then(|w| curves.iter().position(|c| c.kind == w)).unwrap_or(supported);
@@ -167,6 +157,48 @@ pub fn fit_combination(
         confidence,
         warnings,
     })
+}
+
+/// The curve wanted, or else arctan, fitted alone: what it takes to compare one friction with another. `None` when there is no
+/// usable reversal.
+pub fn fit_one(trials: &[Prepared], model: &Model, lowpass_hz: f64, settings: Settings) -> Option<CurveFit> {
+    let reach = Reach::new(trials, model, settings);
+    let all = reach.windows(trials, model, lowpass_hz)?;
+    let (backlash_span_rad, stroke_rad) = (reach.span_rad, reach.stroke_rad);
+    let fitting = Fitting { windows: &all, model, backlash_span_rad, stroke_rad, noise_nm: None };
+    Some(fitting.fit(settings.wanted.unwrap_or(CurveKind::Arctan)).0)
+}
+
+/// How far after a reversal to look.
+struct Reach {
+    /// The travel that a window follows, rad.
+    reach_rad: f64,
+    /// Where the clearance is looked for, if it is, rad.
+    span_rad: Option<(f64, f64)>,
+    /// The median stroke between reversals, rad.
+    stroke_rad: f64,
+}
+
+impl Reach {
+    fn new(trials: &[Prepared], model: &Model, settings: Settings) -> Self {
+        let stroke_rad = median_stroke_rad(trials);
+        let declared_rad = model.joint.backlash_rad();
+        let reach_rad = if settings.estimate_backlash {
+            (REACH_STROKE * stroke_rad).max(REACH_BACKLASHES * declared_rad)
+        } else {
+            (REACH_BACKLASHES * declared_rad).max(REACH_LEAST * stroke_rad).min(stroke_rad)
+        };
+        let deadband_rad = trials.iter().map(|t| t.series.deadband_rad).fold(0.0, f64::max);
+        let smallest_rad = (MIN_DEADBANDS * deadband_rad).max(1e-3 * reach_rad);
+        Self { reach_rad, span_rad: settings.estimate_backlash.then_some((smallest_rad, reach_rad)), stroke_rad }
+    }
+
+    /// The windows of all trials; `None` without any.
+    fn windows<'a>(&self, trials: &'a [Prepared], model: &Model, lowpass_hz: f64) -> Option<Vec<Window<'a>>> {
+        let of = |trial| windows(trial, model, self.reach_rad, lowpass_hz);
+        let all: Vec<Window> = trials.par_iter().flat_map_iter(of).collect();
+        (!all.is_empty()).then_some(all)
+    }
 }
 
 fn misfit(fit: &CurveFit, noise_nm: f64) -> String {

@@ -10,6 +10,7 @@
 //! below the threshold, the profile likelihood interval, is the union over the rates of closed-form intervals. Nothing is
 //! linearised, and nothing breaks where the covariance matrix is singular.
 
+mod covariance;
 mod line;
 mod profile;
 mod search;
@@ -73,6 +74,11 @@ impl ExponentialFit {
     /// Parameters fitted.
     pub fn parameters(&self) -> usize {
         self.rates.len() + self.coefficients.len()
+    }
+
+    /// Points beyond parameters: with none of them the form is exactly determined, and nothing is known of its errors.
+    pub fn freedom(&self) -> f64 {
+        self.points as f64 - self.parameters() as f64
     }
 
     /// Akaike's criterion corrected for few points; infinite when there are too few for this form.

@@ -37,7 +37,8 @@ pub fn draw(found: &Identification) -> Drawn<Option<String>> {
         }
         for direction in Direction::BOTH {
             if trace.legs.iter().any(|(of, _)| *of == direction) {
-                let text = format!("A sin(θ) + B, {}", moving(direction));
+                let text =
+                    format!("{}, {}", if trace.with_load { "A × load + B" } else { "A sin(θ) + B" }, moving(direction));
                 entries.push((Mark::Line(2.4, None), palette::direction(direction), text));
             }
         }
