@@ -3,7 +3,7 @@
 use super::confidence::demote;
 use super::legs::{Amplitude, LegFit, weights};
 use super::scale::{CONSPIRING, Scale};
-use super::stribeck::{ExponentialFit, Points, Profile};
+use super::stribeck::{ExponentialFit, Points, Profile, exponentials};
 use crate::model::{Both, Confidence, Direction, Friction, Joint};
 use crate::numerics::statistics::{fisher_tail, mean, standard_deviation};
 use crate::problem::{Problem, Result};
@@ -104,7 +104,7 @@ fn fit_direction(
         Form::Supported => supported,
     };
     let fits =
-        |fit: &&ExponentialFit| fit.rates.len() <= wanted && (fit.rates.is_empty() || holds_at_rest(fit, &points));
+        |fit: &&ExponentialFit| fit.rates.len() <= wanted && (fit.rates.is_empty() || holds_at_rest(|u| fit.b_nm(u), &points));
     let Some(taken) = forms.iter().rev().find(fits).cloned() else {
         return Problem::error(campaign, "B(v) has no solution", "check the sweeps' speeds").alone();
     };
@@ -155,21 +155,20 @@ fn check_amplitude(a: &Amplitude, direction: Direction, gravity_nm: f64, campaig
     Ok(())
 }
 
-/// Whether a fit stays sane below the speeds that it saw: every reversal passes there.
-fn holds_at_rest(fit: &ExponentialFit, points: &Points) -> bool {
+/// Whether `b_nm`, B of the speed |v|, stays sane below the speeds that it was fitted to: every reversal passes there.
+pub fn holds_at_rest(b_nm: impl Fn(f64) -> f64, points: &Points) -> bool {
     let largest_nm = points.b_nm.iter().fold(0f64, |m, b| m.max(b.abs()));
     let (slowest, _) = points.speed_range_rad_s();
     let sign = mean(&points.b_nm).signum();
     // It does not turn its sign either, but for what a sensor's offset may do.
     let sane = -0.5 * largest_nm..=EXTRAPOLATION * largest_nm;
-    [0.0, 0.25, 0.5].iter().all(|share| sane.contains(&(sign * fit.b_nm(share * slowest))))
+    [0.0, 0.25, 0.5].iter().all(|share| sane.contains(&(sign * b_nm(share * slowest))))
 }
 
 fn why(forms: &[ExponentialFit], supported: usize) -> String {
-    let words = ["no exponential", "one exponential", "two exponentials"];
     let leave = |fit: &ExponentialFit| {
         let verb = if fit.rates.len() == 2 { "leave" } else { "leaves" };
-        format!("{} {verb} {:.2e} N m", words[fit.rates.len()], fit.rmse_nm)
+        format!("{} {verb} {:.2e} N m", exponentials(fit.rates.len()), fit.rmse_nm)
     };
     let compare = |fewer: &ExponentialFit, more: &ExponentialFit| {
         let (k, n) = (more.parameters() as f64, more.points as f64);
@@ -180,7 +179,7 @@ fn why(forms: &[ExponentialFit], supported: usize) -> String {
         format!("{}, {} (F test {chance})", leave(fewer), leave(more))
     };
     let steps: Vec<String> = forms.windows(2).map(|pair| compare(&pair[0], &pair[1])).collect();
-    let verdict = format!("the data support {}", words[supported]);
+    let verdict = format!("the data support {}", exponentials(supported));
     if steps.is_empty() {
         format!("{verdict}: too few speeds for more")
     } else {
@@ -211,9 +210,10 @@ pub fn form_warning(fit: &FrictionFit, form: Form) -> Option<String> {
     let moving = fit.direction.name();
     if taken > fit.supported {
         return Some(format!(
-            "B(v) moving {moving} is taken with {taken} exponentials where the data support {}: beyond the speeds of the \
-             sweeps it may run away; --form supported is safer there",
-            fit.supported
+            "B(v) moving {moving} is taken with {} where the data support {}: beyond the speeds of the sweeps it may run \
+             away; --form supported is safer there",
+            exponentials(taken),
+            exponentials(fit.supported)
         ));
     }
     (taken < wanted).then(|| {
@@ -221,6 +221,7 @@ pub fn form_warning(fit: &FrictionFit, form: Form) -> Option<String> {
             None => "there are too few speeds for more",
             Some(_) => "more would run away between rest and the slowest sweep, where every reversal passes",
         };
-        format!("B(v) moving {moving} is taken with {taken} of {wanted} exponentials: {reason}")
+        let (taken, wanted) = (exponentials(taken), exponentials(wanted));
+        format!("B(v) moving {moving} is taken with {taken} instead of {wanted}: {reason}")
     })
 }

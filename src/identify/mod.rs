@@ -12,6 +12,8 @@ pub mod reading;
 pub mod refine;
 mod scale;
 pub mod stribeck;
+pub mod strokes;
+mod support;
 pub mod whole;
 mod windows;
 
@@ -49,6 +51,16 @@ pub enum Route {
     Sweeps(Box<Both<FrictionFit>>),
     /// From free motion, for want of sweeps.
     Free(Box<FreeFit>),
+}
+
+impl Route {
+    /// The fits of the sweeps, if there were any.
+    pub fn sweeps(&self) -> Option<&Both<FrictionFit>> {
+        match self {
+            Self::Sweeps(fits) => Some(fits),
+            Self::Free(_) => None,
+        }
+    }
 }
 
 /// Everything that an identification found.
@@ -148,14 +160,14 @@ fn from_sweeps(campaign: &Campaign, mut readings: Vec<Reading>, settings: Settin
     let gravity_nm = campaign.dynamics.gravity_nm;
     let fits = friction::fit_friction(&legs, &a, &campaign.joint, gravity_nm, settings.form, &campaign.file)?;
     let mut model = with_friction(blank_model(campaign), &fits);
-    let sliding_nm = root_mean_square(&legs.iter().map(|leg| leg.rmse_nm).collect::<Vec<f64>>());
+    let sliding_nm = legs::sliding_nm(&legs);
     let mut warnings: Vec<String> = readings.iter().flat_map(|r| r.warnings.iter().map(Problem::to_string)).collect();
     warnings.extend([&fits.up, &fits.down].into_iter().filter_map(|fit| friction::form_warning(fit, settings.form)));
     let (rows, trials) = (readings.iter().map(|r| r.rows).sum(), readings.len());
     let trace = readings.iter_mut().find_map(|r| r.trace.take());
     let (prepared, entries) = of_the_joint_alone(readings);
     let combination =
-        combination::fit_combination(&prepared, &model, lowpass_hz, settings.combination, Some(sliding_nm));
+        combination::fit_combination(&prepared, &model, lowpass_hz, settings.combination, sliding_nm);
     match &combination {
         Some(fit) => {
             model.combination = fit.curve().curve;
@@ -167,9 +179,10 @@ fn from_sweeps(campaign: &Campaign, mut readings: Vec<Reading>, settings: Settin
     }
     let refinement = settings.refine.then(|| {
         let folds: Vec<usize> = folds(&entries.iter().map(|e| e.repeat).collect::<Vec<u32>>());
-        refine::refine(&prepared, &folds, &model, lowpass_hz)
+        refine::refine(&prepared, &folds, &model, lowpass_hz, &fits)
     });
-    if let Some(refined) = refinement.as_ref().filter(|r| r.gained) {
+    warnings.extend(refinement.iter().flat_map(|r| r.warnings.iter().cloned()));
+    if let Some(refined) = refinement.as_ref().filter(|r| r.kept) {
         model = Model { confidence: model.confidence, ..refined.fit.model.clone() };
         learn(&mut model, &refined.fit.confidence);
     }
@@ -203,19 +216,18 @@ fn from_free_motion(campaign: &Campaign, readings: Vec<Reading>, settings: Setti
     let mut warnings: Vec<String> = readings.iter().flat_map(|r| r.warnings.iter().map(Problem::to_string)).collect();
     warnings.push(
         "no uniform sweeps in this campaign: A(v) and B(v) are not to be had; friction and combination come from free \
-         motion, judged on samples that their fit did not see"
+         motion, judged on strokes that their fit did not see"
             .to_string(),
     );
     let (rows, trials) = (readings.iter().map(|r| r.rows).sum(), readings.len());
     let (prepared, entries) = of_the_joint_alone(readings);
-    let moving = |p: &Prepared| p.series.velocity_rad_s.iter().any(|v| *v > 0.0) && !p.reversals().is_empty();
-    if !prepared.iter().any(moving) {
-        let what = "no sweep, and no trial in which the joint turns: friction cannot be told from the load";
-        return Problem::error(&campaign.file, what, "record motion in both directions").alone();
+    if prepared.is_empty() {
+        let what = "every trial is an `interaction`: what its person does cannot be told from the joint's friction";
+        let cure = "add trials in which nobody touches the joint: `uniform` sweeps, or `cosine` or `free` motion";
+        return Problem::error(&campaign.file, what, cure).in_column("protocol").alone();
     }
-    let folds = folds(&entries.iter().map(|e| e.repeat).collect::<Vec<u32>>());
     let blank = blank_model(campaign);
-    let fit = free::fit_free(&prepared, &folds, &blank, lowpass_hz, settings.combination);
+    let fit = free::fit_free(&prepared, &blank, lowpass_hz, settings.combination, &campaign.file)?;
     let mut model = fit.fit.model.clone();
     let unseen = Confidence { low: f64::NEG_INFINITY, high: f64::INFINITY, cv: f64::INFINITY, status: Status::Flat };
     for direction in Direction::BOTH {

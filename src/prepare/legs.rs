@@ -2,7 +2,7 @@
 
 use crate::log::Log;
 use crate::model::Direction;
-use crate::numerics::statistics::quantile;
+use crate::numerics::statistics::{extent, quantile};
 use crate::problem::{Problem, Result};
 use std::ops::Range;
 
@@ -40,7 +40,7 @@ pub fn find_legs(
     backlash_rad: f64,
     lowpass_hz: f64,
 ) -> Result<Vec<Leg>> {
-    let (low, high) = position_rad.iter().fold((f64::MAX, f64::MIN), |(l, h), x| (l.min(*x), h.max(*x)));
+    let (low, high) = extent(position_rad);
     let range_rad = high - low;
     let half = ((WINDOW_TRAVEL * range_rad / speed_rad_s * log.rate_hz / 2.0) as usize).max(2);
     let margin = (FILTER_PERIODS / lowpass_hz * log.rate_hz) as usize;

@@ -44,7 +44,7 @@ pub const IDENTIFICATION_FILES: &[&str] = &["model.json", "trials.csv", "report.
 /// `campaign` is the name that the report calls the campaign by; `png` asks for pictures beside the drawings.
 pub fn write_identification(found: &Identification, campaign: &str, output: &Output, png: bool) -> Result<()> {
     output.write("model.json", json_text(&identification::to_json(found, campaign)))?;
-    write_trials(&found.legs, output)?;
+    write_trials(&found.legs, &found.model.joint.name, output)?;
     let drawn: Vec<(&Figure, String)> = draw_figures(found, output)?;
     for (figure, svg) in &drawn {
         output.write(&format!("plots/{}.svg", figure.name), svg)?;
@@ -60,9 +60,9 @@ pub fn write_identification(found: &Identification, campaign: &str, output: &Out
     output.write("report.html", page)
 }
 
-/// Writes `legs` to `trials.csv`.
-pub fn write_trials(legs: &[LegFit], output: &Output) -> Result<()> {
-    let table = trials_csv(legs).or_else(|error| unmade(output, "trials.csv", error))?;
+/// Writes `legs` of the joint called `joint` to `trials.csv`.
+pub fn write_trials(legs: &[LegFit], joint: &str, output: &Output) -> Result<()> {
+    let table = trials_csv(legs, joint).or_else(|error| unmade(output, "trials.csv", error))?;
     output.write("trials.csv", table)
 }
 
