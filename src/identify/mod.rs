@@ -227,7 +227,8 @@ fn from_free_motion(campaign: &Campaign, readings: Vec<Reading>, settings: Setti
         return Problem::error(&campaign.file, what, cure).in_column("protocol").alone();
     }
     let blank = blank_model(campaign);
-    let fit = free::fit_free(&prepared, &blank, lowpass_hz, settings.combination, &campaign.file)?;
+    let folds = folds(&entries.iter().map(|e| e.repeat).collect::<Vec<u32>>());
+    let fit = free::fit_free(&prepared, &folds, &blank, lowpass_hz, settings.combination, &campaign.file)?;
     let mut model = fit.fit.model.clone();
     let unseen = Confidence { low: f64::NEG_INFINITY, high: f64::INFINITY, cv: f64::INFINITY, status: Status::Flat };
     for direction in Direction::BOTH {

@@ -105,7 +105,12 @@ impl Limits {
             Free::Friction(_, 0) => (-5.0, 0.9),
             Free::Friction(_, 3) => (rates.0 - self.pulley_radius_m.ln(), rates.1 - self.pulley_radius_m.ln()),
             Free::Friction(_, 5) => rates,
-            Free::Friction(_, 6) => (0.0, 10.0 * self.force_n / self.speed_rad_s),
+            // Of either sign, as in the fit of B(v): where friction falls with speed, a bound at zero would hold the rest off its
+            // best and slow the search tenfold.
+            Free::Friction(_, 6) => {
+                let steepest = 10.0 * self.force_n / self.speed_rad_s;
+                (-steepest, steepest)
+            }
             Free::Friction(..) => (-10.0 * self.force_n, 10.0 * self.force_n),
             Free::Curve(kind) => kind.range().map_or((0.0, 1.0), |(low, high)| (low.ln(), high.ln())),
             Free::Backlash => {

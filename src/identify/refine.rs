@@ -45,7 +45,7 @@ pub fn refine(
         let of = |wanted: bool| -> Vec<Part> {
             parts.iter().zip(folds).filter(|(_, f)| (**f == fold) == wanted).map(|(p, _)| p.clone()).collect()
         };
-        let (fitted, _) = best_whole(&of(false), model, &free, &limits);
+        let fitted = best_whole(&of(false), model, &free, &limits);
         let mut judged = trial_sums(&of(true), &fitted).into_iter();
         for (i, _) in folds.iter().enumerate().filter(|(_, f)| **f == fold) {
             after[i] = judged.next().unwrap_or(after[i]);

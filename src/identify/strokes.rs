@@ -26,6 +26,8 @@ pub struct Part<'a> {
     pub trial: &'a Prepared,
     /// In order of time.
     pub strokes: Vec<Stroke>,
+    /// The samples that the strokes need: those of neighbours in one piece.
+    stretches: Vec<Range<usize>>,
 }
 
 impl<'a> Part<'a> {
@@ -43,7 +45,24 @@ impl<'a> Part<'a> {
             Stroke { direction, rows: (first..samples.end).step_by(step).filter(usable).collect(), padded }
         };
         let strokes = trial.strokes().into_iter().map(stroke);
-        Self { trial, strokes: strokes.filter(|s| s.rows.len() as f64 >= ROWS_PER_PERIOD).collect() }
+        Self::of(trial, strokes.filter(|s| s.rows.len() as f64 >= ROWS_PER_PERIOD).collect())
+    }
+
+    /// These `strokes` of `trial`, in order of time.
+    pub fn of(trial: &'a Prepared, strokes: Vec<Stroke>) -> Self {
+        let mut stretches: Vec<Range<usize>> = Vec::new();
+        for stroke in &strokes {
+            match stretches.last_mut() {
+                Some(last) if stroke.padded.start <= last.end => last.end = stroke.padded.end,
+                _ => stretches.push(stroke.padded.clone()),
+            }
+        }
+        Self { trial, strokes, stretches }
+    }
+
+    /// Whether a stroke goes in `direction`.
+    pub fn moves(&self, direction: Direction) -> bool {
+        self.strokes.iter().any(|stroke| stroke.direction == direction)
     }
 
     /// Residuals.
@@ -53,12 +72,16 @@ impl<'a> Part<'a> {
 
     /// `signal` of each sample through the low-pass, at the rows.
     pub fn low_passed(&self, signal: impl Fn(usize) -> f64) -> Vec<f64> {
-        let of = |stroke: &Stroke| -> Vec<f64> {
-            let raw: Vec<f64> = stroke.padded.clone().map(&signal).collect();
+        let mut rows = self.strokes.iter().flat_map(|stroke| &stroke.rows).peekable();
+        let mut out = Vec::with_capacity(self.count());
+        for stretch in &self.stretches {
+            let raw: Vec<f64> = stretch.clone().map(&signal).collect();
             let filtered = self.trial.low_pass(&raw);
-            stroke.rows.iter().map(|i| filtered[i - stroke.padded.start]).collect()
-        };
-        self.strokes.iter().flat_map(of).collect()
+            while let Some(i) = rows.next_if(|i| **i < stretch.end) {
+                out.push(filtered[i - stretch.start]);
+            }
+        }
+        out
     }
 
     /// Predicted less measured at the rows, both through the low-pass, N m.

@@ -22,6 +22,10 @@ const STEP: f64 = 1e-4;
 const TOLERANCE: f64 = 1e-8;
 /// Evaluations allowed, per parameter.
 const PATIENCE: usize = 12;
+/// The same for fits that are only compared: those that need more are of curves that do not describe the data.
+const PATIENCE_COMPARED: usize = 5;
+/// Evaluations, per parameter, after which the best of several starts shows.
+const SHORT_RUN: usize = 2;
 
 /// Result of a fit on whole series.
 #[derive(Debug, Clone)]
@@ -45,17 +49,27 @@ pub fn rmse_nm(sums: &[(f64, f64)]) -> f64 {
 /// Fits the `free` parameters of `start` to `parts`, each within its bounds, and says what is known of them.
 pub fn fit_whole(parts: &[Part], start: &Model, free: &[Free], limits: &Limits) -> WholeFit {
     let problem = Whole { parts, start, free };
-    let minimum = problem.minimum(limits);
+    let minimum = problem.minimum(limits, PATIENCE);
     let model = problem.model(&minimum.parameters);
     let confidence = problem.confidence(&minimum);
     let rmse_nm = (minimum.residual_sum / minimum.residual_count as f64).sqrt();
     WholeFit { model, rmse_nm, confidence, stopped: minimum.stopped }
 }
 
-/// The model alone of the same fit, and its sum of squares, (N m)^2.
-pub fn best_whole(parts: &[Part], start: &Model, free: &[Free], limits: &Limits) -> (Model, f64) {
+/// The model alone of the same fit, with less patience: to be compared with others.
+pub fn best_whole(parts: &[Part], start: &Model, free: &[Free], limits: &Limits) -> Model {
+    run(parts, start, free, limits, PATIENCE_COMPARED).0
+}
+
+/// Which of several starts is ahead after a short run, and where it then is; `None` of none.
+pub fn ahead(parts: &[Part], starts: &[Model], free: &[Free], limits: &Limits) -> Option<Model> {
+    let runs = starts.iter().map(|start| run(parts, start, free, limits, SHORT_RUN));
+    runs.min_by(|a, b| a.1.total_cmp(&b.1)).map(|best| best.0)
+}
+
+fn run(parts: &[Part], start: &Model, free: &[Free], limits: &Limits, patience: usize) -> (Model, f64) {
     let problem = Whole { parts, start, free };
-    let minimum = problem.minimum(limits);
+    let minimum = problem.minimum(limits, patience);
     (problem.model(&minimum.parameters), minimum.residual_sum)
 }
 
@@ -74,10 +88,10 @@ impl Whole<'_> {
         model
     }
 
-    fn minimum(&self, limits: &Limits) -> Minimum {
+    fn minimum(&self, limits: &Limits, patience: usize) -> Minimum {
         let from: Vec<f64> = self.free.iter().map(|f| f.read(self.start)).collect();
         let bounds: Vec<(f64, f64)> = self.free.iter().zip(&from).map(|(f, x)| limits.of(*f, *x)).collect();
-        minimise(self, &from, &bounds, PATIENCE, TOLERANCE)
+        minimise(self, &from, &bounds, patience, TOLERANCE)
     }
 
     fn count(&self) -> usize {

@@ -1,8 +1,8 @@
 //! What free motion says of the clearance: whether it contradicts the declared one, whether the estimate has an end.
 
 use super::halves::Halves;
-use super::search::Search;
-use super::{FreeForm, Judged};
+use super::search::{Judged, Search};
+use super::FreeForm;
 use crate::identify::combination::CurveKind;
 use crate::identify::moving::{Limits, MAX_BACKLASH};
 use crate::identify::predicted::Prepared;
@@ -20,6 +20,8 @@ pub struct Question<'a> {
     pub kind: CurveKind,
     /// The form.
     pub form: FreeForm,
+    /// The half that each trial belongs to where whole trials are held out.
+    pub folds: &'a [usize],
     /// The campaign's low-pass, Hz.
     pub lowpass_hz: f64,
     /// The campaign's file.
@@ -33,16 +35,19 @@ pub fn doubt(trials: &[Prepared], declared: &Search, asked: &Question) -> Option
     let kind = if asked.kind == CurveKind::Sign { CurveKind::Linear } else { asked.kind };
     let widest_rad = MAX_BACKLASH * declared.limits.stroke_rad;
     // Where no stroke is long enough to look for one, none is asked for.
-    let halves = Halves::new(trials, widest_rad, asked.lowpass_hz, asked.campaign).ok()?;
+    let halves = Halves::new(trials, asked.folds, widest_rad, asked.lowpass_hz, asked.campaign).ok()?;
     let with = |estimate_backlash| Search { halves: &halves, estimate_backlash, ..*declared };
-    let judge = |estimate| with(estimate).judge(kind, &[asked.form]).pop();
-    let (kept, free): (Judged, Judged) = (judge(false)?, judge(true)?);
+    let judge = |estimate| -> Judged {
+        let load = with(estimate).judge_load(kind);
+        if asked.form == FreeForm::Load { load } else { with(estimate).judge_form(kind, asked.form, &load) }
+    };
+    let (kept, free) = rayon::join(|| judge(false), || judge(true));
     let (kept_nm, free_nm) = (rmse_nm(&kept.sums), rmse_nm(&free.sums));
     let (gain, error) = excess(&kept.squares(), &free.squares());
     if free_nm > DOUBT * kept_nm || !(gain > error) {
         return None;
     }
-    let fit = with(true).fit(kind, asked.form, &free.models);
+    let fit = with(true).fit(kind, asked.form, &free);
     let clearance = match limit(&fit, declared.limits) {
         Some(limit) => limit,
         None => format!("near {:.3} mm", 1e3 * fit.model.joint.backlash_m),

@@ -4,21 +4,23 @@
 //! of growing size with every curve, each judged on strokes that its fit never saw. What the motion cannot show keeps its
 //! neutral value and is marked `flat`.
 
+mod choice;
 mod clearance;
 mod halves;
 mod search;
 
-use super::combination::{CombinationFit, CurveFit, CurveKind, Settings, best_supported, overlay};
+use super::combination::{CombinationFit, CurveFit, CurveKind, Settings, overlay};
 use super::moving::{Limits, MAX_BACKLASH};
 use super::predicted::Prepared;
-use super::support::supported;
 use super::whole::{WholeFit, rmse_nm};
 use crate::model::Model;
 use crate::numerics::statistics::standard_deviation;
 use crate::problem::Result;
+use choice::Choice;
+use clearance::{Question, doubt, limit_warning};
 use halves::Halves;
 use rayon::prelude::*;
-use search::{Judged, Search, start};
+use search::{Search, start};
 use std::path::Path;
 
 /// A form of friction, the smallest first.
@@ -69,11 +71,13 @@ pub struct FreeFit {
     pub combination: CombinationFit,
 }
 
-/// Fits `trials`, starting from `model`'s geometry and rigid body.
+/// Fits `trials`, starting from `model`'s geometry and rigid body; `folds` says which half each trial belongs to where whole
+/// trials are held out.
 ///
 /// Errors: too few strokes to fit and to judge; `campaign` is the file named.
 pub fn fit_free(
     trials: &[Prepared],
+    folds: &[usize],
     model: &Model,
     lowpass_hz: f64,
     settings: Settings,
@@ -82,62 +86,34 @@ pub fn fit_free(
     let limits = Limits::new(trials, model);
     let estimate_backlash = settings.estimate_backlash;
     let widest_rad = if estimate_backlash { MAX_BACKLASH * limits.stroke_rad } else { model.joint.backlash_rad() };
-    let halves = Halves::new(trials, widest_rad, lowpass_hz, campaign)?;
+    let halves = Halves::new(trials, folds, widest_rad, lowpass_hz, campaign)?;
     let start = start(trials, model);
     let search = Search { halves: &halves, start: &start, limits: &limits, estimate_backlash };
-    let judged: Vec<Vec<Judged>> =
-        CurveKind::ALL.par_iter().map(|kind| search.judge(*kind, &FreeForm::ALL)).collect();
-    let choice = choose(&judged, settings.wanted);
-    let Choice { form, taken, .. } = choice;
-    let fit = |kind: CurveKind| search.fit(kind, FreeForm::ALL[form], &judged[kind as usize][form].models);
-    let fits: Vec<WholeFit> = CurveKind::ALL.par_iter().map(|kind| fit(*kind)).collect();
+    let choice = Choice::new(&search, settings.wanted);
+    let Choice { form, kind, .. } = choice;
+    let fit = search.fit(kind, form, choice.judged(kind, form));
     let spread_nm = spread_nm(trials);
-    let curve = |(kind, fit): (&CurveKind, &WholeFit)| {
-        let rmse_nm = rmse_nm(&judged[*kind as usize][form].sums);
+    let curve = |other: &CurveKind| {
+        let judged = choice.judged(*other, form);
+        let rmse_nm = rmse_nm(&judged.sums);
         let r_squared = 1.0 - (rmse_nm / spread_nm).powi(2);
-        let curve = fit.model.combination;
-        CurveFit { kind: *kind, curve, backlash_m: fit.model.joint.backlash_m, rmse_nm, r_squared }
+        let model = if *other == kind { fit.model.clone() } else { search.model(*other, form, judged) };
+        CurveFit { kind: *other, curve: model.combination, backlash_m: model.joint.backlash_m, rmse_nm, r_squared }
     };
-    let curves = CurveKind::ALL.iter().zip(&fits).map(curve).collect();
-    let fit = fits[taken].clone();
-    let mut combination = overlay(trials, &fit.model, lowpass_hz, curves, choice.supported, taken);
-    let at = clearance::Question { kind: CurveKind::ALL[taken], form: FreeForm::ALL[form], lowpass_hz, campaign };
-    combination.warnings.extend(if estimate_backlash {
-        clearance::limit_warning(&fit, &limits)
-    } else {
-        clearance::doubt(trials, &search, &at)
+    let curves = CurveKind::ALL.par_iter().map(curve).collect();
+    let mut combination = overlay(trials, &fit.model, lowpass_hz, curves, choice.supported as usize, kind as usize);
+    let asked = Question { kind, form, folds, lowpass_hz, campaign };
+    combination.warnings.extend(match estimate_backlash {
+        true => limit_warning(&fit, &limits),
+        false => doubt(trials, &search, &asked),
     });
     Ok(FreeFit {
-        forms: FreeForm::ALL.iter().zip(&judged[taken]).map(|(form, j)| (*form, rmse_nm(&j.sums))).collect(),
-        form: FreeForm::ALL[form],
-        held_out_nm: rmse_nm(&judged[taken][form].sums),
+        forms: FreeForm::ALL.map(|form| (form, rmse_nm(&choice.judged(kind, form).sums))).to_vec(),
+        held_out_nm: rmse_nm(&choice.judged(kind, form).sums),
+        form,
         fit,
         combination,
     })
-}
-
-/// Places of the form in `FreeForm::ALL` and of the curves in `CurveKind::ALL`.
-struct Choice {
-    form: usize,
-    supported: usize,
-    taken: usize,
-}
-
-/// The form and the curve that support each other: the curve judged with that form, the form with that curve.
-fn choose(judged: &[Vec<Judged>], wanted: Option<CurveKind>) -> Choice {
-    let mut form = FreeForm::ALL.len() - 1;
-    loop {
-        let curves: Vec<Vec<f64>> = judged.iter().map(|forms| forms[form].squares()).collect();
-        let supported_curve = best_supported(&curves);
-        let taken = wanted.map_or(supported_curve, |kind| kind as usize);
-        let forms: Vec<Vec<f64>> = judged[taken].iter().map(Judged::squares).collect();
-        let supported_form = supported(&forms, |_| true);
-        // A form never grows again, so that this ends.
-        if supported_form >= form {
-            return Choice { form, supported: supported_curve, taken };
-        }
-        form = supported_form;
-    }
 }
 
 /// Standard deviation of the measured torque, N m.

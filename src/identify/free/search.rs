@@ -5,8 +5,8 @@ use super::halves::Halves;
 use crate::identify::combination::CurveKind;
 use crate::identify::moving::{Free, Limits};
 use crate::identify::predicted::Prepared;
-use crate::identify::strokes::{Part, square_sums};
-use crate::identify::whole::{WholeFit, best_whole, fit_whole};
+use crate::identify::strokes::square_sums;
+use crate::identify::whole::{WholeFit, ahead, best_whole, fit_whole};
 use crate::model::{Direction, Friction, Model};
 
 /// Starts of the clearance when it is estimated, as shares of the longest stroke: its cost has several valleys.
@@ -43,37 +43,45 @@ pub struct Search<'a> {
 }
 
 impl Search<'_> {
-    /// `forms` with the curve of `kind`, each judged.
-    pub fn judge(&self, kind: CurveKind, forms: &[FreeForm]) -> Vec<Judged> {
-        let fits = |half: usize| self.fits(&self.halves.halves[half], kind, forms);
-        let (first, second) = rayon::join(|| fits(0), || fits(1));
-        let judged = |(of_first, of_second): (Model, Model)| {
-            let by = |half: usize, model: &Model| square_sums(&self.halves.halves[half], model).concat();
-            let sums = [by(0, &of_second), by(1, &of_first)].concat();
-            Judged { models: [of_first, of_second], sums }
-        };
-        first.into_iter().zip(second).map(judged).collect()
-    }
-
-    /// The fit of `form` with the curve of `kind` to all strokes, from the better of `models`.
-    pub fn fit(&self, kind: CurveKind, form: FreeForm, models: &[Model; 2]) -> WholeFit {
-        let sum = |model: &Model| square_sums(&self.halves.all, model).concat().iter().map(|s| s.0).sum::<f64>();
-        let from = if sum(&models[0]) <= sum(&models[1]) { &models[0] } else { &models[1] };
-        fit_whole(&self.halves.all, from, &self.free(kind, form), self.limits)
-    }
-
-    /// The load form finds the way: the others start from it.
-    fn fits(&self, parts: &[Part], kind: CurveKind, forms: &[FreeForm]) -> Vec<Model> {
+    /// The load form with the curve of `kind`, judged.
+    pub fn judge_load(&self, kind: CurveKind) -> Judged {
         let start = Model { combination: kind.with(CURVE_START), ..self.start.clone() };
-        let best = |model: &Model, form| best_whole(parts, model, &self.free(kind, form), self.limits);
-        let starts = if self.moves_backlash(kind) { self.with_backlashes(&start) } else { vec![start] };
-        let fits = starts.iter().map(|start| best(start, FreeForm::Load));
-        let Some((load, _)) = fits.min_by(|a, b| a.1.total_cmp(&b.1)) else { return Vec::new() };
-        let of = |form: &FreeForm| match form {
-            FreeForm::Load => load.clone(),
-            other => best(&self.shaped(load.clone(), *other), *other).0,
-        };
-        forms.iter().map(of).collect()
+        let free = self.free(kind, FreeForm::Load);
+        self.judge(kind, FreeForm::Load, |half| {
+            let starts = if self.moves_backlash(kind) { self.with_backlashes(&start) } else { Vec::new() };
+            ahead(&self.halves.halves[half], &starts, &free, self.limits).unwrap_or_else(|| start.clone())
+        })
+    }
+
+    /// Another `form` judged, its fits started from those of the `load` form: that one finds the way.
+    pub fn judge_form(&self, kind: CurveKind, form: FreeForm, load: &Judged) -> Judged {
+        self.judge(kind, form, |half| self.shaped(load.models[half].clone(), form))
+    }
+
+    fn judge(&self, kind: CurveKind, form: FreeForm, start: impl Fn(usize) -> Model + Sync) -> Judged {
+        let halves = &self.halves.halves;
+        let fit = |half: usize| best_whole(&halves[half], &start(half), &self.free(kind, form), self.limits);
+        let (first, second) = rayon::join(|| fit(0), || fit(1));
+        let models = [first, second];
+        let by_other = |half: usize| square_sums(&halves[half], &models[1 - half]).concat();
+        let sums = [by_other(0), by_other(1)].concat();
+        Judged { models, sums }
+    }
+
+    /// The fit of `form` with the curve of `kind` to all strokes, from the better of those to the halves.
+    pub fn fit(&self, kind: CurveKind, form: FreeForm, judged: &Judged) -> WholeFit {
+        fit_whole(&self.halves.all, self.better(judged), &self.free(kind, form), self.limits)
+    }
+
+    /// The model alone of the same fit, to be compared with others.
+    pub fn model(&self, kind: CurveKind, form: FreeForm, judged: &Judged) -> Model {
+        best_whole(&self.halves.all, self.better(judged), &self.free(kind, form), self.limits)
+    }
+
+    fn better<'j>(&self, judged: &'j Judged) -> &'j Model {
+        let sum = |model: &Model| square_sums(&self.halves.all, model).concat().iter().map(|s| s.0).sum::<f64>();
+        let [first, second] = &judged.models;
+        if sum(first) <= sum(second) { first } else { second }
     }
 
     fn moves_backlash(&self, kind: CurveKind) -> bool {
