@@ -1,12 +1,12 @@
 //! `tautline fit`: the steps of the protocol one by one, each writing what the next reads.
 
-use super::identify::Choices;
+use super::identify::{CurveArguments, FormArguments};
 use super::interrupt;
 use super::outcome::Talk;
 use super::progress;
 use crate::identify::combination::fit_combination;
 use crate::identify::friction::{self, fit_friction};
-use crate::identify::{Reading, blank_model, legs, of_the_joint_alone, read_trials, with_friction};
+use crate::identify::{Form, Reading, blank_model, legs, of_the_joint_alone, read_trials, with_friction};
 use crate::log::Campaign;
 use crate::model::Model;
 use crate::problem::{Problem, Result};
@@ -43,7 +43,7 @@ enum Step {
         #[arg(long)]
         trials: PathBuf,
         #[command(flatten)]
-        choices: Choices,
+        form: FormArguments,
     },
     /// The curve by which friction changes over after a reversal -> model.json
     Combination {
@@ -53,7 +53,7 @@ enum Step {
         #[arg(long)]
         model: PathBuf,
         #[command(flatten)]
-        choices: Choices,
+        curve: CurveArguments,
     },
 }
 
@@ -72,8 +72,8 @@ struct Common {
 pub fn run(arguments: &Arguments, talk: &Talk) -> Result<ExitCode> {
     match &arguments.step {
         Step::Trials { common } => trials(common, talk),
-        Step::Friction { common, trials, choices } => friction(common, trials, choices, talk),
-        Step::Combination { common, model, choices } => combination(common, model, choices, talk),
+        Step::Friction { common, trials, form } => friction(common, trials, form.form(), talk),
+        Step::Combination { common, model, curve } => combination(common, model, curve, talk),
     }?;
     Ok(ExitCode::SUCCESS)
 }
@@ -88,10 +88,12 @@ fn readings(campaign: &Campaign, talk: &Talk) -> Result<Vec<Reading>> {
 fn trials(common: &Common, talk: &Talk) -> Result<()> {
     let campaign = Campaign::read(&common.campaign)?;
     let output = interrupt::output(&common.output, common.force, &["trials.csv"])?;
-    let mut legs: Vec<_> = readings(&campaign, talk)?.into_iter().flat_map(|r| r.legs).collect();
+    let readings = readings(&campaign, talk)?;
+    let warnings = warnings_of(&readings);
+    let mut legs: Vec<_> = readings.into_iter().flat_map(|r| r.legs).collect();
     let a = legs::amplitudes(&legs, legs::load_of_a_nm(&campaign), &campaign.file)?;
     legs::fix_a(&mut legs, &a);
-    write_trials(&legs, &output)?;
+    write_trials(&legs, &campaign.joint.name, &output)?;
     output.finish()?;
     let (up, down) = (a.up, a.down);
     talk.result(
@@ -100,24 +102,26 @@ fn trials(common: &Common, talk: &Talk) -> Result<()> {
                 "legs": legs.len(),
                 "a_nm": { "up": up.a_nm, "down": down.a_nm },
                 "a_sd_nm": { "up": up.sd_nm, "down": down.sd_nm },
+                "warnings": warnings,
             })
         },
         |out| {
             writeln!(out, "{} legs", legs.len())?;
             writeln!(out, "A up    {:.4} N m, SD {:.4}", up.a_nm, up.sd_nm)?;
-            writeln!(out, "A down  {:.4} N m, SD {:.4}", down.a_nm, down.sd_nm)
+            writeln!(out, "A down  {:.4} N m, SD {:.4}", down.a_nm, down.sd_nm)?;
+            list(out, &warnings)
         },
     )
 }
 
-fn friction(common: &Common, trials: &Path, choices: &Choices, talk: &Talk) -> Result<()> {
+fn friction(common: &Common, trials: &Path, form: Form, talk: &Talk) -> Result<()> {
     let campaign = Campaign::read(&common.campaign)?;
-    let legs = read_trials_csv(trials)?;
+    let legs = read_trials_csv(trials, &campaign)?;
     let output = interrupt::output(&common.output, common.force, &["model.json"])?;
     let load_nm = legs::load_of_a_nm(&campaign);
     let a = legs::amplitudes(&legs, load_nm, trials)?;
     let data = friction::Data { legs: &legs, a: &a, joint: &campaign.joint, load_nm, campaign: trials };
-    let fits = fit_friction(&data, choices.settings(false).form, None)?;
+    let fits = fit_friction(&data, form, None)?;
     let model = with_friction(blank_model(&campaign), &fits);
     let warnings: Vec<String> = [&fits.up, &fits.down].into_iter().flat_map(friction::warnings).collect();
     let mut json = model.to_json();
@@ -135,31 +139,41 @@ fn friction(common: &Common, trials: &Path, choices: &Choices, talk: &Talk) -> R
         || json,
         |out| {
             terminal::sweeps(out, &fits, &Units::of(model.joint.kind))?;
-            terminal::parameter_table(out, &model)?;
+            terminal::parameter_table(out, &model, Some(&fits))?;
             list(out, &warnings)
         },
     )
+}
+
+/// What is doubtful about the logs.
+fn warnings_of(readings: &[Reading]) -> Vec<String> {
+    readings.iter().flat_map(|reading| reading.warnings.iter().map(Problem::to_string)).collect()
 }
 
 fn list(out: &mut impl Write, warnings: &[String]) -> std::io::Result<()> {
     warnings.iter().try_for_each(|warning| writeln!(out, "  ! {warning}"))
 }
 
-fn combination(common: &Common, model: &Path, choices: &Choices, talk: &Talk) -> Result<()> {
+fn combination(common: &Common, file: &Path, curve: &CurveArguments, talk: &Talk) -> Result<()> {
     let campaign = Campaign::read(&common.campaign)?;
-    let mut model = Model::read(model)?;
+    let mut model = Model::read(file)?;
+    same_joint(&model, file, &campaign)?;
     let output = interrupt::output(&common.output, common.force, &["model.json"])?;
-    let (prepared, _) = of_the_joint_alone(readings(&campaign, talk)?);
-    let settings = choices.settings(false).combination;
-    let Some(fit) = fit_combination(&prepared, &model, campaign.signal.lowpass_hz, settings, None) else {
+    let mut readings = readings(&campaign, talk)?;
+    let mut warnings = warnings_of(&readings);
+    let legs: Vec<_> = readings.iter_mut().flat_map(|r| std::mem::take(&mut r.legs)).collect();
+    let (prepared, _) = of_the_joint_alone(readings);
+    let (lowpass_hz, sliding_nm) = (campaign.signal.lowpass_hz, legs::sliding_nm(&legs));
+    let Some(fit) = fit_combination(&prepared, &model, lowpass_hz, curve.settings(), sliding_nm) else {
         let what = "no reversal could be used";
         return Problem::error(&campaign.file, what, "record motion that turns, out of clipping").alone();
     };
     model.combination = fit.curve().curve;
     model.joint.backlash_m = fit.curve().backlash_m;
     model.confidence.extend(fit.confidence.iter().cloned());
+    warnings.extend(fit.warnings.iter().cloned());
     let mut json = model.to_json();
-    json["warnings"] = json!(fit.warnings);
+    json["warnings"] = json!(warnings);
     json["combinations"] = identification::combinations(&fit);
     output.write("model.json", json_text(&json))?;
     output.finish()?;
@@ -167,7 +181,36 @@ fn combination(common: &Common, model: &Path, choices: &Choices, talk: &Talk) ->
         || json,
         |out| {
             terminal::curves(out, &fit, &Units::of(model.joint.kind))?;
-            list(out, &fit.warnings)
+            terminal::combination_table(out, &model)?;
+            list(out, &warnings)
         },
     )
+}
+
+/// Errors: `model`, read from `file`, is of another joint than `campaign`: its friction would be fitted to motion that is not
+/// its own.
+fn same_joint(model: &Model, file: &Path, campaign: &Campaign) -> Result<()> {
+    let (theirs, ours) = (&model.joint, &campaign.joint);
+    let mut differ = Vec::new();
+    if theirs.name != ours.name {
+        differ.push(format!("name is `{}`, here `{}`", theirs.name, ours.name));
+    }
+    if theirs.kind != ours.kind {
+        differ.push(format!("kind is {}, here {}", theirs.kind.name(), ours.kind.name()));
+    }
+    for (key, theirs, ours) in [
+        ("winch_radius_m", theirs.winch_radius_m, ours.winch_radius_m),
+        ("pulley_radius_m", theirs.pulley_radius_m, ours.pulley_radius_m),
+        ("gravity_nm", model.dynamics.gravity_nm, campaign.dynamics.gravity_nm),
+        ("inertia_kg_m2", model.dynamics.inertia_kg_m2, campaign.dynamics.inertia_kg_m2),
+    ] {
+        if theirs != ours {
+            differ.push(format!("{key} is {theirs}, here {ours}"));
+        }
+    }
+    if differ.is_empty() {
+        return Ok(());
+    }
+    let what = format!("is of another joint than {}: {}", campaign.file.display(), differ.join("; "));
+    Problem::error(file, what, "name the model that `fit friction` made of this campaign").alone()
 }

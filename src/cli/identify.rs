@@ -25,7 +25,9 @@ pub struct Arguments {
     #[arg(short, long)]
     output: PathBuf,
     #[command(flatten)]
-    choices: Choices,
+    form: FormArguments,
+    #[command(flatten)]
+    curve: CurveArguments,
     /// Polish all parameters together on the whole series, if trials that the fit did not see gain by it
     #[arg(long)]
     refine: bool,
@@ -37,18 +39,23 @@ pub struct Arguments {
     force: bool,
 }
 
-/// Choices of the protocol's last two steps.
+/// What the friction's fit may choose.
 #[derive(Debug, Clone, Copy, clap::Args)]
-pub struct Choices {
+pub struct FormArguments {
     /// Form of B(v) that the model takes
     #[arg(long, value_enum, default_value_t = FormChoice::Two)]
-    pub form: FormChoice,
+    form: FormChoice,
+}
+
+/// What the combination's fit may choose.
+#[derive(Debug, Clone, Copy, clap::Args)]
+pub struct CurveArguments {
     /// Curve of the combination [default: the one that the data support best]
     #[arg(long, value_enum)]
-    pub combination: Option<CurveChoice>,
+    combination: Option<CurveChoice>,
     /// Find the clearance X_cl from the reversals instead of taking backlash_m
     #[arg(long)]
-    pub estimate_backlash: bool,
+    estimate_backlash: bool,
 }
 
 #[derive(Debug, Clone, Copy, ValueEnum)]
@@ -69,21 +76,25 @@ pub enum CurveChoice {
     Power,
 }
 
-impl Choices {
-    pub fn settings(&self, refine: bool) -> Settings {
-        let form = match self.form {
+impl FormArguments {
+    pub fn form(&self) -> Form {
+        match self.form {
             FormChoice::Two => Form::Two,
             FormChoice::One => Form::One,
             FormChoice::Supported => Form::Supported,
-        };
+        }
+    }
+}
+
+impl CurveArguments {
+    pub fn settings(&self) -> combination::Settings {
         let wanted = self.combination.map(|choice| match choice {
             CurveChoice::Sign => CurveKind::Sign,
             CurveChoice::Linear => CurveKind::Linear,
             CurveChoice::Arctan => CurveKind::Arctan,
             CurveChoice::Power => CurveKind::Power,
         });
-        let combination = combination::Settings { wanted, estimate_backlash: self.estimate_backlash };
-        Settings { form, combination, refine }
+        combination::Settings { wanted, estimate_backlash: self.estimate_backlash }
     }
 }
 
@@ -91,7 +102,9 @@ pub fn run(arguments: &Arguments, talk: &Talk) -> Result<ExitCode> {
     let campaign = Campaign::read(&arguments.campaign)?;
     let output = interrupt::output(&arguments.output, arguments.force, IDENTIFICATION_FILES)?;
     let bar = progress::bar(talk, "reading", campaign.trials.len());
-    let found = identify::run(&campaign, arguments.choices.settings(arguments.refine), &|| {
+    let settings =
+        Settings { form: arguments.form.form(), combination: arguments.curve.settings(), refine: arguments.refine };
+    let found = identify::run(&campaign, settings, &|| {
         progress::step(&bar, "fitting");
     });
     bar.finish_and_clear();

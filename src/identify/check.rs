@@ -16,6 +16,11 @@ pub fn check(campaign: &Campaign, readings: &[Reading]) -> Vec<Problem> {
     let is_unread = |file: &str| readings.iter().all(|reading| reading.entry.file != file);
     let unread: Vec<Protocol> =
         campaign.trials.iter().filter(|entry| is_unread(&entry.file)).map(|entry| entry.protocol).collect();
+    if campaign.trials.iter().all(|entry| entry.protocol == Protocol::Interaction) {
+        let what = "every trial is an `interaction`: what its person does cannot be told from the joint's friction";
+        let cure = "add trials in which nobody touches the joint: `uniform` sweeps, or `cosine` or `free` motion";
+        return vec![Problem::error(&campaign.file, what, cure).in_column("protocol")];
+    }
     if campaign.trials.iter().all(|entry| entry.protocol.speed_rad_s().is_none()) {
         return if unread.is_empty() { no_turn(readings, &campaign.file).into_iter().collect() } else { Vec::new() };
     }

@@ -7,7 +7,7 @@
 //! are wanted for themselves, it may be a little worse.
 
 use super::friction::{Branch, FrictionFit};
-use super::stribeck::{ExponentialFit, Points};
+use super::stribeck::{ExponentialFit, Points, exponentials};
 use crate::model::{Both, Direction, Friction};
 use crate::numerics::statistics::{fisher_tail, mean};
 
@@ -118,7 +118,7 @@ fn ladder(branch: &Branch, judged: bool) -> Vec<&ExponentialFit> {
     let usable = |form: &&ExponentialFit| {
         form.rates.is_empty()
             || form.rates.len() <= branch.wanted
-                && holds_at_rest(form, &branch.points)
+                && holds_at_rest(|u| form.b_nm(u), &branch.points)
                 && (judged || has_speeds(branch, form))
     };
     let mut ladder: Vec<&ExponentialFit> = branch.forms.iter().filter(usable).collect();
@@ -155,29 +155,27 @@ fn cut(branch: &Branch, taken: &ExponentialFit, lost: Option<[f64; 2]>) -> Optio
     })
 }
 
-/// Whether a fit stays sane below the speeds that it saw: every reversal passes there.
-fn holds_at_rest(fit: &ExponentialFit, points: &Points) -> bool {
+/// Whether `b_nm`, B of the speed |v|, stays sane below the speeds that it was fitted to: every reversal passes there.
+pub(super) fn holds_at_rest(b_nm: impl Fn(f64) -> f64, points: &Points) -> bool {
     let largest_nm = points.b_nm.iter().fold(0f64, |m, b| m.max(b.abs()));
     let (slowest, _) = points.speed_range_rad_s();
     let sign = mean(&points.b_nm).signum();
     // It does not turn its sign either, but for what a sensor's offset may do.
     let sane = -0.5 * largest_nm..=EXTRAPOLATION * largest_nm;
-    [0.0, 0.25, 0.5].iter().all(|share| sane.contains(&(sign * fit.b_nm(share * slowest))))
+    [0.0, 0.25, 0.5].iter().all(|share| sane.contains(&(sign * b_nm(share * slowest))))
 }
-
-const WORDS: [&str; 3] = ["no exponential", "one exponential", "two exponentials"];
 
 /// Why `supported`, in words.
 pub(super) fn why(forms: &[ExponentialFit], supported: usize) -> String {
     let leave = |fit: &ExponentialFit| {
         let verb = if fit.rates.len() == 2 { "leave" } else { "leaves" };
-        format!("{} {verb} {:.2e} N m", WORDS[fit.rates.len()], fit.rmse_nm)
+        format!("{} {verb} {:.2e} N m", exponentials(fit.rates.len()), fit.rmse_nm)
     };
     let step = |pair: &[ExponentialFit]| {
         let (fewer, more) = (&pair[0], &pair[1]);
         let change = more.aicc() - fewer.aicc();
         if more.freedom() < 1.0 {
-            return format!("{} would be exactly determined by the points", WORDS[more.rates.len()]);
+            return format!("{} would be exactly determined by the points", exponentials(more.rates.len()));
         }
         let by = match chance(fewer, more) {
             _ if change.is_finite() => {
@@ -188,7 +186,7 @@ pub(super) fn why(forms: &[ExponentialFit], supported: usize) -> String {
         };
         format!("{} ({by})", leave(more))
     };
-    let verdict = format!("the data support {}", WORDS[supported]);
+    let verdict = format!("the data support {}", exponentials(supported));
     match forms {
         [only] if only.freedom() < 1.0 => "B(v) is exactly determined: as many parameters as points".to_string(),
         [_] => format!("{verdict}: too few speeds for more"),
@@ -203,7 +201,7 @@ pub(super) fn why(forms: &[ExponentialFit], supported: usize) -> String {
 /// A word when the form that the model takes is not the one asked for, or not one that the data support.
 pub(super) fn warning(fit: &FrictionFit) -> Option<String> {
     let (taken, supported) = (fit.taken.rates.len(), fit.supported);
-    let b = format!("B(v) moving {} is taken with {}", fit.direction.name(), WORDS[taken]);
+    let b = format!("B(v) moving {} is taken with {}", fit.direction.name(), exponentials(taken));
     let speeds = fit.points.distinct_speeds();
     if fit.taken.freedom() < 1.0 {
         let why = if taken > supported { ", for the whole series asks for it" } else { "" };
@@ -214,7 +212,7 @@ pub(super) fn warning(fit: &FrictionFit) -> Option<String> {
     if taken > supported {
         return Some(format!(
             "{b} where the data support {}: beyond the speeds of the sweeps it may run away; --form supported is safer there",
-            WORDS[supported]
+            exponentials(supported)
         ));
     }
     let reason = match fit.cut? {
@@ -228,5 +226,5 @@ pub(super) fn warning(fit: &FrictionFit) -> Option<String> {
             1e3 * taken_nm
         ),
     };
-    Some(format!("{b}, {} being asked for: {reason}", WORDS[fit.wanted]))
+    Some(format!("{b}, {} being asked for: {reason}", exponentials(fit.wanted)))
 }

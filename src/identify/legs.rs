@@ -265,6 +265,11 @@ pub fn fix_a(legs: &mut [LegFit], a: &Both<Amplitude>) {
     }
 }
 
+/// What the lines leave of all legs' low-passed torque, N m: no model does better elsewhere. `None` without legs.
+pub fn sliding_nm(legs: &[LegFit]) -> Option<f64> {
+    (!legs.is_empty()).then(|| root_mean_square(&legs.iter().map(|leg| leg.rmse_nm).collect::<Vec<f64>>()))
+}
+
 /// Weights of the points B of `legs` (one direction), 1 on average: the inverse of the variance within the leg plus that
 /// between repeats of one speed.
 ///

@@ -16,6 +16,8 @@ pub mod reading;
 pub mod refine;
 mod scale;
 pub mod stribeck;
+pub mod strokes;
+mod support;
 pub mod whole;
 mod windows;
 
@@ -55,6 +57,16 @@ pub enum Route {
     Sweeps(Box<Both<FrictionFit>>),
     /// From free motion, for want of sweeps.
     Free(Box<FreeFit>),
+}
+
+impl Route {
+    /// The fits of the sweeps, if there were any.
+    pub fn sweeps(&self) -> Option<&Both<FrictionFit>> {
+        match self {
+            Self::Sweeps(fits) => Some(fits),
+            Self::Free(_) => None,
+        }
+    }
 }
 
 /// Everything that an identification found.
@@ -130,7 +142,7 @@ pub fn identify(campaign: &Campaign, readings: Vec<Reading>, settings: Settings)
     let mut found = if sweeps {
         from_sweeps(campaign, readings, settings)?
     } else {
-        from_free_motion(campaign, readings, settings)
+        from_free_motion(campaign, readings, settings)?
     };
     found.warnings.splice(0..0, campaign.warnings.iter().map(Problem::to_string));
     found.warnings.extend(doubts::doubts(&found.model, sweeps));
@@ -154,7 +166,7 @@ fn from_sweeps(campaign: &Campaign, mut readings: Vec<Reading>, settings: Settin
     let load_nm = legs::load_of_a_nm(campaign);
     let a = legs::amplitudes(&legs, load_nm, &campaign.file)?;
     legs::fix_a(&mut legs, &a);
-    let sliding_nm = root_mean_square(&legs.iter().map(|leg| leg.rmse_nm).collect::<Vec<f64>>());
+    let sliding_nm = legs::sliding_nm(&legs);
     let mut warnings: Vec<String> = readings.iter().flat_map(|r| r.warnings.iter().map(Problem::to_string)).collect();
     let (rows, trials) = (readings.iter().map(|r| r.rows).sum(), readings.len());
     let trace = readings.iter_mut().find_map(|r| r.trace.take());
@@ -167,8 +179,7 @@ fn from_sweeps(campaign: &Campaign, mut readings: Vec<Reading>, settings: Settin
     let fits = friction::fit_friction(&data, settings.form, Some(&judge))?;
     let mut model = with_friction(blank_model(campaign), &fits);
     warnings.extend([&fits.up, &fits.down].into_iter().flat_map(friction::warnings));
-    let combination =
-        combination::fit_combination(&prepared, &model, lowpass_hz, settings.combination, Some(sliding_nm));
+    let combination = combination::fit_combination(&prepared, &model, lowpass_hz, settings.combination, sliding_nm);
     match &combination {
         Some(fit) => {
             model.combination = fit.curve().curve;
@@ -180,9 +191,10 @@ fn from_sweeps(campaign: &Campaign, mut readings: Vec<Reading>, settings: Settin
     }
     let refinement = settings.refine.then(|| {
         let folds: Vec<usize> = folds(&entries.iter().map(|e| e.repeat).collect::<Vec<u32>>());
-        refine::refine(&prepared, &folds, &model, lowpass_hz)
+        refine::refine(&prepared, &folds, &model, lowpass_hz, &fits)
     });
-    if let Some(refined) = refinement.as_ref().filter(|r| r.gained) {
+    warnings.extend(refinement.iter().flat_map(|r| r.warnings.iter().cloned()));
+    if let Some(refined) = refinement.as_ref().filter(|r| r.kept) {
         model = Model { confidence: model.confidence, ..refined.fit.model.clone() };
         learn(&mut model, &refined.fit.confidence);
     }
@@ -210,19 +222,19 @@ pub fn of_the_joint_alone(readings: Vec<Reading>) -> (Vec<Prepared>, Vec<TrialEn
     alone.map(|r| (r.prepared, r.entry)).unzip()
 }
 
-fn from_free_motion(campaign: &Campaign, readings: Vec<Reading>, settings: Settings) -> Identification {
+fn from_free_motion(campaign: &Campaign, readings: Vec<Reading>, settings: Settings) -> Result<Identification> {
     let lowpass_hz = campaign.signal.lowpass_hz;
     let mut warnings: Vec<String> = readings.iter().flat_map(|r| r.warnings.iter().map(Problem::to_string)).collect();
     warnings.push(
         "no uniform sweeps in this campaign: A(v) and B(v) are not to be had; friction and combination come from free \
-         motion, judged on samples that their fit did not see"
+         motion, judged on strokes that their fit did not see"
             .to_string(),
     );
     let (rows, trials) = (readings.iter().map(|r| r.rows).sum(), readings.len());
     let (prepared, entries) = of_the_joint_alone(readings);
-    let folds = folds(&entries.iter().map(|e| e.repeat).collect::<Vec<u32>>());
     let blank = blank_model(campaign);
-    let fit = free::fit_free(&prepared, &folds, &blank, lowpass_hz, settings.combination);
+    let folds = folds(&entries.iter().map(|e| e.repeat).collect::<Vec<u32>>());
+    let fit = free::fit_free(&prepared, &folds, &blank, lowpass_hz, settings.combination, &campaign.file)?;
     let mut model = fit.fit.model.clone();
     let unseen = Confidence { low: f64::NEG_INFINITY, high: f64::INFINITY, cv: f64::INFINITY, status: Status::Flat };
     for direction in Direction::BOTH {
@@ -239,7 +251,7 @@ fn from_free_motion(campaign: &Campaign, readings: Vec<Reading>, settings: Setti
     let combination = Some(fit.combination.clone());
     let route = Route::Free(Box::new(fit));
     let (legs, refinement, trace) = (Vec::new(), None, None);
-    Identification { model, route, legs, combination, refinement, residuals, trace, warnings, trials, rows }
+    Ok(Identification { model, route, legs, combination, refinement, residuals, trace, warnings, trials, rows })
 }
 
 /// Takes over what a fit knows of its parameters, and of k what it knows of p.

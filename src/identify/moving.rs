@@ -3,6 +3,7 @@
 use super::combination::CurveKind;
 use super::predicted::Prepared;
 use crate::model::{Combination, Direction, Friction, Model};
+use crate::numerics::statistics::extent;
 
 /// The largest clearance looked for, as a share of the longest stroke: beyond, no sample would ever be off a transition.
 pub const MAX_BACKLASH: f64 = 0.5;
@@ -12,20 +13,18 @@ pub const MAX_BACKLASH: f64 = 0.5;
 pub enum Free {
     /// One of `Friction::NAMES`, by place. Rates move by their logarithm.
     Friction(Direction, usize),
-    /// p or n, by its logarithm.
-    Curve,
+    /// p or n of a curve that has one, by its logarithm.
+    Curve(CurveKind),
     /// X_cl, by its logarithm.
     Backlash,
 }
 
 impl Free {
     /// Dotted name as in `model.json`.
-    pub fn name(self, curve: &Combination) -> String {
+    pub fn name(self) -> String {
         match self {
             Self::Friction(direction, i) => format!("friction.{}.{}", direction.name(), Friction::NAMES[i]),
-            Self::Curve => {
-                format!("combination.{}", if matches!(curve, Combination::Power { .. }) { "n" } else { "p" })
-            }
+            Self::Curve(kind) => format!("combination.{}", if kind == CurveKind::Power { "n" } else { "p" }),
             Self::Backlash => "joint.backlash_m".to_string(),
         }
     }
@@ -35,14 +34,14 @@ impl Free {
     }
 
     fn is_logarithmic(self) -> bool {
-        self.is_rate() || matches!(self, Self::Curve | Self::Backlash)
+        self.is_rate() || matches!(self, Self::Curve(_) | Self::Backlash)
     }
 
     /// The parameter of `model` as it moves: its logarithm or itself.
     pub fn read(self, model: &Model) -> f64 {
         let value = match self {
             Self::Friction(direction, i) => model.friction.of(direction).values()[i],
-            Self::Curve => match model.combination {
+            Self::Curve(_) => match model.combination {
                 Combination::Arctan { p, .. } => p,
                 Combination::Power { n } => n,
                 _ => 1.0,
@@ -62,13 +61,7 @@ impl Free {
                 values[i] = if self.is_rate() { direction.sign() * value } else { value };
                 *branch = Friction::from_values(values);
             }
-            Self::Curve => {
-                model.combination = match model.combination {
-                    Combination::Power { .. } => CurveKind::Power.with(value),
-                    Combination::Arctan { .. } => CurveKind::Arctan.with(value),
-                    other => other,
-                }
-            }
+            Self::Curve(kind) => model.combination = kind.with(value),
             Self::Backlash => model.joint.backlash_m = value,
         }
     }
@@ -93,8 +86,7 @@ impl Limits {
         let over = |values: &dyn Fn(&Prepared) -> f64| trials.iter().map(values).fold(f64::MIN_POSITIVE, f64::max);
         let largest = |values: &[f64]| values.iter().fold(0f64, |m, x| m.max(x.abs()));
         let stroke = |t: &Prepared| {
-            let (low, high) =
-                t.series.position_rad.iter().fold((f64::MAX, f64::MIN), |(l, h), x| (l.min(*x), h.max(*x)));
+            let (low, high) = extent(&t.series.position_rad);
             high - low
         };
         Self {
@@ -113,9 +105,14 @@ impl Limits {
             Free::Friction(_, 0) => (-5.0, 0.9),
             Free::Friction(_, 3) => (rates.0 - self.pulley_radius_m.ln(), rates.1 - self.pulley_radius_m.ln()),
             Free::Friction(_, 5) => rates,
-            Free::Friction(_, 6) => (0.0, 10.0 * self.force_n / self.speed_rad_s),
+            // Of either sign, as in the fit of B(v): where friction falls with speed, a bound at zero would hold the rest off its
+            // best and slow the search tenfold.
+            Free::Friction(_, 6) => {
+                let steepest = 10.0 * self.force_n / self.speed_rad_s;
+                (-steepest, steepest)
+            }
             Free::Friction(..) => (-10.0 * self.force_n, 10.0 * self.force_n),
-            Free::Curve => (0.02f64.ln(), 100f64.ln()),
+            Free::Curve(kind) => kind.range().map_or((0.0, 1.0), |(low, high)| (low.ln(), high.ln())),
             Free::Backlash => {
                 let stroke_m = self.stroke_rad * self.pulley_radius_m;
                 ((1e-4 * stroke_m).ln(), (MAX_BACKLASH * stroke_m).ln())

@@ -3,6 +3,10 @@
 use crate::model::{Direction, Model, Transition, settle};
 use crate::numerics::filter::LowPass;
 use crate::prepare::Series;
+use std::ops::Range;
+
+/// Around a stretch of a trial, in periods of the low-pass: the filter run on the stretch alone has then forgotten its edges.
+pub const PADDING_PERIODS: f64 = 3.0;
 
 /// A thinned trial with what does not change while a model is fitted to it.
 #[derive(Debug, Clone)]
@@ -82,5 +86,16 @@ impl Prepared {
             }
         }
         turns
+    }
+    /// The motion cut at its reversals, with where each stroke goes; what comes before the first reversal is one too.
+    pub fn strokes(&self) -> Vec<(Range<usize>, Direction)> {
+        let turns = self.reversals();
+        let positions = &self.series.position_rad;
+        let falls = positions.last() < positions.first();
+        let alone = if falls { Direction::Down } else { Direction::Up };
+        let begin = turns.first().map_or(alone, |(_, direction)| direction.opposite());
+        let starts = std::iter::once((0, begin)).chain(turns.iter().copied());
+        let ends = turns.iter().map(|(at, _)| *at).chain([self.len()]);
+        starts.zip(ends).map(|((start, direction), end)| (start..end, direction)).collect()
     }
 }

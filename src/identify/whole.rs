@@ -7,8 +7,8 @@
 
 use super::confidence::interval;
 use super::moving::{Free, Limits};
-use super::predicted::Prepared;
-use crate::model::{Confidence, Direction, Model, settle};
+use super::strokes::{Part, Stroke};
+use crate::model::{Confidence, Direction, Model};
 use crate::numerics::cluster;
 use crate::numerics::marquardt::{Minimum, Residuals, Stopped, minimise};
 use crate::numerics::statistics::{HALF_WIDTH, student_t};
@@ -16,34 +16,16 @@ use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 use std::ops::Range;
 
-/// Residuals per period of the low-pass: they are smooth, more would say the same again.
-const ROWS_PER_PERIOD: f64 = 5.0;
 /// Relative step of the derivatives by difference.
 const STEP: f64 = 1e-4;
 /// Relative change of cost or parameters at which a fit has converged.
 const TOLERANCE: f64 = 1e-8;
 /// Evaluations allowed, per parameter.
 const PATIENCE: usize = 12;
-
-/// The samples of one trial that a fit or a judgement uses.
-#[derive(Debug, Clone)]
-pub struct Part<'a> {
-    /// The trial.
-    pub trial: &'a Prepared,
-    /// Places of the residuals.
-    rows: Vec<usize>,
-}
-
-impl<'a> Part<'a> {
-    /// The samples of `trial` in `samples` whose sensor was in range and whose K~ is known for a clearance of
-    /// `backlash_rad` or less, thinned to what the low-pass leaves.
-    pub fn new(trial: &'a Prepared, samples: Range<usize>, backlash_rad: f64, lowpass_hz: f64) -> Self {
-        let step = ((trial.series.rate_hz / (ROWS_PER_PERIOD * lowpass_hz)) as usize).max(1);
-        let (_, known_from) = settle(&trial.series.position_rad, backlash_rad, trial.series.deadband_rad);
-        let usable = |i: &usize| *i >= known_from && trial.series.in_range[*i];
-        Self { trial, rows: samples.step_by(step).filter(usable).collect() }
-    }
-}
+/// The same for fits that are only compared: those that need more are of curves that do not describe the data.
+const PATIENCE_COMPARED: usize = 5;
+/// Evaluations, per parameter, after which the best of several starts shows.
+const SHORT_RUN: usize = 2;
 
 /// Result of a fit on whole series.
 #[derive(Debug, Clone)]
@@ -58,31 +40,37 @@ pub struct WholeFit {
     pub stopped: Stopped,
 }
 
-/// Root mean square over all parts of their sums of squares and numbers of samples, N m.
+/// Root mean square over all strokes of their sums of squares and numbers of samples, N m.
 pub fn rmse_nm(sums: &[(f64, f64)]) -> f64 {
     let (sum, count) = sums.iter().fold((0.0, 0.0), |(sum, count), part| (sum + part.0, count + part.1));
     (sum / count).sqrt()
 }
 
-/// Sum of squares and number of samples of each part.
-pub fn square_sums(parts: &[Part], model: &Model) -> Vec<(f64, f64)> {
-    let of = |part: &Part| {
-        let (residual, _) = part.trial.residual_nm(model);
-        (part.rows.iter().map(|i| residual[*i] * residual[*i]).sum(), part.rows.len() as f64)
-    };
-    parts.par_iter().map(of).collect()
-}
-
-/// Fits the `free` parameters of `start` to `parts`, each within its bounds.
+/// Fits the `free` parameters of `start` to `parts`, each within its bounds, and says what is known of them.
 pub fn fit_whole(parts: &[Part], start: &Model, free: &[Free], limits: &Limits) -> WholeFit {
     let problem = Whole { parts, start, free };
-    let from: Vec<f64> = free.iter().map(|f| f.read(start)).collect();
-    let bounds: Vec<(f64, f64)> = free.iter().zip(&from).map(|(f, x)| limits.of(*f, *x)).collect();
-    let minimum = minimise(&problem, &from, &bounds, PATIENCE, TOLERANCE);
+    let minimum = problem.minimum(limits, PATIENCE);
     let model = problem.model(&minimum.parameters);
-    let confidence = problem.confidence(&minimum, &model);
+    let confidence = problem.confidence(&minimum);
     let rmse_nm = (minimum.residual_sum / minimum.residual_count as f64).sqrt();
     WholeFit { model, rmse_nm, confidence, stopped: minimum.stopped }
+}
+
+/// The model alone of the same fit, with less patience: to be compared with others.
+pub fn best_whole(parts: &[Part], start: &Model, free: &[Free], limits: &Limits) -> Model {
+    run(parts, start, free, limits, PATIENCE_COMPARED).0
+}
+
+/// Which of several starts is ahead after a short run, and where it then is; `None` of none.
+pub fn ahead(parts: &[Part], starts: &[Model], free: &[Free], limits: &Limits) -> Option<Model> {
+    let runs = starts.iter().map(|start| run(parts, start, free, limits, SHORT_RUN));
+    runs.min_by(|a, b| a.1.total_cmp(&b.1)).map(|best| best.0)
+}
+
+fn run(parts: &[Part], start: &Model, free: &[Free], limits: &Limits, patience: usize) -> (Model, f64) {
+    let problem = Whole { parts, start, free };
+    let minimum = problem.minimum(limits, patience);
+    (problem.model(&minimum.parameters), minimum.residual_sum)
 }
 
 struct Whole<'a> {
@@ -100,12 +88,18 @@ impl Whole<'_> {
         model
     }
 
+    fn minimum(&self, limits: &Limits, patience: usize) -> Minimum {
+        let from: Vec<f64> = self.free.iter().map(|f| f.read(self.start)).collect();
+        let bounds: Vec<(f64, f64)> = self.free.iter().zip(&from).map(|(f, x)| limits.of(*f, *x)).collect();
+        minimise(self, &from, &bounds, patience, TOLERANCE)
+    }
+
     fn count(&self) -> usize {
-        self.parts.iter().map(|part| part.rows.len()).sum()
+        self.parts.iter().map(Part::count).sum()
     }
 
     /// Intervals by the sandwich over strokes: errors of one stroke hang together, those of different strokes hardly.
-    fn confidence(&self, minimum: &Minimum, model: &Model) -> Vec<(String, Confidence)> {
+    fn confidence(&self, minimum: &Minimum) -> Vec<(String, Confidence)> {
         let errors = self.residuals(&minimum.parameters);
         let jacobian = self.jacobian(&minimum.parameters);
         let strokes = self.strokes();
@@ -134,57 +128,46 @@ impl Whole<'_> {
                     let of = |x: f64| d.sign() * x.exp();
                     interval(of(moved), [of(ends[0]), of(ends[1])], 0.0, HALF_WIDTH, alone, minimum.at_bound[i])
                 }
-                Free::Curve | Free::Backlash => {
+                Free::Curve(_) | Free::Backlash => {
                     interval(moved.exp(), [ends[0].exp(), ends[1].exp()], 0.0, HALF_WIDTH, alone, minimum.at_bound[i])
                 }
                 Free::Friction(..) => interval(moved, ends, 0.0, HALF_WIDTH, alone / moved.abs(), minimum.at_bound[i]),
             };
-            (free.name(&model.combination), confidence)
+            (free.name(), confidence)
         };
         self.free.iter().enumerate().map(known).collect()
     }
 
-    /// Rows of each stroke between reversals.
+    /// Rows of each stroke.
     fn strokes(&self) -> Vec<Range<usize>> {
-        let mut out = Vec::new();
         let mut offset = 0;
-        for Part { trial, rows } in self.parts {
-            let mut start = offset;
-            for (at, _) in trial.reversals() {
-                let end = offset + rows.partition_point(|i| *i < at);
-                if end > start {
-                    out.push(start..end);
-                    start = end;
-                }
-            }
-            offset += rows.len();
-            if offset > start {
-                out.push(start..offset);
-            }
-        }
-        out
+        let rows = |stroke: &Stroke| {
+            let start = offset;
+            offset += stroke.rows.len();
+            start..offset
+        };
+        self.parts.iter().flat_map(|part| &part.strokes).map(rows).collect()
     }
 
     /// Derivative of the low-passed prediction of `part` by each free parameter.
-    fn slopes(&self, Part { trial, rows }: &Part, model: &Model) -> Vec<Vec<f64>> {
+    fn slopes(&self, part: &Part, model: &Model) -> Vec<Vec<f64>> {
+        let trial = part.trial;
         let (k_tilde, _) = trial.k_tilde(model);
         let torque = trial.torque_nm(model, &k_tilde);
         let column = |free: &Free| -> Vec<f64> {
-            let raw: Vec<f64> = match free {
+            match free {
                 Free::Friction(direction, i) => {
                     let slope = BranchSlope { model, direction: *direction, parameter: *i };
-                    let motion = trial.series.velocity_rad_s.iter().zip(&torque);
-                    motion.zip(&k_tilde).map(|((v, y), k)| slope.at(*v, *y, *k)).collect()
+                    part.low_passed(|at| slope.at(trial.series.velocity_rad_s[at], torque[at], k_tilde[at]))
                 }
-                Free::Curve | Free::Backlash => {
+                Free::Curve(_) | Free::Backlash => {
                     let mut moved = model.clone();
                     free.write(&mut moved, free.read(model) + STEP);
                     let (k_tilde, _) = trial.k_tilde(&moved);
-                    trial.torque_nm(&moved, &k_tilde).iter().zip(&torque).map(|(a, b)| (a - b) / STEP).collect()
+                    let ahead = trial.torque_nm(&moved, &k_tilde);
+                    part.low_passed(|at| (ahead[at] - torque[at]) / STEP)
                 }
-            };
-            let filtered = trial.low_pass(&raw);
-            rows.iter().map(|i| filtered[*i]).collect()
+            }
         };
         self.free.iter().map(column).collect()
     }
@@ -222,11 +205,7 @@ impl BranchSlope<'_> {
 impl Residuals for Whole<'_> {
     fn residuals(&self, parameters: &[f64]) -> DVector<f64> {
         let model = self.model(parameters);
-        let of = |part: &Part| -> Vec<f64> {
-            let (residual, _) = part.trial.residual_nm(&model);
-            part.rows.iter().map(|i| -residual[*i]).collect()
-        };
-        let all: Vec<Vec<f64>> = self.parts.par_iter().map(of).collect();
+        let all: Vec<Vec<f64>> = self.parts.par_iter().map(|part| part.residual_nm(&model)).collect();
         DVector::from_iterator(self.count(), all.into_iter().flatten())
     }
 

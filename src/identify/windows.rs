@@ -1,12 +1,10 @@
 //! Where friction changes over: the stretches of a campaign around its reversals.
 
-use super::predicted::Prepared;
+use super::predicted::{PADDING_PERIODS, Prepared};
 use crate::model::{Combination, Direction, Model, Transition, settle};
 use crate::numerics::statistics::mean;
 use std::ops::Range;
 
-/// Around each stretch, in periods of the low-pass: the filter run on the stretch alone has then forgotten its edges.
-const PADDING_PERIODS: f64 = 3.0;
 /// The stretch goes on after the transition for as long as the low-pass smears it, in periods of the low-pass.
 const SMEAR_PERIODS: f64 = 0.5;
 
@@ -70,7 +68,6 @@ impl<'a> Window<'a> {
             model.friction.of(direction).unloaded_nm(direction, trial.series.velocity_rad_s[i], r1, r2)
         };
         let rigid = |i: usize| model.joint.transmission() * trial.series.joint_torque_nm[i];
-        let start = if turns_to == Direction::Up { Direction::Down } else { Direction::Up };
         Self {
             base_nm: padded.clone().map(|i| rigid(i) + branch(Direction::Down, i)).collect(),
             change_nm: padded.clone().map(|i| branch(Direction::Up, i) - branch(Direction::Down, i)).collect(),
@@ -78,7 +75,7 @@ impl<'a> Window<'a> {
             trial,
             padded,
             judged,
-            start,
+            start: turns_to.opposite(),
         }
     }
 

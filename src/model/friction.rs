@@ -34,6 +34,14 @@ impl Direction {
         }
     }
 
+    /// The other one.
+    pub fn opposite(self) -> Self {
+        match self {
+            Self::Up => Self::Down,
+            Self::Down => Self::Up,
+        }
+    }
+
     /// The name used in files.
     pub fn name(self) -> &'static str {
         match self {

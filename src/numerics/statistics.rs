@@ -24,6 +24,11 @@ pub fn root_mean_square(values: &[f64]) -> f64 {
     (values.iter().map(|v| v * v).sum::<f64>() / values.len() as f64).sqrt()
 }
 
+/// The lowest and the highest of `values`; an empty range, (inf, -inf), of nothing.
+pub fn extent(values: &[f64]) -> (f64, f64) {
+    values.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| (low.min(*x), high.max(*x)))
+}
+
 /// The value that `share` (0 to 1) of `values` do not exceed; NaN of nothing. Reorders `values`.
 pub fn quantile(values: &mut [f64], share: f64) -> f64 {
     if values.is_empty() {

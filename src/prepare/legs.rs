@@ -3,7 +3,7 @@
 use crate::dynamics::JointKind;
 use crate::log::Log;
 use crate::model::{Direction, Joint};
-use crate::numerics::statistics::quantile;
+use crate::numerics::statistics::{extent, quantile};
 use crate::problem::{Problem, Result};
 use std::ops::Range;
 
@@ -74,7 +74,7 @@ pub(super) struct Cut {
 }
 
 pub(super) fn cut(position_rad: &[f64], rate_hz: f64, speed_rad_s: f64, joint: &Joint, lowpass_hz: f64) -> Cut {
-    let (low, high) = position_rad.iter().fold((f64::MAX, f64::MIN), |(l, h), x| (l.min(*x), h.max(*x)));
+    let (low, high) = extent(position_rad);
     let range_rad = high - low;
     // Where the declared speed is far too slow, still a window that fits into the log.
     let window = (WINDOW_TRAVEL * range_rad / speed_rad_s * rate_hz).min(WINDOW_TRAVEL * position_rad.len() as f64);

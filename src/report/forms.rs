@@ -1,9 +1,10 @@
 //! The forms of B(v) side by side, for the page: what each leaves, what the points support, what trades off.
 
 use super::number::{significant, with_minus};
-use super::wording::{Units, exponentials, moving};
+use super::wording::{Units, moving};
 use crate::identify::FrictionFit;
 use crate::identify::stribeck::ExponentialFit;
+use crate::identify::stribeck::exponentials;
 
 /// Correlations shown of each direction.
 const TRADES_SHOWN: usize = 4;

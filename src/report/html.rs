@@ -1,12 +1,13 @@
 //! `report.html`: one file, no link to anything outside.
 
 use super::forms::{FormsTable, forms_of, note};
-use super::identification::{curves_of_model, overall_rmse_nm, parameter};
+use super::identification::{overall_rmse_nm, parameter};
 use super::number::{as_precise_as, count, percent, r_squared, significant, with_spread};
-use super::parameters::{Parameter, combination, friction_found};
+use super::parameters::{Parameter, combination, friction};
 use super::plots::Figure;
 use super::verdict::{Verdict, verdict};
 use super::wording::{LEFT_OUT, LEFT_OUT_MEANING, Units, amplitude_spread, moving, status_meaning, status_word};
+use crate::identify::combination::JudgedOn;
 use crate::identify::{CombinationFit, CurveKind, Identification, LegFit, Route};
 use crate::model::{Direction, Status};
 use askama::Template;
@@ -92,7 +93,7 @@ pub fn report<'a>(
     figures: &'a [(&Figure, String)],
 ) -> askama::Result<String> {
     let units = Units::of(found.model.joint.kind);
-    let [up, down] = Direction::BOTH.map(|direction| friction_found(&found.model, direction, &found.route));
+    let [up, down] = Direction::BOTH.map(|direction| friction(&found.model, direction, found.route.sweeps()));
     let Verdict { short, steps } = verdict(found);
     let view = |(figure, svg): &'a (&Figure, String)| FigureView {
         name: figure.name,
@@ -112,7 +113,7 @@ pub fn report<'a>(
         statuses: Status::ALL.into_iter().map(status_chip).chain([left_out_chip()]).collect(),
         forms: forms(found, &units),
         free_forms: free_forms(found, &units),
-        curves: curves_of_model(found).map(|fit| curves(&fit, &units)).unwrap_or_default(),
+        curves: found.combination.as_ref().map(|fit| curves(fit, &units)).unwrap_or_default(),
         reversals: found.combination.as_ref().map_or(String::new(), |fit| count(fit.windows)),
         figures: figures.iter().map(view).collect(),
         legs: found.legs.iter().map(leg_row).collect(),
@@ -142,11 +143,15 @@ fn cards(found: &Identification, units: &Units) -> Vec<Card> {
         }
         Route::Free(free) => add("held-out RMSE", units.torque(free.held_out_nm), free.form.name().to_string()),
     }
-    if let Some(fit) = curves_of_model(found) {
+    if let Some(fit) = &found.combination {
         let curve = fit.curve();
         let own =
             parameter(&curve.curve).map_or(String::new(), |(name, x)| format!(", {name} = {}", significant(x, 3)));
-        let note = format!("RMSE {} after reversals", units.torque(curve.rmse_nm));
+        let judged_on = match fit.judged_on {
+            JudgedOn::Reversals => "after reversals",
+            JudgedOn::UnseenStrokes => "held out",
+        };
+        let note = format!("RMSE {} {judged_on}", units.torque(curve.rmse_nm));
         add("combination", format!("{}{own}", curve.kind.name()), note);
     }
     let note = "all trials, low-passed".to_string();

@@ -128,20 +128,6 @@ pub fn combinations(fit: &CombinationFit) -> Value {
     fit.curves.iter().enumerate().map(curve).collect::<Map<String, Value>>().into()
 }
 
-/// The curves as the model has them: the one taken with the model's own parameter and clearance. Where the model comes of a
-/// fit of all parameters (free motion, refining) those differ from what fitting the curve alone gave.
-pub fn curves_of_model(found: &Identification) -> Option<CombinationFit> {
-    let mut fit = found.combination.clone()?;
-    let model = &found.model;
-    if let Some(taken) = fit.curves.get_mut(fit.taken)
-        && std::mem::discriminant(&taken.curve) == std::mem::discriminant(&model.combination)
-    {
-        taken.curve = model.combination;
-        taken.backlash_m = model.joint.backlash_m;
-    }
-    Some(fit)
-}
-
 /// Name and value of a curve's own parameter, if it has one.
 pub fn parameter(curve: &Combination) -> Option<(&'static str, f64)> {
     match *curve {
@@ -155,7 +141,7 @@ fn refinement(refined: &Refinement) -> Value {
     json!({
         "before_rmse_nm": refined.before_nm,
         "after_held_out_rmse_nm": refined.after_nm,
-        "kept": refined.gained,
+        "kept": refined.kept,
         "stopped": refined.fit.stopped.name(),
     })
 }

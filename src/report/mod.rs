@@ -58,7 +58,7 @@ pub const IDENTIFICATION_FILES: &[&str] = &["model.json", "trials.csv", "report.
 /// `campaign` is the name that the report calls the campaign by; `png` asks for pictures beside the drawings.
 pub fn write_identification(found: &Identification, campaign: &str, output: &Output, png: bool) -> Result<()> {
     output.write("model.json", json_text(&identification::to_json(found, campaign)))?;
-    write_trials(&found.legs, output)?;
+    write_trials(&found.legs, &found.model.joint.name, output)?;
     let drawn: Vec<(&Figure, String)> = draw_figures(found, output)?;
     for (figure, svg) in &drawn {
         output.write(&format!("plots/{}.svg", figure.name), svg)?;
@@ -101,9 +101,9 @@ pub fn write_comparison(found: &Comparison, names: &[String; 2], output: &Output
     comparison::page(found, names, drawings).write(output, png)
 }
 
-/// Writes `legs` to `trials.csv`.
-pub fn write_trials(legs: &[LegFit], output: &Output) -> Result<()> {
-    let table = trials_csv(legs).or_else(|error| unmade(output, "trials.csv", error))?;
+/// Writes `legs` of the joint called `joint` to `trials.csv`.
+pub fn write_trials(legs: &[LegFit], joint: &str, output: &Output) -> Result<()> {
+    let table = trials_csv(legs, joint).or_else(|error| unmade(output, "trials.csv", error))?;
     output.write("trials.csv", table)
 }
 

@@ -2,8 +2,8 @@
 
 use super::number::interval;
 use super::wording::{FRICTION_MEANINGS, Units};
-use crate::identify::{FrictionFit, Route};
-use crate::model::{Combination, Confidence, Direction, Friction, Joint, Model, Status};
+use crate::identify::FrictionFit;
+use crate::model::{Both, Combination, Confidence, Direction, Friction, Joint, Model, Status};
 
 /// One parameter, in the unit in which it is shown.
 #[derive(Debug, Clone, PartialEq)]
@@ -42,12 +42,13 @@ impl Parameter {
 
 /// Friction of both branches, `up` first, in the order of `Friction::NAMES`, then the combination.
 pub fn parameters(model: &Model) -> Vec<Parameter> {
-    let branches = Direction::BOTH.into_iter().flat_map(|direction| friction(model, direction));
+    let branches = Direction::BOTH.into_iter().flat_map(|direction| friction(model, direction, None));
     branches.chain(combination(model)).collect()
 }
 
-/// The seven of one branch, in the order of `Friction::NAMES`.
-pub fn friction(model: &Model, direction: Direction) -> [Parameter; 7] {
+/// The seven of one branch, in the order of `Friction::NAMES`; the fits of the sweeps, if it comes of any, tell where the
+/// rates' intervals ended with the search.
+pub fn friction(model: &Model, direction: Direction, sweeps: Option<&Both<FrictionFit>>) -> [Parameter; 7] {
     let branch = model.friction.of(direction);
     let units = Units::of(model.joint.kind);
     std::array::from_fn(|i| {
@@ -59,7 +60,7 @@ pub fn friction(model: &Model, direction: Direction) -> [Parameter; 7] {
             .is_some_and(|c| c.low == f64::NEG_INFINITY && c.high == f64::INFINITY && c.status != Status::AtBound);
         // A Stribeck term without amplitude is no term, whatever its rate says.
         let no_term = matches!(i, 2 | 3) && branch.b_c == 0.0 || matches!(i, 4 | 5) && branch.b_j == 0.0;
-        Parameter {
+        let row = Parameter {
             direction: Some(direction),
             name,
             meaning: FRICTION_MEANINGS[i],
@@ -68,17 +69,12 @@ pub fn friction(model: &Model, direction: Direction) -> [Parameter; 7] {
             confidence,
             left_out: no_term || open && value == 0.0,
             searched: [false; 2],
+        };
+        match sweeps {
+            Some(fits) => with_search_limits(row, fits.of(direction), &model.joint),
+            None => row,
         }
     })
-}
-
-/// The same with a note of where the rates' intervals ended with the search, which only the route tells.
-pub fn friction_found(model: &Model, direction: Direction, route: &Route) -> [Parameter; 7] {
-    let rows = friction(model, direction);
-    match route {
-        Route::Sweeps(fits) => rows.map(|row| with_search_limits(row, fits.of(direction), &model.joint)),
-        Route::Free(_) => rows,
-    }
 }
 
 /// An end this close to a limit, relative to it, is the limit.

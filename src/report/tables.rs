@@ -2,6 +2,7 @@
 
 use crate::document::{nearest, suggest};
 use crate::identify::LegFit;
+use crate::log::{Campaign, TrialEntry};
 use crate::model::Direction;
 use crate::problem::{Problem, Problems, Result};
 use csv::StringRecord;
@@ -16,13 +17,16 @@ pub const REQUIRED: [&str; 9] =
 /// The columns that this program adds.
 pub const EXTRA: [&str; 5] = ["a_se_nm", "b_se_nm", "raw_rmse_nm", "mean_sine", "mean_torque_nm"];
 
+/// And the last, the joint's name.
+const JOINT: &str = "joint";
+
 /// Faults told of one table: more of them would say the same again.
 const FAULTS_TOLD: usize = 20;
 
-/// `legs` as a table; numbers in the shortest form that reads back to the same bits.
-pub fn trials_csv(legs: &[LegFit]) -> std::result::Result<String, csv::Error> {
+/// `legs` of the joint called `joint` as a table; numbers in the shortest form that reads back to the same bits.
+pub fn trials_csv(legs: &[LegFit], joint: &str) -> std::result::Result<String, csv::Error> {
     let mut writer = csv::Writer::from_writer(Vec::new());
-    writer.write_record(REQUIRED.iter().chain(&EXTRA))?;
+    writer.write_record(REQUIRED.iter().chain(&EXTRA).chain(&[JOINT]))?;
     for leg in legs {
         let number = |x: f64| format!("{x:?}");
         writer.write_record([
@@ -40,16 +44,19 @@ pub fn trials_csv(legs: &[LegFit]) -> std::result::Result<String, csv::Error> {
             number(leg.raw_rmse_nm),
             number(leg.mean_sine),
             number(leg.mean_torque_nm),
+            joint.to_string(),
         ])?;
     }
     let bytes = writer.into_inner().map_err(|error| csv::Error::from(error.into_error()))?;
     Ok(String::from_utf8_lossy(&bytes).into_owned())
 }
 
-/// The legs in the table at `path`. The columns of `EXTRA` may be absent and are then NaN; others are not looked at.
+/// The legs of `campaign` in the table at `path`. The columns of `EXTRA` may be absent and are then NaN, so may the joint's
+/// name; others are not looked at.
 ///
-/// Errors: the file cannot be read, lacks a column, holds no row, or a field is no number; all rows are looked at.
-pub fn read_trials_csv(path: &Path) -> Result<Vec<LegFit>> {
+/// Errors: the file cannot be read, lacks a column, holds no row, a field is no number, or a row is of another joint or
+/// campaign; all rows are looked at.
+pub fn read_trials_csv(path: &Path, campaign: &Campaign) -> Result<Vec<LegFit>> {
     let unreadable = |error: csv::Error| unreadable(path, &error);
     let mut reader = csv::ReaderBuilder::new().trim(csv::Trim::All).from_path(path).map_err(unreadable)?;
     let headers = reader.headers().map_err(unreadable)?.clone();
@@ -65,7 +72,9 @@ pub fn read_trials_csv(path: &Path) -> Result<Vec<LegFit>> {
             }
         };
         let mut row = Row { path, headers: &headers, record: &record, faults: &mut faults };
-        legs.extend(row.leg());
+        row.check_joint(&campaign.joint.name);
+        let leg = row.leg();
+        legs.extend(leg.inspect(|leg| row.check_trial(leg, &campaign.trials)));
         if faults.len() >= FAULTS_TOLD {
             break;
         }
@@ -96,7 +105,8 @@ fn unreadable(path: &Path, error: &csv::Error) -> Problem {
 /// Errors: a column that seems misspelt, by its likely name; all others that are missing, together.
 fn check_headers(path: &Path, headers: &StringRecord) -> Result<()> {
     let missing: Vec<&str> = REQUIRED.into_iter().filter(|name| !headers.iter().any(|h| h == *name)).collect();
-    let strange: Vec<&str> = headers.iter().filter(|h| !REQUIRED.contains(h) && !EXTRA.contains(h)).collect();
+    let strange: Vec<&str> =
+        headers.iter().filter(|h| !REQUIRED.contains(h) && !EXTRA.contains(h) && *h != JOINT).collect();
     let mut faults = Vec::new();
     let mut absent = Vec::new();
     for name in missing {
@@ -155,6 +165,27 @@ impl Row<'_> {
             mean_sine: mean_sine?,
             mean_torque_nm: mean_torque_nm?,
         })
+    }
+
+    fn check_joint(&mut self, ours: &str) {
+        let theirs = self.field(JOINT).unwrap_or(ours).to_string();
+        if theirs != ours {
+            let what = format!("is of the joint `{theirs}`, the campaign's is `{ours}`");
+            self.fault(JOINT, what, "name the table that `fit trials` made of this campaign".to_string());
+        }
+    }
+
+    fn check_trial(&mut self, leg: &LegFit, trials: &[TrialEntry]) {
+        let is_it = |trial: &&TrialEntry| trial.file == leg.file && trial.repeat == leg.repeat;
+        let speed_rad_s = trials.iter().find(is_it).and_then(|trial| trial.protocol.speed_rad_s());
+        let cure = "name the table that `fit trials` made of this campaign as it is now".to_string();
+        match speed_rad_s {
+            None => self.fault("file", "names no uniform trial of the campaign".to_string(), cure),
+            Some(speed) if speed != leg.speed_rad_s => {
+                self.fault("speed_rad_s", "is not what the campaign declares of this trial".to_string(), cure)
+            }
+            Some(_) => {}
+        }
     }
 
     fn field(&self, name: &str) -> Option<&str> {

@@ -3,11 +3,12 @@
 //! Colours only repeat what words say. Written through anstream's streams, which drop them where `NO_COLOR` asks for it or
 //! nobody looks.
 
-use super::identification::{curves_of_model, overall_rmse_nm, parameter};
+use super::identification::{overall_rmse_nm, parameter};
 use super::number::{counted, r_squared, significant};
-use super::parameters::{Parameter, combination, friction, friction_found};
+use super::parameters::{Parameter, combination, friction};
 use super::verdict::refinement;
-use super::wording::{LEFT_OUT, Units, exponentials, met, moving, status_word};
+use super::wording::{LEFT_OUT, Units, met, moving, status_word};
+use crate::identify::stribeck::exponentials;
 use crate::identify::{CombinationFit, FreeFit, FrictionFit, Identification, Route};
 use crate::model::{Both, Direction, Model, Status};
 use anstyle::{AnsiColor, Style};
@@ -36,13 +37,11 @@ pub fn write_summary(
         Route::Sweeps(fits) => sweeps(out, fits, &units)?,
         Route::Free(free) => free_motion(out, free, &units)?,
     }
-    friction_table(out, &Direction::BOTH.map(|direction| friction_found(&found.model, direction, &found.route)))?;
-    if let Some(fit) = curves_of_model(found) {
-        curves(out, &fit, &units)?;
+    parameter_table(out, &found.model, found.route.sweeps())?;
+    if let Some(fit) = &found.combination {
+        curves(out, fit, &units)?;
     }
-    for row in combination(&found.model) {
-        writeln!(out, "  {:<10} {}", row.name, cell(&row, 0))?;
-    }
+    combination_table(out, &found.model)?;
     heading(out, "Whole series")?;
     writeln!(out, "  RMSE over all trials {}", units.torque(overall_rmse_nm(found)))?;
     if let Some(refined) = &found.refinement {
@@ -113,16 +112,13 @@ fn free_motion(out: &mut impl Write, free: &FreeFit, units: &Units) -> io::Resul
     Ok(())
 }
 
-/// Both directions side by side.
-pub fn parameter_table(out: &mut impl Write, model: &Model) -> io::Result<()> {
-    friction_table(out, &Direction::BOTH.map(|direction| friction(model, direction)))
-}
-
-fn friction_table(out: &mut impl Write, [up, down]: &[[Parameter; 7]; 2]) -> io::Result<()> {
+/// Friction in both directions side by side; `sweeps` are the fits that it comes from, if it does.
+pub fn parameter_table(out: &mut impl Write, model: &Model, sweeps: Option<&Both<FrictionFit>>) -> io::Result<()> {
+    let [up, down] = Direction::BOTH.map(|direction| friction(model, direction, sweeps));
     heading(out, "Friction parameters, with 95 % intervals")?;
     let head = |direction| format!("{:<width$}", moving(direction), width = CELL);
     writeln!(out, "  {DIM}{:<6} {:<8} {} {}{DIM:#}", "", "unit", head(Direction::Up), head(Direction::Down))?;
-    for (up, down) in up.iter().zip(down) {
+    for (up, down) in up.iter().zip(&down) {
         writeln!(out, "  {:<6} {:<8} {} {}", up.name, up.unit, cell(up, CELL), cell(down, 0))?;
     }
     Ok(())
@@ -158,6 +154,14 @@ fn style(status: Status) -> Style {
         Status::Flat => DIM,
         Status::AtBound => AnsiColor::Red.on_default(),
     }
+}
+
+/// Writes the curve's parameters and the clearance.
+pub fn combination_table(out: &mut impl Write, model: &Model) -> io::Result<()> {
+    for row in combination(model) {
+        writeln!(out, "  {:<10} {}", row.name, cell(&row, 0))?;
+    }
+    Ok(())
 }
 
 /// Writes the curves side by side.

@@ -1,9 +1,11 @@
 //! An identification in plain words with its numbers: what was found, how sure, what to distrust.
 
-use super::identification::{curves_of_model, overall_rmse_nm, parameter};
+use super::identification::{overall_rmse_nm, parameter};
 use super::number::{counted, r_squared, significant};
 use super::parameters::parameters;
-use super::wording::{Units, exponentials, moving};
+use super::wording::{Units, moving};
+use crate::identify::combination::JudgedOn;
+use crate::identify::stribeck::exponentials;
 use crate::identify::{CombinationFit, FreeFit, FrictionFit, Identification, Refinement, Route};
 use crate::model::{Both, Direction, Status};
 
@@ -23,7 +25,7 @@ pub fn verdict(found: &Identification) -> Verdict {
         Route::Sweeps(fits) => vec![load(fits, &units), friction(fits, &units)],
         Route::Free(free) => vec![free_motion(free, &units)],
     };
-    steps.push(curves_of_model(found).map_or_else(no_combination, |fit| combination(&fit, &units)));
+    steps.push(found.combination.as_ref().map_or_else(no_combination, |fit| combination(fit, &units)));
     steps.extend(found.refinement.as_ref().map(|refined| refinement(refined, &units)));
     let mut short = vec![source(found)];
     short.extend(whole_series(found, &units));
@@ -77,7 +79,7 @@ fn friction(fits: &Both<FrictionFit>, units: &Units) -> String {
 
 fn free_motion(free: &FreeFit, units: &Units) -> String {
     let (form, held_out) = (free.form.name(), units.torque(free.held_out_nm));
-    format!("The friction taken is {form}: it leaves {held_out} RMSE on samples that its fit did not see.")
+    format!("The friction taken is {form}: it leaves {held_out} RMSE on strokes that its fit did not see.")
 }
 
 fn combination(fit: &CombinationFit, units: &Units) -> String {
@@ -90,8 +92,12 @@ fn combination(fit: &CombinationFit, units: &Units) -> String {
     };
     let rest = fit.curves.iter().enumerate().filter(|(at, _)| *at != fit.taken);
     let rest: Vec<String> = rest.map(|(_, c)| format!("{} {}", c.kind.name(), units.torque(c.rmse_nm))).collect();
+    let there = match fit.judged_on {
+        JudgedOn::Reversals => "there",
+        JudgedOn::UnseenStrokes => "on strokes that the fit did not see",
+    };
     format!(
-        "After {} friction changes over by the {} curve{own}, which leaves {} there{advice}; the others leave {}.",
+        "After {} friction changes over by the {} curve{own}, which leaves {} {there}{advice}; the others leave {}.",
         counted(fit.windows, "reversal", "reversals"),
         curve.kind.name(),
         units.torque(curve.rmse_nm),
@@ -106,8 +112,11 @@ fn no_combination() -> String {
 /// What refining gained, in a sentence.
 pub fn refinement(refined: &Refinement, units: &Units) -> String {
     let (before, after) = (units.torque(refined.before_nm), units.torque(refined.after_nm));
-    let kept =
-        if refined.gained { "the refined model is kept" } else { "no certain gain, so the protocol's model is kept" };
+    let kept = match (refined.kept, refined.gained) {
+        (true, _) => "the refined model is kept",
+        (false, true) => "but it runs away towards rest, so the protocol's model is kept",
+        (false, false) => "no certain gain, so the protocol's model is kept",
+    };
     format!(
         "Refining all parameters on the whole series changes the RMSE from {before} to {after} on trials not seen: {kept}."
     )

@@ -123,11 +123,6 @@ pub const LEFT_OUT: &str = "left out";
 /// What that says.
 pub const LEFT_OUT_MEANING: &str = "not part of the form that the model takes";
 
-/// "no exponential", "one exponential", "two exponentials".
-pub fn exponentials(number: usize) -> &'static str {
-    ["no exponential", "one exponential", "two exponentials"].get(number).copied().unwrap_or("more exponentials")
-}
-
 /// "moving up", "moving down".
 pub fn moving(direction: Direction) -> &'static str {
     match direction {

@@ -8,9 +8,10 @@ mod fitting;
 
 use super::confidence::demote;
 use super::predicted::Prepared;
+use super::support::supported;
 use super::windows::{Crossing, Window, windows};
 use crate::model::{Combination, Confidence, Model};
-use crate::numerics::statistics::{mean, standard_deviation};
+use crate::numerics::statistics::{extent, quantile};
 use fitting::Fitting;
 use rayon::prelude::*;
 
@@ -61,6 +62,16 @@ impl CurveKind {
         self.with(1.0).name()
     }
 
+    /// The kind of `curve`.
+    pub fn of(curve: &Combination) -> Self {
+        match curve {
+            Combination::Sign => Self::Sign,
+            Combination::Linear => Self::Linear,
+            Combination::Arctan { .. } => Self::Arctan,
+            Combination::Power { .. } => Self::Power,
+        }
+    }
+
     /// The curve with its parameter, p or n, if it has one.
     pub fn with(self, parameter: f64) -> Combination {
         match self {
@@ -90,10 +101,19 @@ pub struct CurveFit {
     pub curve: Combination,
     /// X_cl it was fitted with, m.
     pub backlash_m: f64,
-    /// Residual on the samples after reversals; on trials that the fit did not see where there are no sweeps. N m.
+    /// Residual on the samples that `CombinationFit::judged_on` names, N m.
     pub rmse_nm: f64,
     /// Share of those samples' variance that is explained.
     pub r_squared: f64,
+}
+
+/// Which samples the curves are judged on.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum JudgedOn {
+    /// Those after reversals, to which they were fitted.
+    Reversals,
+    /// Whole strokes that the fit did not see.
+    UnseenStrokes,
 }
 
 /// The stage's result.
@@ -107,6 +127,8 @@ pub struct CombinationFit {
     pub taken: usize,
     /// What is known of p or n and of X_cl: dotted parameter names.
     pub confidence: Vec<(String, Confidence)>,
+    /// What their residuals are of.
+    pub judged_on: JudgedOn,
     /// Reversals used.
     pub windows: usize,
     /// Samples in them.
@@ -154,6 +176,7 @@ pub fn fit_combination(
         curves,
         supported,
         taken,
+        judged_on: JudgedOn::Reversals,
         confidence,
         warnings,
     })
@@ -211,7 +234,7 @@ fn misfit(fit: &CurveFit, noise_nm: f64) -> String {
     )
 }
 
-/// `curves` already judged, with the points of figure 6 that `model` makes of `trials`.
+/// `curves` already judged on strokes not seen, with the points of figure 6 that `model` makes of `trials`.
 pub fn overlay(
     trials: &[Prepared],
     model: &Model,
@@ -231,6 +254,7 @@ pub fn overlay(
         curves,
         supported,
         taken,
+        judged_on: JudgedOn::UnseenStrokes,
         confidence: Vec::new(),
         warnings: Vec::new(),
     }
@@ -243,23 +267,15 @@ fn median_stroke_rad(trials: &[Prepared]) -> f64 {
         let at = |i: usize| trial.series.position_rad[turns[i].0];
         strokes.extend((1..turns.len()).map(|i| (at(i) - at(i - 1)).abs()));
         if turns.len() < 2 {
-            let (low, high) =
-                trial.series.position_rad.iter().fold((f64::MAX, f64::MIN), |(l, h), x| (l.min(*x), h.max(*x)));
+            let (low, high) = extent(&trial.series.position_rad);
             strokes.push((high - low).max(0.0));
         }
     }
-    crate::numerics::statistics::quantile(&mut strokes, 0.5)
+    quantile(&mut strokes, 0.5)
 }
 
 /// Which of `CurveKind::ALL` the sums of squares support, given for each curve and each of the same stretches of data:
-/// the best, or the simplest without a parameter that is no worse by more than one standard error over the stretches.
+/// the best, or the simplest without a parameter that is as good.
 pub fn best_supported(sums: &[Vec<f64>]) -> usize {
-    let total = |i: &usize| sums[*i].iter().sum::<f64>();
-    let best = (0..sums.len()).min_by(|a, b| total(a).total_cmp(&total(b))).unwrap_or(0);
-    let as_good = |i: &usize| {
-        let excess: Vec<f64> = sums[*i].iter().zip(&sums[best]).map(|(a, b)| a - b).collect();
-        let error = standard_deviation(&excess) / (excess.len() as f64).sqrt();
-        CurveKind::ALL[*i].range().is_none() && mean(&excess) <= error
-    };
-    (0..best).find(as_good).unwrap_or(best)
+    supported(sums, |i| CurveKind::ALL[i].range().is_none())
 }

@@ -70,6 +70,11 @@ pub struct ExponentialFit {
     pub at_bound: Vec<bool>,
 }
 
+/// "no exponential", "one exponential", "two exponentials".
+pub fn exponentials(number: usize) -> &'static str {
+    ["no exponential", "one exponential", "two exponentials"].get(number).copied().unwrap_or("more exponentials")
+}
+
 impl ExponentialFit {
     /// Parameters fitted.
     pub fn parameters(&self) -> usize {

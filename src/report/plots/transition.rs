@@ -5,7 +5,7 @@ use crate::model::Direction;
 use crate::report::chart::{
     Anchor, Axis, Canvas, Drawn, Frame, LABEL_PX, Mark, Panel, Stroke, TEXT_PX, palette, svg, thin,
 };
-use crate::report::identification::{curves_of_model, parameter};
+use crate::report::identification::parameter;
 use crate::report::number::{counted, r_squared, significant, with_minus};
 use crate::report::wording::{Units, moving};
 use plotters::style::RGBColor;
@@ -17,8 +17,7 @@ const MEDIANS: usize = 20;
 
 /// Share of change against share of travel with the curves; `None` without a usable reversal.
 pub fn draw(found: &Identification) -> Drawn<Option<String>> {
-    let Some(fit) = curves_of_model(found).filter(|fit| !fit.crossings.is_empty()) else { return Ok(None) };
-    let fit = &fit;
+    let Some(fit) = found.combination.as_ref().filter(|fit| !fit.crossings.is_empty()) else { return Ok(None) };
     let (low, high) = shares(fit);
     svg(860, 470, "Share of the change of friction against share of travel", |canvas| {
         let panel = canvas.panel(

@@ -1,0 +1,123 @@
+//! Campaigns without sweeps: friction and combination from free motion.
+//!
+//! A(v) and B(v) are not to be had: no leg holds one speed. What the motion shows is fitted on whole series instead, in forms
+//! of growing size with every curve, each judged on strokes that its fit never saw. What the motion cannot show keeps its
+//! neutral value and is marked `flat`.
+
+mod choice;
+mod clearance;
+mod halves;
+mod search;
+
+use super::combination::{CombinationFit, CurveFit, CurveKind, Settings, overlay};
+use super::moving::{Limits, MAX_BACKLASH};
+use super::predicted::Prepared;
+use super::whole::{WholeFit, rmse_nm};
+use crate::model::Model;
+use crate::numerics::statistics::standard_deviation;
+use crate::problem::Result;
+use choice::Choice;
+use clearance::{Question, doubt, limit_warning};
+use halves::Halves;
+use rayon::prelude::*;
+use search::{Search, start};
+use std::path::Path;
+
+/// A form of friction, the smallest first.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum FreeForm {
+    /// a_j and d.
+    Viscous,
+    /// And mu_c: friction that grows with the load carried.
+    Load,
+    /// And one exponential, b_j and c_j.
+    Stribeck,
+}
+
+impl FreeForm {
+    /// All, the smallest first.
+    pub const ALL: [Self; 3] = [Self::Viscous, Self::Load, Self::Stribeck];
+
+    /// In words.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Viscous => "Coulomb and viscous",
+            Self::Load => "Coulomb, viscous and load",
+            Self::Stribeck => "Coulomb, viscous, load and one Stribeck term",
+        }
+    }
+
+    fn parameters(self) -> &'static [usize] {
+        match self {
+            Self::Viscous => &[1, 6],
+            Self::Load => &[0, 1, 6],
+            Self::Stribeck => &[0, 1, 4, 5, 6],
+        }
+    }
+}
+
+/// The result on free motion.
+#[derive(Debug, Clone)]
+pub struct FreeFit {
+    /// Each form with the curve taken, and its RMSE on strokes that its fit did not see, N m.
+    pub forms: Vec<(FreeForm, f64)>,
+    /// The form taken.
+    pub form: FreeForm,
+    /// RMSE of the taken form and curve on strokes that their fit did not see, N m.
+    pub held_out_nm: f64,
+    /// The fit on all samples.
+    pub fit: WholeFit,
+    /// The curves side by side, with the form taken.
+    pub combination: CombinationFit,
+}
+
+/// Fits `trials`, starting from `model`'s geometry and rigid body; `folds` says which half each trial belongs to where whole
+/// trials are held out.
+///
+/// Errors: too few strokes to fit and to judge; `campaign` is the file named.
+pub fn fit_free(
+    trials: &[Prepared],
+    folds: &[usize],
+    model: &Model,
+    lowpass_hz: f64,
+    settings: Settings,
+    campaign: &Path,
+) -> Result<FreeFit> {
+    let limits = Limits::new(trials, model);
+    let estimate_backlash = settings.estimate_backlash;
+    let widest_rad = if estimate_backlash { MAX_BACKLASH * limits.stroke_rad } else { model.joint.backlash_rad() };
+    let halves = Halves::new(trials, folds, widest_rad, lowpass_hz, campaign)?;
+    let start = start(trials, model);
+    let search = Search { halves: &halves, start: &start, limits: &limits, estimate_backlash };
+    let choice = Choice::new(&search, settings.wanted);
+    let Choice { form, kind, .. } = choice;
+    let fit = search.fit(kind, form, choice.judged(kind, form));
+    let spread_nm = spread_nm(trials);
+    let curve = |other: &CurveKind| {
+        let judged = choice.judged(*other, form);
+        let rmse_nm = rmse_nm(&judged.sums);
+        let r_squared = 1.0 - (rmse_nm / spread_nm).powi(2);
+        let model = if *other == kind { fit.model.clone() } else { search.model(*other, form, judged) };
+        CurveFit { kind: *other, curve: model.combination, backlash_m: model.joint.backlash_m, rmse_nm, r_squared }
+    };
+    let curves = CurveKind::ALL.par_iter().map(curve).collect();
+    let mut combination = overlay(trials, &fit.model, lowpass_hz, curves, choice.supported as usize, kind as usize);
+    let asked = Question { kind, form, folds, lowpass_hz, campaign };
+    combination.warnings.extend(match estimate_backlash {
+        true => limit_warning(&fit, &limits),
+        false => doubt(trials, &search, &asked),
+    });
+    Ok(FreeFit {
+        forms: FreeForm::ALL.map(|form| (form, rmse_nm(&choice.judged(kind, form).sums))).to_vec(),
+        held_out_nm: rmse_nm(&choice.judged(kind, form).sums),
+        form,
+        fit,
+        combination,
+    })
+}
+
+/// Standard deviation of the measured torque, N m.
+fn spread_nm(trials: &[Prepared]) -> f64 {
+    let all: Vec<f64> = trials.iter().flat_map(|t| t.series.torque_nm.iter().copied()).collect();
+    standard_deviation(&all)
+}
