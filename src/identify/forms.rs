@@ -22,7 +22,7 @@ const FULL_SPEEDS: usize = 3;
 const LEVEL: f64 = 0.01;
 /// A form is no worse when it leaves at most this share of what the smaller one leaves: what noise does to an RMSE.
 const NO_WORSE: f64 = 1.01;
-/// A form on the full protocol's speeds may leave at most this share.
+/// A form on the full protocol's speeds may leave at most this share of it over all samples.
 const LITTLE_WORSE: f64 = 1.1;
 /// A form that has too few speeds must leave less than this share.
 const BETTER_BY_FAR: f64 = 0.9;
@@ -137,9 +137,11 @@ fn has_speeds(branch: &Branch, form: &ExponentialFit) -> bool {
 /// Whether `larger`, which leaves `then` of the series where a smaller form leaves `here`, is fit for use.
 fn is_fit(branch: &Branch, larger: &ExponentialFit, here: [f64; 2], then: [f64; 2]) -> bool {
     let full = branch.points.distinct_speeds() >= FULL_SPEEDS * larger.parameters();
-    let most = if full { LITTLE_WORSE } else { NO_WORSE };
     // Where nothing could be compared, NaN, nothing speaks against it.
-    let worse = here.iter().zip(&then).any(|(here, then)| *then > most * here);
+    let worse = match full {
+        true => then[0] > LITTLE_WORSE * here[0],
+        false => here.iter().zip(&then).any(|(here, then)| *then > NO_WORSE * here),
+    };
     !worse && (has_speeds(branch, larger) || then[0] < BETTER_BY_FAR * here[0])
 }
 
