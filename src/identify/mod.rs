@@ -171,9 +171,10 @@ fn from_sweeps(campaign: &Campaign, mut readings: Vec<Reading>, settings: Settin
     let (rows, trials) = (readings.iter().map(|r| r.rows).sum(), readings.len());
     let trace = readings.iter_mut().find_map(|r| r.trace.take());
     let (prepared, entries) = of_the_joint_alone(readings);
+    let compared = first_repeats(&prepared, &entries);
     let judge = |friction: &Both<Friction>| {
         let model = Model { friction: *friction, ..blank_model(campaign) };
-        judge::left_nm(&prepared, model, lowpass_hz, settings.combination)
+        judge::left_nm(&compared, model, lowpass_hz, settings.combination)
     };
     let data = friction::Data { legs: &legs, a: &a, joint: &campaign.joint, load_nm, campaign: &campaign.file };
     let fits = friction::fit_friction(&data, settings.form, Some(&judge))?;
@@ -202,6 +203,15 @@ fn from_sweeps(campaign: &Campaign, mut readings: Vec<Reading>, settings: Settin
     warnings.extend(doubts::extrapolation_warning(&residuals, fits.up.points.speed_range_rad_s().1, settings.refine));
     let route = Route::Sweeps(Box::new(fits));
     Ok(Identification { model, route, legs, combination, refinement, residuals, trace, warnings, trials, rows })
+}
+
+/// One repeat of each motion: enough to compare one friction with another.
+fn first_repeats(trials: &[Prepared], entries: &[TrialEntry]) -> Vec<Prepared> {
+    let first = |entry: &TrialEntry| {
+        let same = |other: &&TrialEntry| other.protocol == entry.protocol && other.trajectory == entry.trajectory;
+        entries.iter().filter(same).all(|other| entry.repeat <= other.repeat)
+    };
+    trials.iter().zip(entries).filter(|(_, entry)| first(entry)).map(|(trial, _)| trial.clone()).collect()
 }
 
 /// `model` with the friction that `fits` found and its confidence.

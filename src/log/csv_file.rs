@@ -135,6 +135,7 @@ pub(super) fn name(field: &[u8]) -> String {
 }
 
 /// The finite number in `field`, blanks around it allowed.
+#[inline(always)]
 pub(super) fn number(field: &[u8]) -> Option<f64> {
     if let Some(number) = plain_decimal(field) {
         return Some(number);
@@ -150,6 +151,7 @@ pub(super) fn number(field: &[u8]) -> Option<f64> {
 ///
 /// With at most 15 digits both the digits and the power of ten are exact as f64, so that one division rounds correctly
 /// (Clinger, How to read floating point numbers accurately, 1990). `None` leaves the field to the general parser.
+#[inline(always)]
 fn plain_decimal(field: &[u8]) -> Option<f64> {
     const POWERS: [f64; 16] = [1e0, 1e1, 1e2, 1e3, 1e4, 1e5, 1e6, 1e7, 1e8, 1e9, 1e10, 1e11, 1e12, 1e13, 1e14, 1e15];
     let (negative, text) = match field.split_first() {
