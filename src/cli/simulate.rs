@@ -155,8 +155,17 @@ const URDF: &str = "arm.urdf";
 
 impl Arguments {
     /// Errors: no such joint, one of another kind, or one that moves alone.
-    fn arm(&self, joint: &Joint) -> Result<Option<SimulatedArm>> {
-        let (Some(urdf), Some(name)) = (&self.urdf, &self.joint) else { return Ok(None) };
+    fn arm(&self, model: &Model) -> Result<Option<SimulatedArm>> {
+        let (Some(urdf), Some(name)) = (&self.urdf, &self.joint) else {
+            return match &model.chain {
+                None => Ok(None),
+                Some(of) => {
+                    let what = format!("takes gravity and inertia from joint `{}` of {}", of.joint, of.urdf);
+                    Problem::error(&self.model, what, "name the arm with --urdf and --joint").alone()
+                }
+            };
+        };
+        let joint = &model.joint;
         let chain = Chain::read(urdf, name)?;
         if chain.kind() != joint.kind {
             let what = format!("`{name}` is {}, the model's joint {}", chain.kind().name(), joint.kind.name());
@@ -201,7 +210,7 @@ fn check_sweeps(plan: &Plan, joint: &Joint) -> Result<()> {
 
 pub fn run(arguments: &Arguments, talk: &Talk) -> Result<ExitCode> {
     let model = Model::read(&arguments.model)?;
-    let plan = Plan { arm: arguments.arm(&model.joint)?, ..arguments.plan()? };
+    let plan = Plan { arm: arguments.arm(&model)?, ..arguments.plan()? };
     check_sweeps(&plan, &model.joint)?;
     let trials = plan.trials();
     let output = interrupt::output(

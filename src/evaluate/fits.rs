@@ -39,6 +39,14 @@ pub fn fitted(campaign: &Campaign, model: &Model) -> Result<(Model, Vec<String>)
             differs(key, format!("{a} m"), format!("{b} m"));
         }
     }
+    if let (Some(of), None) = (&model.chain, &campaign.arm) {
+        let what = format!(
+            "the model takes gravity and inertia from joint `{}` of {}, the campaign names no URDF",
+            of.joint, of.urdf
+        );
+        let cure = "add urdf and joint under [dynamics], and the other joints' positions under [columns]";
+        problems.push(Problem::error(&campaign.file, what, cure).in_column("dynamics"));
+    }
     let mut warnings: Vec<String> = campaign.warnings.iter().map(Problem::to_string).collect();
     let (a, b) = (model.dynamics.gravity_nm, campaign.dynamics.gravity_nm);
     if campaign.arm.is_none() && (a - b).abs() > GRAVITY_DIFFERS * a.abs().max(b.abs()) {

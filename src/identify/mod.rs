@@ -31,7 +31,7 @@ pub use reading::{Reading, Trace, examine_trials, read_trials};
 pub use refine::Refinement;
 pub use windows::Crossing;
 
-use crate::log::{Campaign, Protocol, TrialEntry};
+use crate::log::{Arm, Campaign, Protocol, TrialEntry};
 use crate::model::{Both, Combination, Confidence, Direction, Friction, Model, Status};
 use crate::numerics::statistics::root_mean_square;
 use crate::problem::{Problem, Problems, Result};
@@ -154,6 +154,7 @@ pub fn blank_model(campaign: &Campaign) -> Model {
     Model {
         joint: campaign.joint.clone(),
         dynamics: campaign.dynamics,
+        chain: campaign.arm.as_ref().map(Arm::name),
         friction: Both { up: Friction::default(), down: Friction::default() },
         combination: Combination::Sign,
         confidence: BTreeMap::new(),

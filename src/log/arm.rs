@@ -3,6 +3,7 @@
 use super::columns::OtherColumn;
 use crate::document::{Section, suggest};
 use crate::dynamics::{Chain, JointKind};
+use crate::model::ChainName;
 use crate::problem::{Problem, Problems};
 use crate::units::Unit;
 use std::collections::BTreeMap;
@@ -19,6 +20,13 @@ pub struct Arm {
     pub others: Vec<Place>,
     /// Joints that rest, by name, rad or m.
     pub held_rad: BTreeMap<String, f64>,
+}
+
+impl Arm {
+    /// The joint in its URDF.
+    pub fn name(&self) -> ChainName {
+        ChainName { urdf: self.urdf.clone(), joint: self.chain.joint().to_string() }
+    }
 }
 
 /// Where a joint other than the campaign's own stands.

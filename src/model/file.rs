@@ -1,6 +1,6 @@
 //! `model.json`: read and written.
 
-use super::{Both, Combination, Confidence, Direction, Friction, Joint, Model, Status};
+use super::{Both, ChainName, Combination, Confidence, Direction, Friction, Joint, Model, Status};
 use crate::document::{Document, Section};
 use crate::dynamics::{Dynamics, JointKind};
 use crate::problem::Result;
@@ -28,7 +28,9 @@ impl Model {
             let dynamics = root.need("dynamics").section(|s| {
                 let gravity_nm = s.need("gravity_nm").number();
                 let inertia_kg_m2 = s.need("inertia_kg_m2").not_negative();
-                Some(Dynamics { gravity_nm: gravity_nm?, inertia_kg_m2: inertia_kg_m2? })
+                let (urdf, joint) = (s.may("urdf").text(), s.may("joint").text());
+                let chain = urdf.zip(joint).map(|(urdf, joint)| ChainName { urdf, joint });
+                Some((Dynamics { gravity_nm: gravity_nm?, inertia_kg_m2: inertia_kg_m2? }, chain))
             });
             let friction = root.need("friction").section(|s| {
                 let up = s.need("up").section(|s| read_friction(s, Direction::Up));
@@ -41,13 +43,8 @@ impl Model {
                 root.reject("effects", "names effects, and this version knows none", "leave the list empty");
             }
             let confidence = root.may("confidence").sections_by_name(|_, s| read_confidence(s)).unwrap_or_default();
-            Some(Self {
-                joint: joint?,
-                dynamics: dynamics?,
-                friction: friction?,
-                combination: combination?,
-                confidence,
-            })
+            let (dynamics, chain) = dynamics?;
+            Some(Self { joint: joint?, dynamics, chain, friction: friction?, combination: combination?, confidence })
         })
     }
 
@@ -76,14 +73,18 @@ impl Model {
         if self.joint.kind != JointKind::Revolute {
             joint["kind"] = json!(self.joint.kind.name());
         }
+        let mut dynamics = json!({
+            "gravity_nm": self.dynamics.gravity_nm,
+            "inertia_kg_m2": self.dynamics.inertia_kg_m2,
+        });
+        if let Some(ChainName { urdf, joint }) = &self.chain {
+            (dynamics["urdf"], dynamics["joint"]) = (json!(urdf), json!(joint));
+        }
         let confidence: Map<String, Value> = self.confidence.iter().map(|(n, c)| (n.clone(), c.to_json())).collect();
         json!({
             "format": FORMAT,
             "joint": joint,
-            "dynamics": {
-                "gravity_nm": self.dynamics.gravity_nm,
-                "inertia_kg_m2": self.dynamics.inertia_kg_m2,
-            },
+            "dynamics": dynamics,
             "friction": { "up": branch(&self.friction.up), "down": branch(&self.friction.down) },
             "combination": combination,
             "effects": [],

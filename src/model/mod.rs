@@ -20,14 +20,25 @@ use std::collections::BTreeMap;
 pub struct Model {
     /// Geometry.
     pub joint: Joint,
-    /// Gravity and inertia.
+    /// Gravity and inertia; both 0 where `chain` holds them.
     pub dynamics: Dynamics,
+    /// The chain whose dynamics take their place, if it was identified with one.
+    pub chain: Option<ChainName>,
     /// The two branches.
     pub friction: Both<Friction>,
     /// How friction changes over between them.
     pub combination: Combination,
     /// How well each parameter is known, by dotted name (`friction.up.a_j`); empty when nobody said.
     pub confidence: BTreeMap<String, Confidence>,
+}
+
+/// A joint of a URDF: whoever predicts with the model must have the chain, and where its other joints are.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct ChainName {
+    /// The URDF's name in the campaign.
+    pub urdf: String,
+    /// The joint's name in it.
+    pub joint: String,
 }
 
 /// How well the data knew one parameter.

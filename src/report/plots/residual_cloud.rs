@@ -50,7 +50,12 @@ fn cloud(residuals: &[Residual], direction: Direction, x: impl Fn(&Residual, usi
     let step = residuals.iter().map(|r| r.residual_nm.len()).sum::<usize>().div_ceil(SAMPLES).max(1);
     for residual in residuals {
         let moves = |i: &usize| (residual.velocity_rad_s[*i] >= 0.0) == (direction == Direction::Up);
-        points.extend((0..residual.residual_nm.len()).step_by(step).filter(moves).map(|i| (x(residual, i), residual.residual_nm[i])));
+        points.extend(
+            (0..residual.residual_nm.len())
+                .step_by(step)
+                .filter(moves)
+                .map(|i| (x(residual, i), residual.residual_nm[i])),
+        );
     }
     points
 }
