@@ -10,8 +10,11 @@ use crate::report::wording::Units;
 /// A bar's half width, in places of the axis, where each curve takes one.
 const HALF: f64 = 0.32;
 
-/// A part of the samples, and how to get its figures.
-const PARTS: [(&str, fn(&Split) -> Figures); 3] =
+/// How to get the figures of a part of the samples.
+type Part = fn(&Split) -> Figures;
+
+/// The parts, by name.
+const PARTS: [(&str, Part); 3] =
     [("all samples", |s| s.all), ("stable state", |s| s.stable), ("transition", |s| s.transition)];
 
 /// Mean absolute error and peak by curve.
