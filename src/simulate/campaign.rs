@@ -22,8 +22,8 @@ const MULTI_JOINT: &str = "multi_joint";
 const SWING_PERIOD_S: f64 = 40.0;
 /// The column of a load cell times its moment arm, which measures what a person adds.
 const REFERENCE: (&str, Unit) = ("interaction_nm", Unit::NewtonMetre);
-/// Standard deviation of its noise, N m.
-const LOAD_CELL_NOISE_NM: f64 = 0.005;
+/// Its noise as a share of the torque sensor's: a load cell at the handle has no transmission to measure through.
+const LOAD_CELL_NOISE: f64 = 0.1;
 /// Contacts and the load cell's noise have streams of their own beside the torque's noise.
 const CONTACT_SEED: u64 = 0x434F_4E54;
 const LOAD_CELL_SEED: u64 = 0x4345_4C4C;
@@ -196,7 +196,7 @@ impl Plan {
             chain.map_or(Vec::new(), |chain| chain.others().map(|(joint, kind)| other_column(joint, kind)).collect());
         let others: Vec<Vec<f64>> =
             recording.others_rad.iter().zip(&named).map(|(other, (_, unit))| in_unit(other, *unit)).collect();
-        let reference = reference_nm(&course, trial.seed);
+        let reference = reference_nm(&course, LOAD_CELL_NOISE * self.sensors.torque_noise_nm, trial.seed);
         // Two digits below the noise, ten without any.
         let noise_nm = self.sensors.torque_noise_nm;
         let torque_decimals = if noise_nm > 0.0 { (3.0 - noise_nm.log10()).clamp(3.0, 10.0) as usize } else { 10 };
@@ -232,10 +232,10 @@ fn swing_rad(time_s: f64) -> f64 {
     20f64.to_radians() * (1.0 - (TAU * time_s / SWING_PERIOD_S).cos())
 }
 
-/// What a load cell says of the contacts, N m.
-fn reference_nm(course: &Course, seed: u64) -> Vec<f64> {
+/// What a load cell with white noise of `noise_nm` says of the contacts, N m.
+fn reference_nm(course: &Course, noise_nm: f64, seed: u64) -> Vec<f64> {
     let mut random = ChaCha8Rng::seed_from_u64(seed ^ LOAD_CELL_SEED);
-    let noise = Normal::new(0.0, LOAD_CELL_NOISE_NM).ok();
+    let noise = Normal::new(0.0, noise_nm).ok();
     let contact = |i: usize| course.contact_nm.get(i).copied().unwrap_or(0.0);
     let samples = 0..course.position_rad.len();
     samples.map(|i| contact(i) + noise.map_or(0.0, |noise| noise.sample(&mut random))).collect()
