@@ -3,6 +3,7 @@
 use super::forms::{FormsTable, forms_of, note};
 use super::identification::{overall_rmse_nm, parameter};
 use super::number::{as_precise_as, count, percent, r_squared, significant, with_spread};
+use super::page::Card;
 use super::parameters::{Parameter, combination, friction};
 use super::plots::Figure;
 use super::verdict::{Verdict, verdict};
@@ -16,8 +17,9 @@ use askama::Template;
 #[derive(Template)]
 #[template(path = "identification.html")]
 struct Page<'a> {
-    joint: &'a str,
-    campaign: &'a str,
+    kicker: String,
+    title: &'a str,
+    subject: &'static str,
     short: String,
     steps: Vec<String>,
     warnings: &'a [String],
@@ -33,13 +35,6 @@ struct Page<'a> {
     legs: Vec<[String; 9]>,
     units: Units,
     provenance: Vec<(&'static str, String)>,
-}
-
-/// A number to see first.
-struct Card {
-    name: String,
-    value: String,
-    note: String,
 }
 
 /// A status as a small label.
@@ -102,8 +97,9 @@ pub fn report<'a>(
         svg,
     };
     Page {
-        joint: &found.model.joint.name,
-        campaign,
+        kicker: format!("tautline identify · campaign {campaign}"),
+        title: &found.model.joint.name,
+        subject: "identification",
         short: kept_together(&short.join(" ")),
         steps: steps.iter().map(|sentence| kept_together(sentence)).collect(),
         warnings: &found.warnings,
