@@ -132,7 +132,11 @@ impl Arguments {
             self.speeds as f64,
             "at least one trial",
         );
-        let plan = Plan {
+        Problems(problems).unless_errors(self.as_plan())
+    }
+
+    fn as_plan(&self) -> Plan {
+        Plan {
             speeds: self.speeds,
             slowest_rad_s: self.slowest_rad_s,
             fastest_rad_s: self.fastest_rad_s,
@@ -145,8 +149,7 @@ impl Arguments {
             seed: self.seed,
             signal: Signal { torque_sign: f64::from(self.torque_sign), lowpass_hz: self.lowpass_hz, lowpass_order: 4 },
             parquet: self.format == Format::Parquet,
-        };
-        Problems(problems).unless_errors(plan)
+        }
     }
 }
 

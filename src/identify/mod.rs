@@ -14,6 +14,7 @@ mod moving;
 pub mod predicted;
 pub mod reading;
 pub mod refine;
+mod residuals;
 mod scale;
 pub mod stribeck;
 pub mod strokes;
@@ -29,14 +30,14 @@ pub use friction::{Form, FrictionFit};
 pub use legs::{Amplitude, LegFit};
 pub use reading::{Reading, Trace, examine_trials, read_trials};
 pub use refine::Refinement;
+pub use residuals::Residual;
 pub use windows::Crossing;
 
 use crate::log::{Arm, Campaign, Protocol, TrialEntry};
 use crate::model::{Both, Combination, Confidence, Direction, Friction, Model, Status};
-use crate::numerics::statistics::root_mean_square;
 use crate::problem::{Problem, Problems, Result};
 use predicted::Prepared;
-use rayon::prelude::*;
+use residuals::residuals;
 use std::collections::BTreeMap;
 
 /// What a run of the protocol may choose.
@@ -92,30 +93,6 @@ pub struct Identification {
     pub trials: usize,
     /// Rows read.
     pub rows: usize,
-}
-
-/// What the model leaves of one trial, thinned, both sides low-passed.
-#[derive(Debug, Clone)]
-pub struct Residual {
-    /// The trial's file.
-    pub file: String,
-    /// Its protocol.
-    pub protocol: Protocol,
-    /// Time, s.
-    pub time_s: Vec<f64>,
-    /// Position, rad.
-    pub position_rad: Vec<f64>,
-    /// Speed, rad/s.
-    pub velocity_rad_s: Vec<f64>,
-    /// Measured less predicted, N m; only samples whose K~ is known and whose sensor was in range.
-    pub residual_nm: Vec<f64>,
-}
-
-impl Residual {
-    /// Root mean square, N m.
-    pub fn rmse_nm(&self) -> f64 {
-        root_mean_square(&self.residual_nm)
-    }
 }
 
 /// An estimated clearance larger than the declared one by more than this share asks for legs that leave out more.
@@ -280,23 +257,4 @@ fn folds(repeats: &[u32]) -> Vec<usize> {
     let by_repeat: Vec<usize> = repeats.iter().map(|r| *r as usize % 2).collect();
     let differ = by_repeat.windows(2).any(|pair| pair[0] != pair[1]);
     if differ { by_repeat } else { (0..repeats.len()).map(|i| i.div_ceil(2) % 2).collect() }
-}
-
-fn residuals(trials: &[Prepared], entries: &[TrialEntry], model: &Model) -> Vec<Residual> {
-    let each = trials.par_iter().zip(entries);
-    each.map(|(trial, entry)| residual(trial, &entry.file, entry.protocol, model)).collect()
-}
-
-fn residual(trial: &Prepared, file: &str, protocol: Protocol, model: &Model) -> Residual {
-    let (residual, known_from) = trial.residual_nm(model);
-    let used: Vec<usize> = (known_from..trial.len()).filter(|i| trial.series.in_range[*i]).collect();
-    let take = |values: &[f64]| used.iter().map(|i| values[*i]).collect();
-    Residual {
-        file: file.to_string(),
-        protocol,
-        time_s: take(&trial.series.time_s),
-        position_rad: take(&trial.series.position_rad),
-        velocity_rad_s: take(&trial.series.velocity_rad_s),
-        residual_nm: take(&residual),
-    }
 }

@@ -94,3 +94,9 @@ pub const FIGURES: [Figure; 8] = [
         draw: confidence::draw,
     },
 ];
+
+/// Letters, digits, dots and dashes; what else a name holds becomes an underscore.
+fn slug(name: &str) -> String {
+    let stem = name.strip_suffix(".csv").or_else(|| name.strip_suffix(".parquet")).unwrap_or(name);
+    stem.chars().map(|c| if c.is_alphanumeric() || matches!(c, '.' | '-') { c } else { '_' }).collect()
+}

@@ -44,7 +44,9 @@ fn shown(evaluation: &Evaluation) -> Vec<Shown<'_>> {
         let trials: Vec<&TrialEvaluation> = group.trials.iter().map(|at| &evaluation.trials[*at]).collect();
         match group.repeats {
             true => all.push((slug(group), name(group, trials.len()), trials)),
-            false => all.extend(trials.into_iter().map(|t| (file_slug(&t.entry.file), t.entry.file.clone(), vec![t]))),
+            false => all.extend(
+                trials.into_iter().map(|t| (crate::report::plots::slug(&t.entry.file), t.entry.file.clone(), vec![t])),
+            ),
         }
     }
     // Of many sweeps the slowest, the fastest and some between.
@@ -65,12 +67,7 @@ fn name(group: &Group, trials: usize) -> String {
 
 fn slug(group: &Group) -> String {
     let speed = group.protocol.speed_rad_s().map_or(String::new(), |speed| format!("_{speed}"));
-    let trajectory = group.trajectory.as_ref().map_or(String::new(), |name| format!("_{}", file_slug(name)));
+    let trajectory =
+        group.trajectory.as_ref().map_or(String::new(), |name| format!("_{}", crate::report::plots::slug(name)));
     format!("{}{speed}{trajectory}", group.protocol.name())
-}
-
-/// Letters, digits, dots and dashes; what else a name holds becomes an underscore.
-fn file_slug(name: &str) -> String {
-    let stem = name.strip_suffix(".csv").or_else(|| name.strip_suffix(".parquet")).unwrap_or(name);
-    stem.chars().map(|c| if c.is_alphanumeric() || matches!(c, '.' | '-') { c } else { '_' }).collect()
 }

@@ -1,0 +1,64 @@
+//! An evaluation as `evaluation.json`, on the terminal, and as a page.
+
+mod json;
+mod page;
+
+pub use json::to_json;
+pub use page::page;
+
+use super::number::{counted, significant, with_spread};
+use super::terminal::{BOLD, DIM, distrust, heading};
+use super::wording::Units;
+use crate::evaluate::{Evaluation, Group, Source, Split, Spread};
+use std::io::{self, Write};
+use std::path::Path;
+
+/// Writes the summary to `out`; `written` is where the files went.
+pub fn write_summary(out: &mut impl Write, found: &Evaluation, campaign: &str, written: &Path) -> io::Result<()> {
+    let units = Units::of(found.model.joint.kind);
+    let trials = counted(found.trials.len(), "trial", "trials");
+    writeln!(out, "{BOLD}{}{BOLD:#}  {DIM}judged on {trials} of campaign {campaign}{DIM:#}", found.model.joint.name)?;
+    heading(out, &format!("Error, both sides low-passed at {} Hz", significant(found.lowpass_hz, 3)))?;
+    writeln!(out, "  {DIM}{:<24} {:>7} {:>22} {:>22}{DIM:#}", "motion", "trials", "RMSE", "MAE")?;
+    let (unit, factor) = scale(found, &units);
+    for group in &found.groups {
+        let scaled = |s: Spread| format!("{} {unit}", with_spread(factor * s.mean, factor * s.sd));
+        let (name, number) = (group_name(group, &units), group.trials.len());
+        writeln!(out, "  {name:<24} {number:>7} {:>22} {:>22}", scaled(group.rmse_nm), scaled(group.mae_nm))?;
+    }
+    heading(out, "By curve of the combination, all trials together")?;
+    writeln!(
+        out,
+        "  {DIM}{:<10} {:>12} {:>14} {:>16} {:>14}{DIM:#}",
+        "curve", "RMSE", "stable state", "transition", "peak"
+    )?;
+    for (at, rival) in found.rivals.iter().enumerate() {
+        let Split { all, stable, transition } = found.together(|t| &t.rivals[at]);
+        let [rmse, stable, transition, peak] =
+            [all.rmse_nm, stable.rmse_nm, transition.rmse_nm, all.peak_nm].map(|x| units.torque(x));
+        let own = if rival.source == Source::Model { "the model's" } else { "" };
+        writeln!(out, "  {:<10} {rmse:>12} {stable:>14} {transition:>16} {peak:>14}  {own}", rival.kind.name())?;
+    }
+    let raw = found.together(|t| &t.raw).all;
+    writeln!(
+        out,
+        "\n  Raw, neither side filtered: RMSE {}, MAE {}",
+        units.torque(raw.rmse_nm),
+        units.torque(raw.mae_nm)
+    )?;
+    distrust(out, &found.warnings)?;
+    writeln!(out, "\nwritten to {BOLD}{}{BOLD:#}: evaluation.json, report.html, plots", written.display())
+}
+
+/// Unit and factor that suit the error over all trials.
+fn scale(found: &Evaluation, units: &Units) -> (&'static str, f64) {
+    units.torque_scale(found.overall().all.rmse_nm)
+}
+
+/// Words of a group.
+fn group_name(group: &Group, units: &Units) -> String {
+    let speed =
+        group.protocol.speed_rad_s().map_or(String::new(), |v| format!(" {} {}", significant(v, 3), units.speed));
+    let trajectory = group.trajectory.as_ref().map_or(String::new(), |name| format!(" {name}"));
+    format!("{}{speed}{trajectory}", group.protocol.name())
+}

@@ -1,0 +1,148 @@
+//! The page of an evaluation.
+
+use super::{group_name, scale};
+use crate::evaluate::{Evaluation, Figures, Group, Rival, Source, Split, Spread, TrialEvaluation};
+use crate::report::identification::parameter;
+use crate::report::number::{count, counted, significant, with_spread};
+use crate::report::page::{Card, Drawing, Page, Table};
+use crate::report::wording::Units;
+
+/// The page of `found`, with its `drawings`.
+pub fn page(found: &Evaluation, campaign: &str, model: &str, drawings: Vec<Drawing>) -> Page {
+    let units = Units::of(found.model.joint.kind);
+    let overall = found.overall();
+    let card = |name: &str, value: String, note: String| Card { name: name.to_string(), value, note };
+    let raw = found.together(|t| &t.raw).all;
+    Page {
+        kicker: format!("tautline evaluate · campaign {campaign} · model {model}"),
+        title: found.model.joint.name.clone(),
+        subject: "evaluation".to_string(),
+        short: verdict(found, &units),
+        steps: vec![comparison(found, &units)],
+        warnings: found.warnings.clone(),
+        cards: vec![
+            card("RMSE", units.torque(overall.all.rmse_nm), percent_of(&overall.all)),
+            card("stable state", units.torque(overall.stable.rmse_nm), "RMSE, |K_f| = 1".to_string()),
+            card("transition", units.torque(overall.transition.rmse_nm), "RMSE, |K_f| < 1".to_string()),
+            card("peak", units.torque(overall.all.peak_nm), "largest error".to_string()),
+            card("raw RMSE", units.torque(raw.rmse_nm), "neither side filtered".to_string()),
+        ],
+        tables: vec![groups_table(found, &units), curves_table(found, &units), trials_table(found, &units)],
+        drawings,
+        provenance: vec![
+            ("tautline", env!("CARGO_PKG_VERSION").to_string()),
+            ("campaign", campaign.to_string()),
+            ("model", model.to_string()),
+            ("trials judged", count(found.trials.len())),
+            ("low-pass", format!("{} Hz on both sides", significant(found.lowpass_hz, 3))),
+        ],
+    }
+}
+
+fn percent_of(figures: &Figures) -> String {
+    format!("{} % of the measured range", significant(figures.rmse_percent, 3))
+}
+
+fn verdict(found: &Evaluation, units: &Units) -> String {
+    let Split { all, stable, transition } = found.overall();
+    let trials = counted(found.trials.len(), "trial", "trials");
+    format!(
+        "Over {trials} the model leaves {} RMSE ({}): {} in stable state, {} in transitions; the largest error is {}.",
+        units.torque(all.rmse_nm),
+        percent_of(&all),
+        units.torque(stable.rmse_nm),
+        units.torque(transition.rmse_nm),
+        units.torque(all.peak_nm),
+    )
+}
+
+/// What the coefficient gains.
+fn comparison(found: &Evaluation, units: &Units) -> String {
+    let told = found.rivals.iter().enumerate().map(|(at, rival)| {
+        let figures = found.together(|t| &t.rivals[at]);
+        let own = if rival.source == Source::Model { ", the model's own" } else { "" };
+        format!(
+            "{} {} (peak {}){own}",
+            rival.kind.name(),
+            units.torque(figures.all.rmse_nm),
+            units.torque(figures.all.peak_nm)
+        )
+    });
+    format!("With each curve of the combination: {}.", told.collect::<Vec<_>>().join("; "))
+}
+
+fn groups_table(found: &Evaluation, units: &Units) -> Table {
+    let (unit, factor) = scale(found, units);
+    let row = |group: &Group| {
+        let scaled = |s: Spread| with_spread(factor * s.mean, factor * s.sd);
+        let note = if group.repeats { "repeats" } else { "different motions" };
+        vec![
+            group_name(group, units),
+            count(group.trials.len()),
+            scaled(group.rmse_nm),
+            scaled(group.mae_nm),
+            note.to_string(),
+        ]
+    };
+    Table {
+        title: "By motion".to_string(),
+        intro: "Mean ± standard deviation over trials, both sides low-passed.".to_string(),
+        heads: vec!["motion".into(), "trials".into(), format!("RMSE ({unit})"), format!("MAE ({unit})"), "".into()],
+        rows: found.groups.iter().map(row).collect(),
+    }
+}
+
+fn curves_table(found: &Evaluation, units: &Units) -> Table {
+    let (unit, factor) = scale(found, units);
+    let figure = |x: f64| significant(factor * x, 3);
+    let row = |(at, rival): (usize, &Rival)| {
+        let split = found.together(|t| &t.rivals[at]);
+        let own = parameter(&rival.curve).map_or(String::new(), |(name, x)| format!("{name} = {}", significant(x, 4)));
+        vec![
+            rival.kind.name().to_string(),
+            own,
+            rival.source.name().to_string(),
+            figure(split.all.rmse_nm),
+            figure(split.all.mae_nm),
+            figure(split.stable.rmse_nm),
+            figure(split.transition.rmse_nm),
+            figure(split.transition.peak_nm),
+        ]
+    };
+    let heads =
+        ["curve", "parameter", "parameter from", "RMSE", "MAE", "stable RMSE", "transition RMSE", "transition peak"];
+    Table {
+        title: "By curve of the combination".to_string(),
+        intro: format!("All trials together, low-passed, in {unit}. Sign is the model without any coefficient."),
+        heads: heads.map(String::from).to_vec(),
+        rows: found.rivals.iter().enumerate().map(row).collect(),
+    }
+}
+
+fn trials_table(found: &Evaluation, units: &Units) -> Table {
+    let (unit, factor) = scale(found, units);
+    let figure = |x: f64| significant(factor * x, 3);
+    let row = |t: &TrialEvaluation| {
+        let Split { all, stable, transition } = t.filtered;
+        vec![
+            t.entry.file.clone(),
+            count(all.samples),
+            figure(all.rmse_nm),
+            figure(all.mae_nm),
+            figure(all.peak_nm),
+            significant(all.rmse_percent, 3),
+            figure(stable.rmse_nm),
+            figure(transition.rmse_nm),
+            figure(t.raw.all.rmse_nm),
+        ]
+    };
+    let heads = ["trial", "samples", "RMSE", "MAE", "peak", "RMSE %", "stable RMSE", "transition RMSE", "raw RMSE"];
+    Table {
+        title: "By trial".to_string(),
+        intro: format!(
+            "In {unit}, low-passed, but for the raw RMSE. Percent is of the measured torque's range in the trial."
+        ),
+        heads: heads.map(String::from).to_vec(),
+        rows: found.trials.iter().map(row).collect(),
+    }
+}
