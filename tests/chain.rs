@@ -5,6 +5,7 @@ use std::path::Path;
 use tautline::dynamics::Chain;
 use tautline::evaluate::{Settings, run};
 use tautline::log::Campaign;
+use tautline::model::{ChainName, Model};
 use tautline::simulate::{Plan, Sensors, SimulatedArm};
 use tempfile::TempDir;
 
@@ -49,6 +50,8 @@ fn the_other_joint_matters() {
     let file = folder.path().join("campaign.toml");
     let text = std::fs::read_to_string(&file).unwrap();
     let still = text.replace("joint = \"elbow_flexion\"", &format!("joint = \"elbow_flexion\"\n{held}"));
+    let still: String =
+        still.lines().filter(|line| !line.starts_with("other_position")).map(|l| format!("{l}\n")).collect();
     std::fs::write(&file, still).unwrap();
     let found = run(&Campaign::read(folder.path()).unwrap(), &truth(), &Settings::default(), &|| ()).unwrap();
     let of = |name: &str| found.trials.iter().find(|t| t.entry.file.starts_with(name)).unwrap().filtered.all.rmse_nm;
@@ -70,6 +73,45 @@ fn what_a_chain_lacks_is_told() {
     assert!(unit.unwrap_err().contains("joint `shoulder_abduction` is revolute"));
     let twice = changed("urdf = \"arm.urdf\"", "urdf = \"arm.urdf\"\ngravity_nm = 0.7").unwrap_err();
     assert!(twice.contains("beside a URDF"), "{twice}");
+}
+
+#[test]
+fn a_joint_is_held_or_recorded() {
+    let held = changed("joint = \"elbow_flexion\"", "joint = \"elbow_flexion\"\nheld_rad = { shoulder_flexion = 0.1 }");
+    assert!(held.unwrap_err().contains("joint `shoulder_flexion` is held here, and recorded"));
+    let other = changed("joint = \"shoulder_flexion\"", "joint = \"shoulder_flexon\"").unwrap_err();
+    assert!(
+        other.contains("of joint `shoulder_flexon`") && other.contains("did you mean `shoulder_flexion`"),
+        "{other}"
+    );
+}
+
+#[test]
+fn links_without_mass_are_told() {
+    let folder = arm();
+    let file = folder.path().join("arm.urdf");
+    let text = std::fs::read_to_string(&file).unwrap();
+    std::fs::write(&file, text.replace("<mass value=\"0.75\"/>", "<mass value=\"0\"/>")).unwrap();
+    let refused = Campaign::read(folder.path()).unwrap_err().to_string();
+    assert!(refused.contains("nothing that hangs on joint `elbow_flexion` has a mass"), "{refused}");
+}
+
+#[test]
+fn a_model_of_another_joint_of_the_arm_is_refused() {
+    let folder = arm();
+    let campaign = Campaign::read(folder.path()).unwrap();
+    let of = |joint: &str| {
+        let chain = ChainName { urdf: "arm.urdf".to_string(), joint: joint.to_string() };
+        Model { chain: Some(chain), ..truth() }
+    };
+    assert!(run(&campaign, &of("elbow_flexion"), &Settings::default(), &|| ()).is_ok());
+    let refused = run(&campaign, &of("shoulder_abduction"), &Settings::default(), &|| ()).unwrap_err();
+    assert!(refused.to_string().contains("joint `shoulder_abduction` of its chain"), "{refused}");
+    assert!(tautline::compare::compare(&of("elbow_flexion"), &of("shoulder_abduction")).is_err());
+    let alone = crate::campaigns::record(&truth(), &Plan { speeds: 0, cosines: 1, ..plan() });
+    let refused =
+        run(&Campaign::read(alone.path()).unwrap(), &of("elbow_flexion"), &Settings::default(), &|| ()).unwrap_err();
+    assert!(refused.to_string().contains("names no URDF"), "{refused}");
 }
 
 #[test]

@@ -269,3 +269,42 @@ fn simulate_repeats_by_its_seed() {
     assert!(make("a", "4") == make("b", "4"));
     assert!(make("c", "4") != make("d", "5"));
 }
+
+#[test]
+fn predictions_are_replaced_only_when_told() {
+    let (campaign, out) = (campaign(), TempDir::new().unwrap());
+    let model = campaign.path().join("model.json");
+    std::fs::write(&model, tautline::report::json_text(&truth().to_json())).unwrap();
+    let (folder, name) = path(&out, "p");
+    let arguments = ["predict", &campaign.path().to_string_lossy(), "--model", &model.to_string_lossy(), "-o", &name];
+    assert_eq!(tautline(&arguments).status.code(), Some(0));
+    assert!(refused(&tautline(&arguments)).contains("--force"));
+    assert_eq!(tautline(&[&arguments[..], &["--force"]].concat()).status.code(), Some(0));
+    let table = std::fs::read_to_string(folder.join("cosine_1.csv")).unwrap();
+    let wanted = "time_s,torque_nm,predicted_nm,gravity_nm,inertia_nm,friction_nm,residual_nm";
+    assert!(table.starts_with(wanted), "{}", table.lines().next().unwrap());
+}
+
+#[test]
+fn evaluate_writes_its_files_and_judges() {
+    let (campaign, out) = (campaign(), TempDir::new().unwrap());
+    let model = campaign.path().join("model.json");
+    std::fs::write(&model, tautline::report::json_text(&truth().to_json())).unwrap();
+    let (folder, name) = path(&out, "judged");
+    let (of, with) = (campaign.path().to_string_lossy().into_owned(), model.to_string_lossy().into_owned());
+    let arguments = ["evaluate", &of, "--model", &with, "-o", &name, "--json", "--force"];
+    let done = tautline(&arguments);
+    assert_eq!(done.status.code(), Some(0), "{done:?}");
+    let found: Value = serde_json::from_slice(&done.stdout).unwrap();
+    assert_eq!(found["format"], "evaluation/1");
+    for key in ["rmse_nm", "mae_nm", "peak_nm", "rmse_percent", "mae_percent", "raw_rmse_nm"] {
+        assert!(found["trials"][0][key].is_number(), "trials[0].{key}");
+        assert!(found["trials"][0]["stable"][key].is_number() && found["trials"][0]["transition"][key].is_number());
+    }
+    for curve in ["sign", "linear", "arctan", "power"] {
+        assert!(found["combinations"][curve]["rmse_nm"].is_number(), "combinations.{curve}");
+    }
+    assert!(folder.join("report.html").is_file() && folder.join("plots/combinations.svg").is_file());
+    let failed = tautline(&[&arguments[..], &["--fail-above", "1e-9"]].concat());
+    assert_eq!(failed.status.code(), Some(1), "{failed:?}");
+}

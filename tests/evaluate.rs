@@ -86,6 +86,22 @@ fn reversals_inside_a_transition_stay_continuous() {
 }
 
 #[test]
+fn a_log_that_begins_at_a_reversal_shows_no_start() {
+    // Cut where the motion turns, K_f is on the wrong side at first; what the low-pass makes of that is in no figure.
+    let rate_hz = 200.0;
+    let turn = |t: f64| 0.7 - 0.3 * (std::f64::consts::TAU * t / 8.0).cos();
+    let whole: Vec<f64> = (0..(40.0 * rate_hz) as usize).map(|i| turn(i as f64 / rate_hz)).collect();
+    let folder = one_trial(whole, rate_hz, Sensors { torque_noise_nm: 0.0, encoder_counts: 524_288.0 });
+    let file = folder.path().join("cosine_1.csv");
+    let text = std::fs::read_to_string(&file).unwrap();
+    let cut: Vec<&str> = text.lines().take(1).chain(text.lines().skip(1 + (4.0 * rate_hz) as usize)).collect();
+    std::fs::write(&file, cut.join("\n")).unwrap();
+    let found = judged(folder.path(), &truth());
+    let peak_nm = found.overall().stable.peak_nm;
+    assert!(peak_nm < 0.01, "the start leaves {peak_nm} N m in stable state");
+}
+
+#[test]
 fn the_parts_add_up_to_the_prediction() {
     let folder = record(&truth(), &Plan { speeds: 2, cosines: 1, sensors: noisy(), ..plan() });
     let campaign = Campaign::read(folder.path()).unwrap();

@@ -118,34 +118,65 @@ fn a_stream_gives_what_the_log_gives() {
     assert_eq!(count, trial.extracted.torque_nm.len());
 }
 
+/// Follows `text` on standard input; `folder` must hold the campaign, and gets the model.
+fn follow(folder: &TempDir, text: &str) -> std::process::Output {
+    let model = folder.path().join("model.json");
+    std::fs::write(&model, tautline::report::json_text(&truth().to_json())).unwrap();
+    let mut program = Command::new(env!("CARGO_BIN_EXE_tautline"))
+        .args(["interaction", &folder.path().to_string_lossy(), "--model", &model.to_string_lossy(), "--follow", "-q"])
+        .stdin(Stdio::piped())
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn()
+        .unwrap();
+    let (mut input, text) = (program.stdin.take().unwrap(), text.to_string());
+    // A program that refuses the beginning does not read the rest.
+    let feeder = std::thread::spawn(move || drop(input.write_all(text.as_bytes())));
+    let output = program.wait_with_output().unwrap();
+    feeder.join().unwrap();
+    output
+}
+
 #[test]
 fn a_damaged_stream_is_refused_by_row() {
     let folder = campaign();
-    let model = folder.path().join("model.json");
-    std::fs::write(&model, tautline::report::json_text(&truth().to_json())).unwrap();
-    let follow = |text: &str| {
-        let mut program = Command::new(env!("CARGO_BIN_EXE_tautline"))
-            .args([
-                "interaction",
-                &folder.path().to_string_lossy(),
-                "--model",
-                &model.to_string_lossy(),
-                "--follow",
-                "-q",
-            ])
-            .stdin(Stdio::piped())
-            .stdout(Stdio::piped())
-            .stderr(Stdio::piped())
-            .spawn()
-            .unwrap();
-        program.stdin.take().unwrap().write_all(text.as_bytes()).unwrap();
-        let output = program.wait_with_output().unwrap();
+    let refused = |text: &str| {
+        let output = follow(&folder, text);
         assert_eq!(output.status.code(), Some(2), "{output:?}");
         String::from_utf8(output.stderr).unwrap()
     };
     let header = "time_s,position_deg,torque_nm\n";
-    assert!(follow("").contains("standard input"));
-    assert!(follow("time_s,position_deg\n0,0\n").contains("no such column"));
-    assert!(follow(&format!("{header}0.0,1.0,0.1\n0.002,x,0.1\n")).contains("row 3, `position_deg`"));
-    assert!(follow(&format!("{header}0.0,1.0,0.1\n0.0,1.0,0.1\n")).contains("time goes from"));
+    assert!(refused("").contains("standard input"));
+    assert!(refused("time_s,position_deg\n0,0\n").contains("no such column"));
+    assert!(refused(&format!("{header}0.0,1.0,0.1\n0.002,x,0.1\n")).contains("row 3, `position_deg`"));
+    assert!(refused(&format!("{header}0.0,1.0,0.1\n0.0,1.0,0.1\n")).contains("time goes from"));
+    let rows: String = (0..60).map(|i| format!("{},1.0,0.1\n", 0.004 * f64::from(i))).collect();
+    let rate = refused(&format!("{header}{rows}"));
+    assert!(
+        rate.contains("samples come at 250.0000 Hz, 500.0000 Hz are expected") && rate.contains("--rate-hz"),
+        "{rate}"
+    );
+}
+
+#[test]
+fn a_stream_that_begins_at_a_reversal_claims_no_contact() {
+    let folder = campaign();
+    let log = std::fs::read_to_string(folder.path().join("cosine_1.csv")).unwrap();
+    // The cascade turns at 264 s, at full speed of its fastest period soon after.
+    let rows = log.lines().skip(1).filter(|line| line.split(',').next().unwrap().parse::<f64>().unwrap() >= 264.0);
+    let text: String = log.lines().take(1).chain(rows).map(|line| format!("{line}\n")).collect();
+    let output = follow(&folder, &text);
+    assert!(output.status.success(), "{output:?}");
+    let answers = String::from_utf8(output.stdout).unwrap();
+    let contacts = answers.lines().skip(1).filter(|line| line.ends_with(",1,1") || line.ends_with(",1,0")).count();
+    assert_eq!(contacts, 0);
+    assert!(answers.lines().any(|line| line.ends_with(",0,1")), "K_f never becomes known");
+}
+
+#[test]
+fn the_bound_on_false_alarms_is_a_poisson_counts() {
+    // Garwood's upper 95 % bounds of a mean, for counts of 0 to 3.
+    for (count, bound) in [(0.0, 2.996), (1.0, 4.744), (2.0, 6.296), (3.0, 7.754)] {
+        assert!((tautline::numerics::statistics::poisson_bound(count) - bound).abs() < 1e-3);
+    }
 }

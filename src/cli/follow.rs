@@ -6,6 +6,7 @@ use crate::evaluate::fitted;
 use crate::interaction::{self, Settings, Stream, StreamOutput};
 use crate::log::{Campaign, Samples};
 use crate::model::Model;
+use crate::numerics::statistics::quantile;
 use crate::problem::{Problem, Problems, Result};
 use serde_json::json;
 use std::cell::RefCell;
@@ -31,16 +32,21 @@ pub fn run(
     let told = warnings.into_iter().chain(stream.quiet().warnings.iter().cloned());
     complain(&Problems(told.map(|warning| Problem::warning(&campaign.file, warning, "")).collect()));
     if talk.shows_progress() {
-        let _ = writeln!(
-            anstream::stderr(),
-            "following at {} Hz; the torque is {:.3} s late",
-            stream.rate_hz(),
-            stream.delay_s()
+        let (hz, torque_s, contact_s) = (stream.rate_hz(), stream.delay_s(), stream.contact_delay_s());
+        let told = format!(
+            "following at {hz} Hz: the torque is {torque_s:.3} s late, a contact is told {contact_s:.3} s late"
         );
+        let _ = writeln!(anstream::stderr(), "{told}");
     }
     let output = Rc::new(RefCell::new(BufWriter::new(io::stdout().lock())));
-    let input = FlushBeforeRead { input: io::stdin().lock(), output: Rc::clone(&output) };
-    match follow(campaign, &mut stream, input, &output, talk.json).and_then(|()| written(output.borrow_mut().flush())) {
+    let lost = Rc::new(RefCell::new(None));
+    let input = FlushBeforeRead { input: io::stdin().lock(), output: Rc::clone(&output), lost: Rc::clone(&lost) };
+    let followed = follow(campaign, &mut stream, input, &output, talk.json);
+    let followed = match lost.take() {
+        Some(error) => Err(Stopped::Output(error)),
+        None => followed.and_then(|()| written(output.borrow_mut().flush())),
+    };
+    match followed {
         Err(Stopped::Input(problems)) => Err(problems),
         // A reader that went away is no failure of ours.
         Err(Stopped::Output(error)) if error.kind() != io::ErrorKind::BrokenPipe => {
@@ -72,13 +78,36 @@ type Shared = Rc<RefCell<BufWriter<StdoutLock<'static>>>>;
 struct FlushBeforeRead {
     input: StdinLock<'static>,
     output: Shared,
+    /// What went wrong with the output, which the reader must not take for a fault of the input.
+    lost: Rc<RefCell<Option<io::Error>>>,
 }
 
 impl Read for FlushBeforeRead {
     fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
-        self.output.borrow_mut().flush()?;
-        self.input.read(buffer)
+        match self.output.borrow_mut().flush() {
+            Ok(()) => self.input.read(buffer),
+            Err(error) => {
+                *self.lost.borrow_mut() = Some(error);
+                Ok(0)
+            }
+        }
     }
+}
+
+/// Samples from which the stream's rate is judged ...
+const RATE_SAMPLES: usize = 50;
+/// ... and by how much it may differ from the one expected.
+const RATE_TOLERANCE: f64 = 0.05;
+
+/// Errors, once there are enough `times_s`: samples come at another rate than the filters are made for.
+fn check_rate(times_s: &[f64], rate_hz: f64) -> Result<()> {
+    let mut periods_s: Vec<f64> = times_s.windows(2).map(|pair| pair[1] - pair[0]).collect();
+    let found_hz = 1.0 / quantile(&mut periods_s, 0.5);
+    if times_s.len() < RATE_SAMPLES || (found_hz / rate_hz - 1.0).abs() <= RATE_TOLERANCE {
+        return Ok(());
+    }
+    let what = format!("samples come at {found_hz:.4} Hz, {rate_hz:.4} Hz are expected");
+    Problem::error("standard input", what, format!("start with --rate-hz {found_hz:.4}")).alone()
 }
 
 fn follow(
@@ -93,8 +122,20 @@ fn follow(
         let header = "time_s,interaction_nm,uncertainty_nm,threshold_nm,contact,known";
         written(writeln!(output.borrow_mut(), "{header}"))?;
     }
+    let mut times_s = Vec::with_capacity(RATE_SAMPLES);
     for sample in samples {
-        let torque = stream.step(&sample.map_err(Stopped::Input)?);
+        let sample = sample.map_err(Stopped::Input)?;
+        if times_s.len() < RATE_SAMPLES {
+            times_s.push(sample.time_s);
+            check_rate(&times_s, stream.rate_hz()).map_err(Stopped::Input)?;
+        }
+        let gaps = stream.gaps;
+        let torque = stream.step(&sample);
+        if gaps == 0 && stream.gaps == 1 {
+            let what =
+                format!("a gap before {} s: the filters start anew, and K_f is not known again yet", sample.time_s);
+            complain(&Problem::warning("standard input", what, "").into());
+        }
         written(write_line(&mut *output.borrow_mut(), &torque, json))?;
     }
     Ok(())

@@ -6,8 +6,10 @@ use super::judged::{Judged, campaign_name, model_name};
 use super::outcome::Talk;
 use super::progress;
 use crate::interaction::{self, Frame, Settings};
+use crate::log::Protocol;
 use crate::problem::{Problem, Result};
 use crate::report::interaction::{INTERACTION_FILES, to_json, write_summary};
+use crate::report::predicted::csv_names;
 use crate::report::write_interaction;
 use clap::ValueEnum;
 use std::path::PathBuf;
@@ -22,7 +24,8 @@ use std::process::ExitCode;
 The campaign's cosine, free and uniform trials must be quiet: what the model leaves of them sets the
 threshold of a contact and the uncertainty. With --follow, standard input is CSV with a header, in the
 columns and units that the campaign declares; one line goes out for each that comes in, late by the
-filters' delay, which is told on standard error.")]
+filters' delay, which is told on standard error (not with --quiet or --json). The stream is not searched
+for readings at the end of the sensor's range.")]
 pub struct Arguments {
     #[command(flatten)]
     judged: Judged,
@@ -81,13 +84,15 @@ pub fn run(arguments: &Arguments, talk: &Talk) -> Result<ExitCode> {
     let Some(folder) = &arguments.output else {
         return follow::run(&campaign, &model, settings, arguments.rate_hz, talk);
     };
+    let touched = campaign.trials.iter().filter(|trial| trial.protocol == Protocol::Interaction);
+    let tables = csv_names(&campaign, touched)?;
     let output = interrupt::output(folder, arguments.force, INTERACTION_FILES)?;
     let bar = progress::bar(talk, "extracting", campaign.trials.len());
     let found = interaction::run(&campaign, &model, settings, &|| progress::step(&bar, "drawing"));
     bar.finish_and_clear();
     let found = found?;
     let (name, model_name) = (campaign_name(&campaign), model_name(&arguments.judged.model));
-    write_interaction(&found, &name, &model_name, &output, arguments.png)?;
+    write_interaction(&found, &tables, &name, &model_name, &output, arguments.png)?;
     output.finish()?;
     talk.result(|| to_json(&found, &name, &model_name), |out| write_summary(out, &found, &name, folder))?;
     Ok(ExitCode::SUCCESS)

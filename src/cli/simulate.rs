@@ -127,7 +127,9 @@ impl Arguments {
         );
         need(self.torque_sign != 0, "torque-sign", 0.0, "1 or -1");
         need(
-            self.speeds * self.repeats as usize + (self.cosines + self.interactions + self.multi_joint) as usize > 0,
+            self.speeds as u64 * u64::from(self.repeats)
+                + [self.cosines, self.interactions, self.multi_joint].map(u64::from).iter().sum::<u64>()
+                > 0,
             "speeds",
             self.speeds as f64,
             "at least one trial",

@@ -1,6 +1,5 @@
 //! What a change of parameters amounts to: friction at some speeds, and the torque predicted along the paper's motions.
 
-use crate::dynamics::JointKind;
 use crate::model::{Direction, Model};
 use crate::numerics::statistics::root_mean_square;
 use crate::simulate::torque_nm;
@@ -10,8 +9,6 @@ use crate::trajectory::Trajectory;
 const REFERENCE_SPEEDS_RAD_S: [f64; 5] = [0.02, 0.05, 0.1, 0.2, 0.4];
 /// Samples a second of the motions compared: enough for their fastest period of 1.6 s.
 const RATE_HZ: f64 = 200.0;
-/// Stroke of a prismatic joint's motions, m, in place of the paper's angles.
-const STROKE_M: f64 = 0.1;
 
 /// Friction without load, B(v), at one speed in one direction, N m.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -45,7 +42,7 @@ pub struct Effect {
 
 impl Effect {
     pub(super) fn new(before: &Model, after: &Model) -> Self {
-        let positions_rad = motion(before.joint.kind).positions_rad(RATE_HZ);
+        let positions_rad = Trajectory::cascade().on(before.joint.kind).positions_rad(RATE_HZ);
         let (before_nm, after_nm) =
             (torque_nm(before, &positions_rad, RATE_HZ), torque_nm(after, &positions_rad, RATE_HZ));
         let difference: Vec<f64> = after_nm.iter().zip(&before_nm).map(|(b, a)| b - a).collect();
@@ -57,15 +54,6 @@ impl Effect {
             before_nm,
             after_nm,
         }
-    }
-}
-
-fn motion(kind: JointKind) -> Trajectory {
-    match (kind, Trajectory::cascade()) {
-        (JointKind::Prismatic, Trajectory::Cosine { periods_s, .. }) => {
-            Trajectory::Cosine { periods_s, low_rad: 0.0, high_rad: STROKE_M }
-        }
-        (_, cascade) => cascade,
     }
 }
 

@@ -27,6 +27,14 @@ pub struct Comparison {
     pub effect: Effect,
 }
 
+impl Comparison {
+    /// Whether the effect leaves out gravity and inertia, which a chain holds: then also what friction that grows with the load
+    /// makes of them.
+    pub fn load_is_missing(&self) -> bool {
+        self.before.chain.is_some() || self.after.chain.is_some()
+    }
+}
+
 /// One parameter in both models.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Change {
@@ -102,6 +110,11 @@ fn one_joint(before: &Model, after: &Model) -> Result<()> {
     if a.kind != b.kind {
         differs("joint.kind", a.kind.name().to_string(), b.kind.name().to_string());
     }
+    if let (Some(x), Some(y)) = (&before.chain, &after.chain)
+        && x.joint != y.joint
+    {
+        differs("dynamics.joint", format!("`{}`", x.joint), format!("`{}`", y.joint));
+    }
     for (key, x, y) in [
         ("joint.winch_radius_m", a.winch_radius_m, b.winch_radius_m),
         ("joint.pulley_radius_m", a.pulley_radius_m, b.pulley_radius_m),
@@ -124,8 +137,11 @@ fn parameters(before: &Model, after: &Model) -> Vec<Row> {
             rows.push((name.to_string(), unit, a, b));
         }
     };
-    add("dynamics.gravity_nm", "N m", &|m| Some(m.dynamics.gravity_nm));
-    add("dynamics.inertia_kg_m2", "kg m^2", &|m| Some(m.dynamics.inertia_kg_m2));
+    // Where either takes them from a chain there is nothing to compare.
+    if before.chain.is_none() && after.chain.is_none() {
+        add("dynamics.gravity_nm", "N m", &|m| Some(m.dynamics.gravity_nm));
+        add("dynamics.inertia_kg_m2", "kg m^2", &|m| Some(m.dynamics.inertia_kg_m2));
+    }
     for direction in Direction::BOTH {
         for (i, name) in Friction::NAMES.iter().enumerate() {
             let of = |m: &Model| present(m.friction.of(direction), i);
@@ -151,6 +167,8 @@ fn change(name: String, unit: &'static str, a: (Option<f64>, &Model), b: (Option
         let verdict = Verdict::Unknown;
         return Change { name, unit, before: a.0, after: b.0, low: f64::NEG_INFINITY, high: f64::INFINITY, verdict };
     };
+    // Nobody said how well a zero is known: 5 % of it would be perfectly.
+    let unsaid = |value: f64, model: &Model| value == 0.0 && !model.confidence.contains_key(&name);
     let known = |value: f64, model: &Model| {
         let assumed = ASSUMED * value.abs();
         model.confidence.get(&name).copied().unwrap_or(Confidence {
@@ -166,6 +184,7 @@ fn change(name: String, unit: &'static str, a: (Option<f64>, &Model), b: (Option
     let high = (y - x) + (of_y.high - y).hypot(x - of_x.low);
     let statuses = [of_x.status, of_y.status];
     let verdict = match () {
+        () if x != y && (unsaid(x, a.1) || unsaid(y, b.1)) => Verdict::Unknown,
         () if statuses.iter().any(|s| matches!(s, Status::Flat | Status::AtBound)) => Verdict::Unknown,
         () if x == y || low <= 0.0 && high >= 0.0 => Verdict::Within,
         () if statuses.contains(&Status::TradeOff) => Verdict::Together,

@@ -59,6 +59,12 @@ impl Tree<'_> {
             }
         }
         let at = order.iter().position(|at| *at == named).unwrap_or(0);
+        // What hangs on the joint stands behind it in the order.
+        if problems.is_empty() && bodies[at..].iter().all(|body| body.mass_kg == 0.0) {
+            let what = format!("nothing that hangs on joint `{joint}` has a mass");
+            return Problem::error(self.file, what, "add <inertial> with mass, origin and inertia to its links")
+                .alone();
+        }
         Problems(problems).unless_errors(Chain::new(bodies, at))
     }
 

@@ -39,6 +39,11 @@ pub fn fitted(campaign: &Campaign, model: &Model) -> Result<(Model, Vec<String>)
             differs(key, format!("{a} m"), format!("{b} m"));
         }
     }
+    if let (Some(of), Some(arm)) = (&model.chain, &campaign.arm)
+        && of.joint != arm.chain.joint()
+    {
+        differs("name", format!("joint `{}` of its chain", of.joint), format!("joint `{}`", arm.chain.joint()));
+    }
     if let (Some(of), None) = (&model.chain, &campaign.arm) {
         let what = format!(
             "the model takes gravity and inertia from joint `{}` of {}, the campaign names no URDF",

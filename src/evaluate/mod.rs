@@ -16,7 +16,7 @@ pub use view::View;
 use crate::log::{Campaign, Protocol, TrialEntry, read_trial};
 use crate::model::{Model, RecordedCurve};
 use crate::numerics::filter::LowPass;
-use crate::predict::{Prediction, with_curve};
+use crate::predict::{Prediction, forgotten, with_curve};
 use crate::prepare::{Trial, prepare};
 use crate::problem::{Problem, Problems, Result};
 use rayon::prelude::*;
@@ -155,11 +155,11 @@ fn chosen(campaign: &Campaign, sweeps: bool) -> Result<Vec<usize>> {
     Ok(chosen)
 }
 
-/// The samples of `trial` that are judged under `prediction`.
+/// The samples of `trial` that are judged under `prediction`: K_f known, and the low-pass past what it was before; in range.
 pub fn judged(trial: &Trial, prediction: &Prediction, lowpass_hz: f64) -> Judged {
     let in_range = trial.in_range(lowpass_hz);
-    let samples: Vec<usize> =
-        (prediction.states.known_from..trial.torque_nm.len()).filter(|at| in_range[*at]).collect();
+    let from = prediction.states.known_from + forgotten(trial.log.rate_hz, lowpass_hz);
+    let samples: Vec<usize> = (from..trial.torque_nm.len()).filter(|at| in_range[*at]).collect();
     let stable = samples.iter().map(|at| prediction.states.is_stable(*at)).collect();
     Judged { samples, stable }
 }

@@ -9,6 +9,7 @@ use crate::log::{Campaign, Place};
 use crate::model::{Combination, Direction, Model, Transition};
 use crate::numerics::causal::{CausalLowPass, Follower};
 use crate::numerics::filter::LowPass;
+use crate::predict::forgotten;
 use crate::prepare::motion_cutoff_hz;
 use crate::problem::{Problem, Result};
 
@@ -19,7 +20,7 @@ pub struct Step {
     pub torque_nm: f64,
     /// Whether friction is changing over.
     pub weak: bool,
-    /// Whether K_f is known: the joint has moved through its clearance.
+    /// Whether K_f is known, the joint having moved through its clearance, and the filters have forgotten what was before.
     pub known: bool,
     /// The whole change of friction, N m.
     pub change_nm: f64,
@@ -39,7 +40,9 @@ pub struct Estimator {
     lowpass: CausalLowPass,
     /// From either branch: where they agree, K_f is known whatever it was at first.
     states: Option<[Transition; 2]>,
-    known: bool,
+    /// Samples until the filters have forgotten what they were fed before K_f was known; `None` until it is.
+    known_in: Option<usize>,
+    forgotten: usize,
 }
 
 impl Estimator {
@@ -67,7 +70,8 @@ impl Estimator {
             chain,
             lowpass: CausalLowPass::new(&lowpass),
             states: None,
-            known: false,
+            known_in: None,
+            forgotten: forgotten(rate_hz, signal.lowpass_hz),
         })
     }
 
@@ -109,7 +113,7 @@ impl Estimator {
         Step {
             torque_nm: factor * self.lowpass.step(measured_nm - predicted_nm),
             weak: !state.is_stable(),
-            known: self.known,
+            known: self.known_in == Some(0),
             change_nm: factor * change_nm(&self.model, own.velocity),
         }
     }
@@ -123,7 +127,10 @@ impl Estimator {
             state.step(position_rad, &self.model.combination, backlash_rad, self.deadband_rad);
         }
         let [from_up, from_down] = *states;
-        self.known |= from_up.k_f == from_down.k_f;
+        self.known_in = match self.known_in {
+            None if from_up.k_f == from_down.k_f => Some(self.forgotten),
+            waiting => waiting.map(|samples| samples.saturating_sub(1)),
+        };
         // The one that the motion goes towards is the one whose K_f the other will meet.
         if from_up.direction() == Direction::Up { from_up } else { from_down }
     }

@@ -77,6 +77,11 @@ impl Detector {
         Self { hold: (HOLD_PERIODS / lowpass_hz * rate_hz) as usize, touched: false, since: 0 }
     }
 
+    /// How long a torque must stay above the threshold before it counts, samples.
+    pub fn hold(&self) -> usize {
+        self.hold
+    }
+
     /// Whether there is contact now.
     pub fn touched(&self) -> bool {
         self.touched

@@ -5,7 +5,7 @@ use crate::evaluate::low_pass;
 use crate::log::Campaign;
 use crate::model::{Direction, Model};
 use crate::numerics::statistics::quantile;
-use crate::predict::Prediction;
+use crate::predict::{Prediction, forgotten};
 use crate::prepare::Trial;
 use crate::problem::Result;
 
@@ -95,14 +95,16 @@ impl Extracted {
         let predicted_nm = low_pass(campaign, trial, &prediction.torque_nm);
         let n = trial.torque_nm.len();
         let factor = |i: usize| frame.factor(model, prediction.states.k_tilde[i]);
-        let in_range = trial.in_range(campaign.signal.lowpass_hz);
+        let lowpass_hz = campaign.signal.lowpass_hz;
+        let in_range = trial.in_range(lowpass_hz);
+        let known_from = prediction.states.known_from + forgotten(trial.log.rate_hz, lowpass_hz);
         Self {
             rate_hz: trial.log.rate_hz,
             time_s: trial.log.time_s.clone(),
             torque_nm: (0..n).map(|i| factor(i) * (trial.torque_nm[i] - predicted_nm[i])).collect(),
             reference_nm: trial.log.reference_torque_nm.as_ref().map(|r| low_pass(campaign, trial, r)),
             weak: (0..n).map(|i| !prediction.states.is_stable(i)).collect(),
-            known: (0..n).map(|i| i >= prediction.states.known_from && in_range[i]).collect(),
+            known: (0..n).map(|i| i >= known_from && in_range[i]).collect(),
             change_nm: (0..n).map(|i| factor(i) * change_nm(model, trial.velocity_rad_s[i])).collect(),
             filter_delay_s: 0.0,
             warnings: trial.log.warnings.iter().map(ToString::to_string).collect(),
@@ -162,6 +164,22 @@ impl Extracted {
                  first {TARE_S} s, {level:.3} N m beyond the prediction, is taken for it"
             ));
         }
+    }
+
+    /// Its first and its second half.
+    pub fn halves(&self) -> Vec<Self> {
+        let middle = self.torque_nm.len() / 2;
+        [0..middle, middle..self.torque_nm.len()]
+            .map(|part| Self {
+                rate_hz: self.rate_hz,
+                time_s: self.time_s[part.clone()].to_vec(),
+                torque_nm: self.torque_nm[part.clone()].to_vec(),
+                weak: self.weak[part.clone()].to_vec(),
+                known: self.known[part.clone()].to_vec(),
+                change_nm: self.change_nm[part].to_vec(),
+                ..Self::default()
+            })
+            .to_vec()
     }
 
     /// Of every `step`th sample.

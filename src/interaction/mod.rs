@@ -76,17 +76,13 @@ pub fn run(
     progress: &(dyn Fn() + Sync),
 ) -> Result<Interaction> {
     let (model, mut warnings) = fitted(campaign, model)?;
-    let of = |wanted: bool| -> Vec<usize> {
-        let is = |index: &usize| (campaign.trials[*index].protocol == Protocol::Interaction) == wanted;
-        (0..campaign.trials.len()).filter(is).collect()
-    };
-    let touched = of(true);
+    let touched = trials(campaign, true);
     if touched.is_empty() {
         let cure = "mark the trials in which somebody touches the joint with protocol = \"interaction\"";
         return Problem::error(&campaign.file, "holds no interaction trial", cure).alone();
     }
     let filtering = filtering(campaign, settings.causal)?;
-    let (quiet_ones, mut found) = all(campaign, &model, settings.frame, filtering, &of(false), progress)?;
+    let (quiet_ones, mut found) = all(campaign, &model, settings.frame, filtering, &trials(campaign, false), progress)?;
     warnings.append(&mut found);
     let (trials, mut found) = all(campaign, &model, settings.frame, filtering, &touched, progress)?;
     warnings.append(&mut found);
@@ -131,11 +127,21 @@ pub fn stream_of(
 ) -> Result<Stream> {
     let first = first_trial(campaign)?;
     let filtering = Filtering::Causal { deadband_rad: first.deadband_rad };
-    let is_quiet = |index: &usize| campaign.trials[*index].protocol != Protocol::Interaction;
-    let chosen: Vec<usize> = (0..campaign.trials.len()).filter(is_quiet).collect();
-    let (found, _) = all(campaign, model, settings.frame, filtering, &chosen, progress)?;
-    let quiet = Quiet::new(&found, &[], settings.threshold_nm, campaign.signal.lowpass_hz);
+    let (found, mut warnings) = all(campaign, model, settings.frame, filtering, &trials(campaign, false), progress)?;
+    // Only without quiet trials do the others serve.
+    let touched = match found.is_empty() {
+        true => all(campaign, model, settings.frame, filtering, &trials(campaign, true), progress)?.0,
+        false => Vec::new(),
+    };
+    let mut quiet = Quiet::new(&found, &touched, settings.threshold_nm, campaign.signal.lowpass_hz);
+    quiet.warnings.append(&mut warnings);
     Stream::new(campaign, model, settings.frame, quiet, rate_hz.unwrap_or(first.log.rate_hz), first.deadband_rad)
+}
+
+/// The interaction trials, or the quiet ones.
+fn trials(campaign: &Campaign, touched: bool) -> Vec<usize> {
+    let is = |index: &usize| (campaign.trials[*index].protocol == Protocol::Interaction) == touched;
+    (0..campaign.trials.len()).filter(is).collect()
 }
 
 fn touched_trial(campaign: &Campaign, index: usize, extracted: Extracted, quiet: &Quiet) -> TrialInteraction {

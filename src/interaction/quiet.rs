@@ -2,7 +2,7 @@
 
 use super::contacts::contacts;
 use super::extract::Extracted;
-use crate::numerics::statistics::{quantile, root_mean_square};
+use crate::numerics::statistics::{poisson_bound, quantile, root_mean_square};
 
 /// A contact is what exceeds all but this share of the quiet samples ...
 const BEYOND: f64 = 1e-3;
@@ -14,8 +14,6 @@ const WITHIN: f64 = 0.95;
 const PER_PERIOD: f64 = 20.0;
 /// Without quiet trials: standard deviations of the noise, estimated from the median.
 const SIGMAS: f64 = 5.0;
-/// Events in a time without any that are still as likely as 5 %: -ln 0.05.
-const RULE_OF_THREE: f64 = 3.0;
 
 /// Levels of stable state and of transition, N m.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -70,6 +68,12 @@ impl Quiet {
         let thinned: Vec<Extracted> =
             quiet.iter().map(|t| thinned(t, lowpass_hz)).filter(|t| t.known.contains(&true)).collect();
         let all: Vec<&Extracted> = thinned.iter().collect();
+        // One quiet trial is tried half against half.
+        let halves: Vec<Extracted> = match &thinned[..] {
+            [one] => one.halves(),
+            _ => Vec::new(),
+        };
+        let tried: Vec<&Extracted> = if halves.is_empty() { all.clone() } else { halves.iter().collect() };
         let mut made = match Self::measured(&all) {
             Some(levels) => Self {
                 levels,
@@ -82,14 +86,15 @@ impl Quiet {
             None => Self::from_touched(touched, lowpass_hz),
         };
         if let Some(threshold_nm) = threshold_nm {
+            made.warnings.clear();
             (made.levels.stable_nm, made.levels.weak_nm) = (threshold_nm, threshold_nm);
         }
         let alarms = |at: usize| {
-            let rest: Vec<&Extracted> = (0..all.len()).filter(|other| *other != at).map(|other| all[other]).collect();
+            let rest: Vec<&Extracted> = (0..tried.len()).filter(|other| *other != at).map(|i| tried[i]).collect();
             let levels = if threshold_nm.is_some() { made.levels } else { Self::measured(&rest)? };
-            Some(contacts(all[at], &all[at].torque_nm, &levels, lowpass_hz).len())
+            Some(contacts(tried[at], &tried[at].torque_nm, &levels, lowpass_hz).len())
         };
-        made.false_alarms = (0..all.len()).map(alarms).sum::<Option<usize>>().filter(|_| !all.is_empty());
+        made.false_alarms = (0..tried.len()).map(alarms).sum::<Option<usize>>().filter(|_| !tried.is_empty());
         made
     }
 
@@ -115,7 +120,7 @@ impl Quiet {
         let mut all = samples(&thinned.iter().collect::<Vec<_>>(), |_| true);
         let sigma_nm = 1.4826 * quantile(&mut all, 0.5);
         let (threshold_nm, within_nm) = (SIGMAS * sigma_nm, 2.0 * sigma_nm);
-        let warning = "no quiet trial: the threshold comes of the noise in the interaction trials themselves, and how often it \
+        let warning = "no quiet trial in which the joint moves: the threshold comes of the noise in the interaction trials themselves, and how often it \
                        gives a false alarm is not known; add cosine or free trials in which nobody touches the joint";
         Self {
             levels: Levels {
@@ -132,13 +137,11 @@ impl Quiet {
         }
     }
 
-    /// False alarms per hour of quiet, as counted; and the rate that is exceeded with a chance of 5 %, where none was counted.
+    /// False alarms per hour of quiet, as counted, and the upper 95 % bound of their rate.
     pub fn false_alarms_per_hour(&self) -> Option<(f64, f64)> {
         let count = self.false_alarms? as f64;
         let per_hour = 3600.0 / self.quiet_s;
-        // Beyond zero: the count and two standard deviations of a Poisson count.
-        let most = if count == 0.0 { RULE_OF_THREE } else { count + 2.0 * count.sqrt() };
-        Some((count * per_hour, most * per_hour))
+        Some((count * per_hour, poisson_bound(count) * per_hour))
     }
 }
 

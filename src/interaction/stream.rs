@@ -24,7 +24,7 @@ pub struct StreamOutput {
     pub threshold_nm: f64,
     /// Whether there is contact.
     pub contact: bool,
-    /// Whether K_f is known.
+    /// Whether K_f is known; unlike in a log, readings at the end of the sensor's range are not looked for.
     pub known: bool,
 }
 
@@ -84,6 +84,11 @@ impl Stream {
     /// How late the torque is, s.
     pub fn delay_s(&self) -> f64 {
         self.fresh.delay_s()
+    }
+
+    /// How late the word that there is contact is, s: the torque, and the time that it must stay above the threshold.
+    pub fn contact_delay_s(&self) -> f64 {
+        self.delay_s() + self.detector.hold() as f64 * self.period_s
     }
 
     /// The next sample.

@@ -85,15 +85,39 @@ impl Declared {
         Some(Arm { urdf: self.urdf, chain, others, held_rad: self.held_rad })
     }
 
+    /// Columns that name a joint which is not there, or one that is said to rest.
+    fn check_named(&self, section: &Section<'_>, joints: &[(&str, JointKind)], columns: &[OtherColumn]) {
+        for (column, joint) in columns.iter().filter_map(|c| Some((&c.column.name, c.joint.as_deref()?))) {
+            if joints.iter().all(|(name, _)| *name != joint) {
+                let what =
+                    format!("column `{column}` is of joint `{joint}`, on which `{}` does not depend", self.joint);
+                section.reject("urdf", what, suggest(joint, "it depends on", joints.iter().map(|(name, _)| *name)));
+            } else if self.held_rad.contains_key(joint) {
+                self.held_and_recorded(section, joint, column);
+            }
+        }
+        for column in columns.iter().filter(|c| c.joint.is_none()).map(|c| &c.column.name) {
+            if let Some(joint) = self.held_rad.keys().find(|joint| is_called(column, joint)) {
+                self.held_and_recorded(section, joint, column);
+            }
+        }
+    }
+
+    fn held_and_recorded(&self, section: &Section<'_>, joint: &str, column: &str) {
+        let what = format!("joint `{joint}` is held here, and recorded in column `{column}`");
+        section.reject("held_rad", what, "delete one of the two");
+    }
+
     /// A joint's place: held, or in the column that names it, or in the column called like it, or in what is left over, in order.
     fn places(&self, section: &Section<'_>, chain: &Chain, columns: &[OtherColumn]) -> Option<Vec<Place>> {
         let joints: Vec<(&str, JointKind)> = chain.others().collect();
+        self.check_named(section, &joints, columns);
         let mut places: Vec<Option<Place>> =
             joints.iter().map(|(name, _)| Some(Place::Held(*self.held_rad.get(*name)?))).collect();
         let mut left: Vec<usize> = (0..columns.len()).collect();
         let named = |column: &OtherColumn, joint: &str| column.joint.as_deref() == Some(joint);
         let called =
-            |column: &OtherColumn, joint: &str| column.joint.is_none() && column.column.name.starts_with(joint);
+            |column: &OtherColumn, joint: &str| column.joint.is_none() && is_called(&column.column.name, joint);
         for fits in [&named as &dyn Fn(&OtherColumn, &str) -> bool, &called] {
             for (place, (joint, _)) in places.iter_mut().zip(&joints).filter(|(place, _)| place.is_none()) {
                 if let Some(at) = left.iter().position(|at| fits(&columns[*at], joint)) {
@@ -136,6 +160,14 @@ impl Declared {
         }
         places.into_iter().collect()
     }
+}
+
+/// Whether a column's name is the joint's, alone or with its unit behind it.
+fn is_called(column: &str, joint: &str) -> bool {
+    let rest = column.strip_prefix(joint);
+    rest.is_some_and(|rest| {
+        matches!(rest, "" | "_deg" | "_rad" | "_m" | "_mm" | "_position" | ".position" | "/position")
+    })
 }
 
 fn suits(unit: Unit, kind: JointKind) -> bool {

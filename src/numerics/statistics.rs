@@ -1,6 +1,6 @@
 //! Means, spreads, quantiles.
 
-use statrs::distribution::{ContinuousCDF, FisherSnedecor, StudentsT};
+use statrs::distribution::{ChiSquared, ContinuousCDF, FisherSnedecor, StudentsT};
 
 /// Two-sided level of every interval that is printed.
 pub const CONFIDENCE: f64 = 0.95;
@@ -47,6 +47,12 @@ pub fn student_t(freedom: f64) -> f64 {
 /// Quantile of Fisher's F at `CONFIDENCE`, with `over` and `under` degrees of freedom; infinite without any.
 pub fn fisher_f(over: f64, under: f64) -> f64 {
     FisherSnedecor::new(over, under).map_or(f64::INFINITY, |f| f.inverse_cdf(CONFIDENCE))
+}
+
+/// The mean of a Poisson count that `count` or fewer still come of with a chance of 5 %: half the 95 % quantile of chi-square
+/// with 2 (count + 1) degrees (Garwood, Biometrika 28:437, 1936); infinite where that has no value.
+pub fn poisson_bound(count: f64) -> f64 {
+    ChiSquared::new(2.0 * (count + 1.0)).map_or(f64::INFINITY, |chi| chi.inverse_cdf(CONFIDENCE) / 2.0)
 }
 
 /// Chance that Fisher's F with `over` and `under` degrees of freedom exceeds `value`; 1 without any.

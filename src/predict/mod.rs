@@ -5,7 +5,7 @@
 
 mod state;
 
-pub use state::{States, states};
+pub use state::{States, forgotten, states};
 
 use crate::model::{Combination, Model};
 use crate::prepare::Trial;

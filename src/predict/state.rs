@@ -21,6 +21,15 @@ impl States {
     }
 }
 
+/// Periods of the low-pass after which it has forgotten what it was fed before: a wrong branch, 1 N m off, then shows by less than
+/// 5 mN m (the slowest pole of the 4th order decays as exp(-0.38 2 pi t) in periods).
+const FORGOTTEN_PERIODS: f64 = 2.5;
+
+/// Samples at `rate_hz` after which a low-pass at `lowpass_hz` has forgotten what it was fed before K_f was known.
+pub fn forgotten(rate_hz: f64, lowpass_hz: f64) -> usize {
+    (FORGOTTEN_PERIODS / lowpass_hz * rate_hz) as usize
+}
+
 /// The states of `trial` under `model`'s clearance, with `curve`.
 ///
 /// K_f follows the position as recorded: a filtered one rings at corners. With `Sign` K~ follows the sign of the speed alone,

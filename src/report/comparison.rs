@@ -34,6 +34,7 @@ pub fn to_json(found: &Comparison, names: &[String; 2]) -> Value {
         "combination": [found.before.combination.name(), found.after.combination.name()],
         "prediction": {
             "motion": "cosine cascade",
+            "friction_alone": found.load_is_missing(),
             "rms_change_nm": found.effect.rms_nm,
             "mean_change_nm": found.effect.mean_nm,
             "peak_change_nm": found.effect.peak_nm,
@@ -58,8 +59,11 @@ fn sentence(found: &Comparison, units: &Units) -> String {
         0 => "No parameter changed beyond its confidence".to_string(),
         n => format!("{} changed beyond confidence: {}", counted(n, "parameter", "parameters"), changed.join(", ")),
     };
+    let (a, b) = (found.before.combination.name(), found.after.combination.name());
+    let curve = if a == b { String::new() } else { format!("; the combination passes from {a} to {b}") };
+    let share = if found.load_is_missing() { " (friction alone: gravity and inertia are the chain's)" } else { "" };
     format!(
-        "{told}. Along the paper's cosine cascade the prediction changes by {} RMS, {} at most.",
+        "{told}{curve}. Along the paper's cosine cascade the prediction changes by {} RMS, {} at most{share}.",
         units.torque(found.effect.rms_nm),
         units.torque(found.effect.peak_nm)
     )

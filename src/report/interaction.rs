@@ -215,7 +215,7 @@ fn trials_table(found: &Interaction, units: &Units) -> Table {
     Table {
         title: "By trial".to_string(),
         intro: "Against the torque measured independently, where there is one, through the same low-pass. The peak error is the \
-                difference of the peaks of each contact, averaged; the delay is where the two correlate best."
+                difference of the peaks of each contact, averaged; the delay is where the two correlate best, the reference being filtered as late as the torque."
             .to_string(),
         heads: heads.map(String::from).to_vec(),
         rows: found.trials.iter().map(row).collect(),
@@ -259,6 +259,13 @@ pub fn write_summary(out: &mut impl Write, found: &Interaction, campaign: &str, 
     writeln!(out, "\n  {}", threshold_sentence(found, &units))?;
     if let Some(sentence) = agreement_sentence(found, &units) {
         writeln!(out, "  {sentence}")?;
+    }
+    if found.settings.causal {
+        writeln!(
+            out,
+            "  Filtered forwards only, torque and reference are {} s late.",
+            significant(found.filter_delay_s, 2)
+        )?;
     }
     distrust(out, &found.warnings)?;
     writeln!(

@@ -84,11 +84,18 @@ pub fn write_evaluation(found: &Evaluation, campaign: &str, model: &str, output:
     evaluation::page(found, campaign, model, drawings).write(output, png)
 }
 
-/// Writes `interaction.json`, a table per trial, `plots/` and `report.html` of `found` to `output`.
-pub fn write_interaction(found: &Interaction, campaign: &str, model: &str, output: &Output, png: bool) -> Result<()> {
+/// Writes `interaction.json`, a table per trial called as `names` says, `plots/` and `report.html` of `found` to `output`.
+pub fn write_interaction(
+    found: &Interaction,
+    names: &[String],
+    campaign: &str,
+    model: &str,
+    output: &Output,
+    png: bool,
+) -> Result<()> {
     output.write("interaction.json", json_text(&interaction::to_json(found, campaign, model)))?;
-    for trial in &found.trials {
-        output.write(&predicted::csv_name(&trial.entry.file), interaction::trial_csv(trial, &found.quiet))?;
+    for (trial, name) in found.trials.iter().zip(names) {
+        output.write(name, interaction::trial_csv(trial, &found.quiet))?;
     }
     let drawings = plots::interaction::drawings(found).or_else(|error| unmade(output, "plots", error))?;
     interaction::page(found, campaign, model, drawings).write(output, png)

@@ -1,22 +1,36 @@
 //! What `predict` writes: one table per trial, sample by sample.
 
 use crate::evaluate::{judged, low_pass};
-use crate::log::Campaign;
 use crate::log::table::{Numbers, csv_bytes};
+use crate::log::{Campaign, TrialEntry};
 use crate::model::Model;
 use crate::predict::Prediction;
 use crate::prepare::Trial;
+use crate::problem::{Problem, Result};
+use std::collections::BTreeMap;
 use std::path::Path;
 
 /// All that `predict` writes.
-pub const PREDICTION_FILES: &[&str] = &["*.csv"];
+pub const PREDICTION_FILES: &[&str] = &["prediction.json", "*.csv"];
 
 /// Decimals of a torque: well below what any sensor resolves, so that the parts still add up.
 const TORQUE_DECIMALS: usize = 9;
 
-/// The name of the table of the trial in `file`: its stem, in the folder of the log.
-pub fn csv_name(file: &str) -> String {
-    Path::new(file).with_extension("csv").display().to_string()
+/// The names of the trials' tables: the stems of their logs, folders joined by an underscore.
+///
+/// Errors: two trials whose tables would have one name.
+pub fn csv_names<'a>(campaign: &Campaign, trials: impl Iterator<Item = &'a TrialEntry>) -> Result<Vec<String>> {
+    let mut seen: BTreeMap<String, &str> = BTreeMap::new();
+    let mut names = Vec::new();
+    for entry in trials {
+        let name = Path::new(&entry.file).with_extension("csv").display().to_string().replace(['/', '\\'], "_");
+        if let Some(other) = seen.insert(name.clone(), &entry.file) {
+            let what = format!("`{other}` and `{}` would both become {name}", entry.file);
+            return Problem::error(&campaign.file, what, "rename one of the logs").alone();
+        }
+        names.push(name);
+    }
+    Ok(names)
 }
 
 /// `trial` as predicted by `model`, N m at the winch.

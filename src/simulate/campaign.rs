@@ -20,8 +20,6 @@ use std::path::{Path, PathBuf};
 const MULTI_JOINT: &str = "multi_joint";
 /// Period of the other joint's motion, s.
 const SWING_PERIOD_S: f64 = 40.0;
-/// The column of a load cell times its moment arm, which measures what a person adds.
-const REFERENCE: (&str, Unit) = ("interaction_nm", Unit::NewtonMetre);
 /// Its noise as a share of the torque sensor's: a load cell at the handle has no transmission to measure through.
 const LOAD_CELL_NOISE: f64 = 0.1;
 /// Contacts and the load cell's noise have streams of their own beside the torque's noise.
@@ -73,6 +71,14 @@ fn columns_of(kind: JointKind) -> ((&'static str, Unit), (&'static str, Unit)) {
     match kind {
         JointKind::Revolute => (("position_deg", Unit::Degree), ("torque_nm", Unit::NewtonMetre)),
         JointKind::Prismatic => (("position_m", Unit::Metre), ("force_n", Unit::Newton)),
+    }
+}
+
+/// Name and unit of the column of a load cell times its moment arm, which measures what a person adds.
+fn reference_of(kind: JointKind) -> (&'static str, Unit) {
+    match kind {
+        JointKind::Revolute => ("interaction_nm", Unit::NewtonMetre),
+        JointKind::Prismatic => ("interaction_n", Unit::Newton),
     }
 }
 
@@ -138,7 +144,8 @@ impl Plan {
             };
             arm.chain.others().map(other).collect()
         });
-        let reference = (self.interactions > 0).then(|| ReferenceColumn { column: column(REFERENCE), arm_m: None });
+        let reference = (self.interactions > 0)
+            .then(|| ReferenceColumn { column: column(reference_of(model.joint.kind)), arm_m: None });
         Campaign {
             folder: folder.to_path_buf(),
             file: folder.join("campaign.toml"),
@@ -168,8 +175,8 @@ impl Plan {
     }
 
     /// What happens in one trial.
-    fn course(&self, trial: &PlannedTrial) -> Course {
-        let position_rad = trial.trajectory.positions_rad(self.rate_hz);
+    fn course(&self, kind: JointKind, trial: &PlannedTrial) -> Course {
+        let position_rad = trial.trajectory.on(kind).positions_rad(self.rate_hz);
         let samples = position_rad.len();
         let contact_nm = match trial.entry.protocol {
             Protocol::Interaction => contacts_nm(samples, self.rate_hz, trial.seed ^ CONTACT_SEED),
@@ -185,7 +192,7 @@ impl Plan {
 
     /// The bytes of one trial's log.
     pub fn log_bytes(&self, model: &Model, trial: &PlannedTrial) -> Result<Vec<u8>> {
-        let course = self.course(trial);
+        let course = self.course(model.joint.kind, trial);
         let chain = self.arm.as_ref().map(|arm| &arm.chain);
         let recording = record(model, chain, &course, self.rate_hz, self.sensors, trial.seed);
         let (position, torque_column) = columns_of(model.joint.kind);
@@ -212,7 +219,7 @@ impl Plan {
             decimals: position_decimals,
         }));
         if self.interactions > 0 {
-            columns.push(Numbers { name: REFERENCE.0, values: &reference, decimals: 5 });
+            columns.push(Numbers { name: reference_of(model.joint.kind).0, values: &reference, decimals: 5 });
         }
         let file = PathBuf::from(&trial.entry.file);
         if self.parquet { parquet_bytes(&file, &columns) } else { Ok(csv_bytes(&columns)) }

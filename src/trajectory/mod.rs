@@ -1,6 +1,10 @@
 //! A motion's plan: position over time, from rest to rest.
 
+use crate::dynamics::JointKind;
 use std::f64::consts::TAU;
+
+/// Stroke of a prismatic joint's motions, m, in place of the paper's angles.
+const STROKE_M: f64 = 0.1;
 
 /// A prescribed motion of one joint, angles in rad.
 #[derive(Debug, Clone, PartialEq)]
@@ -77,6 +81,16 @@ impl Trajectory {
             low_rad: 20f64.to_radians(),
             high_rad: 60f64.to_radians(),
         }
+    }
+
+    /// The same motion of a joint of this `kind`: a prismatic one goes its whole stroke where a revolute one turns from end to end.
+    pub fn on(&self, kind: JointKind) -> Self {
+        let mut motion = self.clone();
+        if kind == JointKind::Prismatic {
+            let (Self::Uniform { low_rad, high_rad, .. } | Self::Cosine { low_rad, high_rad, .. }) = &mut motion;
+            (*low_rad, *high_rad) = (0.0, STROKE_M);
+        }
+        motion
     }
 
     /// Positions in rad, `rate_hz` a second.

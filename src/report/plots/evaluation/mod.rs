@@ -53,7 +53,13 @@ fn shown(evaluation: &Evaluation) -> Vec<Shown<'_>> {
     let step = all.len().div_ceil(SHOWN).max(1);
     let units = Units::of(evaluation.model.joint.kind);
     let shown = |(slug, title, trials)| Shown { slug, title, trials, units, lowpass_hz: evaluation.lowpass_hz };
-    all.into_iter().step_by(step).map(shown).collect()
+    let mut chosen: Vec<Shown> = all.into_iter().step_by(step).map(shown).collect();
+    for at in 1..chosen.len() {
+        if chosen[..at].iter().any(|earlier| earlier.slug == chosen[at].slug) {
+            chosen[at].slug = format!("{}-{}", chosen[at].slug, at + 1);
+        }
+    }
+    chosen
 }
 
 fn name(group: &Group, trials: usize) -> String {
