@@ -4,6 +4,7 @@ mod architecture;
 mod campaigns;
 mod cli;
 mod combination;
+mod free;
 mod friction;
 mod golden;
 mod log;

@@ -103,8 +103,9 @@ fn fit_direction(
         Form::One => 1,
         Form::Supported => supported,
     };
-    let fits =
-        |fit: &&ExponentialFit| fit.rates.len() <= wanted && (fit.rates.is_empty() || holds_at_rest(|u| fit.b_nm(u), &points));
+    let fits = |fit: &&ExponentialFit| {
+        fit.rates.len() <= wanted && (fit.rates.is_empty() || holds_at_rest(|u| fit.b_nm(u), &points))
+    };
     let Some(taken) = forms.iter().rev().find(fits).cloned() else {
         return Problem::error(campaign, "B(v) has no solution", "check the sweeps' speeds").alone();
     };

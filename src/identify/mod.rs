@@ -166,8 +166,7 @@ fn from_sweeps(campaign: &Campaign, mut readings: Vec<Reading>, settings: Settin
     let (rows, trials) = (readings.iter().map(|r| r.rows).sum(), readings.len());
     let trace = readings.iter_mut().find_map(|r| r.trace.take());
     let (prepared, entries) = of_the_joint_alone(readings);
-    let combination =
-        combination::fit_combination(&prepared, &model, lowpass_hz, settings.combination, sliding_nm);
+    let combination = combination::fit_combination(&prepared, &model, lowpass_hz, settings.combination, sliding_nm);
     match &combination {
         Some(fit) => {
             model.combination = fit.curve().curve;

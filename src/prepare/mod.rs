@@ -1,5 +1,6 @@
 //! A log made ready: torque low-passed, motion differentiated, sweeps cut into legs.
 
+mod encoder;
 mod legs;
 mod series;
 
@@ -10,8 +11,8 @@ use crate::dynamics::JointKind;
 use crate::log::{Campaign, Log, Protocol, TrialEntry};
 use crate::numerics::difference::{acceleration, velocity};
 use crate::numerics::filter::LowPass;
-use crate::numerics::statistics::quantile;
 use crate::problem::{Problem, Result};
+use encoder::Position;
 
 /// The motion is low-passed at this many times the torque's cut-off ...
 const MOTION_BANDWIDTH: f64 = 4.0;
@@ -19,9 +20,6 @@ const MOTION_BANDWIDTH: f64 = 4.0;
 const MOTION_BANDWIDTH_MIN_HZ: f64 = 20.0;
 /// ... nor at more than this share of the sample rate, where the filter would no longer be one.
 const MOTION_BANDWIDTH_MAX: f64 = 0.4;
-/// A reversal counts once the joint came back by this many standard deviations of the position's noise: two samples at
-/// rest, the extremes of hundreds, differ by 6.
-const DEADBAND_SIGMAS: f64 = 8.0;
 
 /// One trial, at the log's full rate, SI units.
 #[derive(Debug, Clone)]
@@ -42,8 +40,12 @@ pub struct Trial {
     pub acceleration_rad_s2: Vec<f64>,
     /// Measured load at the joint after the motion's low-pass, N m.
     pub load_torque_nm: Option<Vec<f64>>,
+    /// Position that K_f follows, rad.
+    pub followed_rad: Vec<f64>,
     /// Travel back below which nothing counts as a reversal: noise, rad.
     pub deadband_rad: f64,
+    /// The encoder's step where it matters, else 0, rad.
+    pub step_rad: f64,
     /// Constant-speed legs of a sweep; none for other protocols.
     pub legs: Vec<Leg>,
 }
@@ -72,7 +74,7 @@ pub fn prepare(campaign: &Campaign, index: usize, log: Log) -> Result<Trial> {
         None => acceleration(&position_rad, rate_hz),
     };
     let load_torque_nm = log.load_torque_nm.as_ref().map(|load| motion.zero_phase(load));
-    let deadband_rad = deadband_rad(&log.position_rad, &position_rad);
+    let Position { followed_rad, deadband_rad, step_rad } = Position::new(&log.position_rad, &position_rad);
     let legs = match entry.protocol {
         Protocol::Uniform { .. } if campaign.joint.kind == JointKind::Prismatic => {
             let what = "a uniform sweep of a prismatic joint: without an angle there is no y = A sin(theta) + B";
@@ -91,7 +93,9 @@ pub fn prepare(campaign: &Campaign, index: usize, log: Log) -> Result<Trial> {
         velocity_rad_s,
         acceleration_rad_s2,
         load_torque_nm,
+        followed_rad,
         deadband_rad,
+        step_rad,
         legs,
         log,
     })
@@ -101,12 +105,4 @@ pub fn prepare(campaign: &Campaign, index: usize, log: Log) -> Result<Trial> {
 fn motion_filter(lowpass_hz: f64, rate_hz: f64) -> Option<LowPass> {
     let cutoff_hz = (MOTION_BANDWIDTH * lowpass_hz).max(MOTION_BANDWIDTH_MIN_HZ).min(MOTION_BANDWIDTH_MAX * rate_hz);
     LowPass::new(4, cutoff_hz, rate_hz)
-}
-
-/// What the filter took out of the position tells its noise. The median resists the corners, where it takes out motion.
-fn deadband_rad(raw_rad: &[f64], filtered_rad: &[f64]) -> f64 {
-    // Every 7th sample is enough for a median and keeps it cheap.
-    let mut taken: Vec<f64> = raw_rad.iter().zip(filtered_rad).step_by(7).map(|(r, f)| (r - f).abs()).collect();
-    let sigma = 1.4826 * quantile(&mut taken, 0.5);
-    if sigma.is_finite() { DEADBAND_SIGMAS * sigma } else { 0.0 }
 }

@@ -5,9 +5,7 @@ use super::number::{as_precise_as, count, percent, r_squared, significant, with_
 use super::parameters::{Parameter, combination, friction};
 use super::plots::Figure;
 use super::verdict::{Verdict, verdict};
-use super::wording::{
-    LEFT_OUT, LEFT_OUT_MEANING, Units, amplitude_spread, moving, status_meaning, status_word,
-};
+use super::wording::{LEFT_OUT, LEFT_OUT_MEANING, Units, amplitude_spread, moving, status_meaning, status_word};
 use crate::identify::combination::JudgedOn;
 use crate::identify::stribeck::exponentials;
 use crate::identify::{CombinationFit, CurveKind, FrictionFit, Identification, LegFit, Route};

@@ -112,11 +112,7 @@ fn free_motion(out: &mut impl Write, free: &FreeFit, units: &Units) -> io::Resul
 }
 
 /// Friction in both directions side by side; `sweeps` are the fits that it comes from, if it does.
-pub fn parameter_table(
-    out: &mut impl Write,
-    model: &Model,
-    sweeps: Option<&Both<FrictionFit>>,
-) -> io::Result<()> {
+pub fn parameter_table(out: &mut impl Write, model: &Model, sweeps: Option<&Both<FrictionFit>>) -> io::Result<()> {
     let [up, down] = Direction::BOTH.map(|direction| friction(model, direction, sweeps));
     heading(out, "Friction parameters, with 95 % intervals")?;
     let head = |direction| format!("{:<width$}", moving(direction), width = CELL);

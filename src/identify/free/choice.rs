@@ -26,12 +26,8 @@ impl Choice {
     /// taken whatever the data support.
     pub fn new(search: &Search, wanted: Option<CurveKind>) -> Self {
         let load = CurveKind::ALL.par_iter().map(|kind| (key(*kind, FreeForm::Load), search.judge_load(*kind)));
-        let mut choice = Self {
-            form: FreeForm::Load,
-            kind: CurveKind::Sign,
-            supported: CurveKind::Sign,
-            judged: load.collect(),
-        };
+        let mut choice =
+            Self { form: FreeForm::Load, kind: CurveKind::Sign, supported: CurveKind::Sign, judged: load.collect() };
         for _ in 0..ROUNDS {
             let curves = choice.judge(search, CurveKind::ALL.map(|kind| (kind, choice.form)));
             choice.supported = CurveKind::ALL[best_supported(&curves)];

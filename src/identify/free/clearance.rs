@@ -1,8 +1,8 @@
 //! What free motion says of the clearance: whether it contradicts the declared one, whether the estimate has an end.
 
+use super::FreeForm;
 use super::halves::Halves;
 use super::search::{Judged, Search};
-use super::FreeForm;
 use crate::identify::combination::CurveKind;
 use crate::identify::moving::{Limits, MAX_BACKLASH};
 use crate::identify::predicted::Prepared;
@@ -64,7 +64,9 @@ pub fn doubt(trials: &[Prepared], declared: &Search, asked: &Question) -> Option
 /// A word when the estimate of the clearance ended where the search for it does.
 pub fn limit_warning(fit: &WholeFit, limits: &Limits) -> Option<String> {
     let limit = limit(fit, limits)?;
-    Some(format!("the estimated clearance is {limit}: the change-over has no clear end here; do not use it as a clearance"))
+    Some(format!(
+        "the estimated clearance is {limit}: the change-over has no clear end here; do not use it as a clearance"
+    ))
 }
 
 /// The limit that the clearance of `fit` ended at, in words.

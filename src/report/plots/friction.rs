@@ -1,7 +1,7 @@
 //! B(v): points, the forms fitted to them, the band of the one taken, and what it leaves.
 
-use crate::identify::stribeck::exponentials;
 use crate::identify::stribeck::ExponentialFit;
+use crate::identify::stribeck::exponentials;
 use crate::identify::{FrictionFit, Identification, Route};
 use crate::model::{Both, Direction};
 use crate::report::chart::{Axis, Canvas, Drawn, Frame, Mark, Stroke, palette, span, svg};
