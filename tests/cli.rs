@@ -4,7 +4,7 @@ use crate::campaigns::{plan, record, truth};
 use serde_json::Value;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
-use tautline::simulate::Plan;
+use tautline::simulate::{Plan, Sensors};
 use tempfile::TempDir;
 
 pub fn tautline(arguments: &[&str]) -> Output {
@@ -307,4 +307,83 @@ fn evaluate_writes_its_files_and_judges() {
     assert!(folder.join("report.html").is_file() && folder.join("plots/combinations.svg").is_file());
     let failed = tautline(&[&arguments[..], &["--fail-above", "1e-9"]].concat());
     assert_eq!(failed.status.code(), Some(1), "{failed:?}");
+}
+
+#[test]
+fn a_step_takes_only_the_flags_that_it_uses() {
+    let (campaign, out) = (campaign(), TempDir::new().unwrap());
+    let folder = campaign.path().to_string_lossy().into_owned();
+    let to = path(&out, "r").1;
+    let friction = ["fit", "friction", &folder, "--trials", "t.csv", "-o", &to];
+    let combination = ["fit", "combination", &folder, "--model", "m.json", "-o", &to];
+    for flag in [&["--estimate-backlash"][..], &["--combination", "sign"]] {
+        assert!(refused(&tautline(&[&friction[..], flag].concat())).contains("unexpected argument"), "{flag:?}");
+    }
+    assert!(refused(&tautline(&[&combination[..], &["--form", "one"]].concat())).contains("unexpected argument"));
+}
+
+#[test]
+fn what_another_joint_left_is_refused() {
+    let (campaign, out) = (campaign(), TempDir::new().unwrap());
+    let folder = campaign.path().to_string_lossy().into_owned();
+    let at = |name: &str| path(&out, name).1;
+    assert!(tautline(&["fit", "trials", &folder, "-o", &at("a")]).status.success());
+    let friction = |to: &str| tautline(&["fit", "friction", &folder, "--trials", &at("a/trials.csv"), "-o", &at(to)]);
+    assert!(friction("b").status.success());
+    let combination =
+        |to: &str| tautline(&["fit", "combination", &folder, "--model", &at("b/model.json"), "-o", &at(to)]);
+    let file = campaign.path().join("campaign.toml");
+    let text = std::fs::read_to_string(&file).unwrap();
+    let change = |from: &str, to: &str| {
+        assert!(text.contains(from), "{from}");
+        std::fs::write(&file, text.replace(from, to)).unwrap();
+    };
+    change("pulley_radius_m = 0.04", "pulley_radius_m = 0.05");
+    assert!(refused(&combination("c")).contains("pulley_radius_m is 0.04, here 0.05"));
+    let name = truth().joint.name;
+    change(&format!("name = \"{name}\""), "name = \"knee\"");
+    assert!(refused(&combination("c")).contains("here `knee`"));
+    assert!(refused(&friction("c")).contains("the campaign's is `knee`"));
+    change("sweep_0.0500_1.csv", "./sweep_0.0500_1.csv");
+    let errors = refused(&friction("c"));
+    assert!(errors.contains("names no trial of the campaign") && errors.contains("row 2"), "{errors}");
+    assert!(!out.path().join("c").exists());
+}
+
+#[test]
+fn a_step_tells_what_identify_tells() {
+    let sensors = Sensors { torque_noise_nm: 0.005, encoder_counts: 524_288.0 };
+    let campaign = record(&truth(), &Plan { speeds: 16, sensors, ..plan() });
+    let out = TempDir::new().unwrap();
+    let folder = campaign.path().to_string_lossy().into_owned();
+    // Two clipped samples at the top of a sweep are a warning of the log.
+    let file = campaign.path().join("sweep_0.0500_1.csv");
+    let log = std::fs::read_to_string(&file).unwrap();
+    let clipped = |line: &str| match line.rsplit_once(',') {
+        Some((head, y)) if y.parse::<f64>().is_ok_and(|y| y < -1.0) => format!("{head},-1.0\n"),
+        _ => format!("{line}\n"),
+    };
+    std::fs::write(&file, log.lines().map(clipped).collect::<String>()).unwrap();
+    let at = |name: &str| path(&out, name).1;
+    let told = |arguments: &[&str]| {
+        let done = tautline(arguments);
+        assert!(done.status.success(), "{arguments:?}: {}", text(&done.stderr));
+        text(&done.stdout)
+    };
+    // One exponential: of two, identify judges by the series, which a table of legs does not hold.
+    let identify = told(&["identify", &folder, "-o", &at("d"), "--form", "one"]);
+    let trials = told(&["fit", "trials", &folder, "-o", &at("a")]);
+    let friction =
+        told(&["fit", "friction", &folder, "--trials", &at("a/trials.csv"), "-o", &at("b"), "--form", "one"]);
+    let combination = told(&["fit", "combination", &folder, "--model", &at("b/model.json"), "-o", &at("c")]);
+    for steps in [&trials, &combination] {
+        assert!(steps.contains("sweep_0.0500_1.csv") && steps.contains("clip"), "{steps}");
+    }
+    let table = |text: &str| -> Vec<String> {
+        let rows = text.lines().skip_while(|line| !line.starts_with("Friction parameters")).skip(2).take(7);
+        rows.map(str::to_string).collect()
+    };
+    assert_eq!(table(&friction), table(&identify));
+    let two = told(&["fit", "friction", &folder, "--trials", &at("a/trials.csv"), "-o", &at("e")]);
+    assert!(two.contains("search limit"), "{two}");
 }

@@ -68,3 +68,23 @@ fn a_right_clearance_is_not_doubted() {
     let found = found(Combination::arctan(2.0), CombinationSettings::default());
     assert!(!found.warnings.iter().any(|w| w.contains("clearance")), "{:?}", found.warnings);
 }
+
+#[test]
+fn exact_data_are_not_doubted() {
+    let found = identified(record(&truth(), &Plan { cosines: 1, ..plan() }).path(), Settings::default());
+    assert!(!found.warnings.iter().any(|w| w.contains("change-over")), "{:?}", found.warnings);
+}
+
+/// 4096 counts: the clearance is 13 steps, and friction changes by a fifth in the first.
+#[test]
+fn a_coarse_encoder_does_not_spoil_the_curve() {
+    for torque_noise_nm in [0.0, 0.002] {
+        let sensors = Sensors { torque_noise_nm, encoder_counts: 4096.0 };
+        let found = identified(record(&truth(), &Plan { cosines: 1, sensors, ..plan() }).path(), Settings::default());
+        let Combination::Arctan { p, .. } = found.model.combination else { panic!("{:?}", found.model.combination) };
+        assert!((p / 2.05 - 1.0).abs() < 0.05, "p = {p}");
+        let known = found.model.confidence["combination.p"];
+        assert!((known.low..=known.high).contains(&2.05), "{known:?}");
+        assert!(!found.warnings.iter().any(|w| w.contains("change-over")), "{:?}", found.warnings);
+    }
+}

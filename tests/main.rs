@@ -9,6 +9,7 @@ mod compare;
 mod covariance;
 mod evaluate;
 mod few;
+mod free;
 mod friction;
 mod golden;
 mod interaction;

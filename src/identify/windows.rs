@@ -99,6 +99,14 @@ impl<'a> Window<'a> {
         self.measured_nm.iter().map(|y| (y - middle).powi(2)).sum()
     }
 
+    /// Sum over the window of the square of what friction changes by between the branches, (N m)^2.
+    pub fn change_square_sum(&self, model: &Model) -> f64 {
+        let (mu_up, mu_down) = (model.friction.up.mu_c, model.friction.down.mu_c);
+        let skip = self.judged.start - self.padded.start;
+        let changes = self.base_nm.iter().zip(&self.change_nm).skip(skip).take(self.judged.len());
+        changes.map(|(base, change)| ((base + change) / (1.0 - mu_up) - base / (1.0 - mu_down)).powi(2)).sum()
+    }
+
     /// Predicted less measured, both through the low-pass, in the judged samples, N m.
     pub fn residual_nm(&self, model: &Model, curve: &Combination, backlash_rad: f64) -> Vec<f64> {
         let (mu_up, mu_down) = (model.friction.up.mu_c, model.friction.down.mu_c);

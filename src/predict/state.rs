@@ -32,10 +32,10 @@ pub fn forgotten(rate_hz: f64, lowpass_hz: f64) -> usize {
 
 /// The states of `trial` under `model`'s clearance, with `curve`.
 ///
-/// K_f follows the position as recorded: a filtered one rings at corners. With `Sign` K~ follows the sign of the speed alone,
+/// K_f follows the position as recorded, or what a coarse encoder's jumps tell of it: a filtered one rings at corners. With `Sign` K~ follows the sign of the speed alone,
 /// as (20) has it, K = 1 for v >= 0; K_f still says where a transition through the clearance would be.
 pub fn states(model: &Model, curve: &Combination, trial: &Trial) -> States {
-    let positions = &trial.log.position_rad;
+    let positions = &trial.followed_rad;
     let (backlash_rad, deadband_rad) = (model.joint.backlash_rad(), trial.deadband_rad);
     let (direction, known_from) = settle(positions, backlash_rad, deadband_rad);
     let mut state = Transition::after(direction, positions.first().copied().unwrap_or(0.0));

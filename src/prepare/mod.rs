@@ -1,6 +1,7 @@
 //! A log made ready: torque low-passed, motion differentiated, sweeps cut into legs.
 
 mod clipped;
+mod encoder;
 mod legs;
 mod rigid;
 mod series;
@@ -14,9 +15,9 @@ use crate::model::Joint;
 use crate::numerics::difference::{acceleration, velocity};
 use crate::numerics::filter::LowPass;
 use crate::numerics::line::crossing;
-use crate::numerics::statistics::quantile;
 use crate::problem::{Problem, Result};
 use crate::trajectory::Trajectory;
+use encoder::Position;
 use legs::cut;
 
 /// The motion is low-passed at this many times the torque's cut-off ...
@@ -25,9 +26,6 @@ const MOTION_BANDWIDTH: f64 = 4.0;
 const MOTION_BANDWIDTH_MIN_HZ: f64 = 20.0;
 /// ... nor at more than this share of the sample rate, where the filter would no longer be one.
 const MOTION_BANDWIDTH_MAX: f64 = 0.4;
-/// A reversal counts once the joint came back by this many standard deviations of the position's noise: two samples at
-/// rest, the extremes of hundreds, differ by 6.
-const DEADBAND_SIGMAS: f64 = 8.0;
 
 /// One trial, at the log's full rate, SI units.
 #[derive(Debug, Clone)]
@@ -50,8 +48,12 @@ pub struct Trial {
     pub load_torque_nm: Option<Vec<f64>>,
     /// The joint's row of M a + C v + G of the whole chain, where the campaign has one.
     pub chain: Option<Vec<RigidTorque>>,
+    /// Position that K_f follows, rad.
+    pub followed_rad: Vec<f64>,
     /// Travel back below which nothing counts as a reversal: noise, rad.
     pub deadband_rad: f64,
+    /// The encoder's step where it matters, else 0, rad.
+    pub step_rad: f64,
     /// Constant-speed legs of a sweep; none for other protocols.
     pub legs: Vec<Leg>,
 }
@@ -112,12 +114,12 @@ pub fn prepare(campaign: &Campaign, index: usize, mut log: Log) -> Result<Trial>
         None => acceleration(&position_rad, rate_hz),
     };
     let load_torque_nm = log.load_torque_nm.as_ref().map(|load| motion.zero_phase(load));
-    let deadband_rad = deadband_rad(&log.position_rad, &position_rad);
     let chain = campaign.arm.as_ref().map(|arm| {
         let own = [&position_rad[..], &velocity_rad_s, &acceleration_rad_s2];
         rigid::along(arm, own, &log.other_position_rad, &motion, rate_hz)
     });
     let lowpass_hz = campaign.signal.lowpass_hz;
+    let Position { followed_rad, deadband_rad, step_rad } = Position::new(&log.position_rad, &position_rad);
     let legs = match entry.protocol {
         Protocol::Uniform { speed_rad_s } => find_legs(&log, &position_rad, speed_rad_s, &campaign.joint, lowpass_hz)?,
         _ => Vec::new(),
@@ -133,7 +135,9 @@ pub fn prepare(campaign: &Campaign, index: usize, mut log: Log) -> Result<Trial>
         acceleration_rad_s2,
         load_torque_nm,
         chain,
+        followed_rad,
         deadband_rad,
+        step_rad,
         legs,
         log,
     })
@@ -169,12 +173,4 @@ fn motion_filter(lowpass_hz: f64, rate_hz: f64) -> Option<LowPass> {
 /// Cut-off of the motion's low-pass, Hz, for a torque low-passed at `lowpass_hz` and samples at `rate_hz`.
 pub fn motion_cutoff_hz(lowpass_hz: f64, rate_hz: f64) -> f64 {
     (MOTION_BANDWIDTH * lowpass_hz).max(MOTION_BANDWIDTH_MIN_HZ).min(MOTION_BANDWIDTH_MAX * rate_hz)
-}
-
-/// What the filter took out of the position tells its noise. The median resists the corners, where it takes out motion.
-fn deadband_rad(raw_rad: &[f64], filtered_rad: &[f64]) -> f64 {
-    // Every 7th sample is enough for a median and keeps it cheap.
-    let mut taken: Vec<f64> = raw_rad.iter().zip(filtered_rad).step_by(7).map(|(r, f)| (r - f).abs()).collect();
-    let sigma = 1.4826 * quantile(&mut taken, 0.5);
-    if sigma.is_finite() { DEADBAND_SIGMAS * sigma } else { 0.0 }
 }

@@ -16,7 +16,7 @@ pub struct Series {
     pub rate_hz: f64,
     /// Time, s.
     pub time_s: Vec<f64>,
-    /// Position as recorded, rad: K_f follows it without the ringing that a filter leaves at a corner.
+    /// Position that K_f follows, rad: without the ringing that a filter leaves at a corner.
     pub position_rad: Vec<f64>,
     /// Speed, rad/s.
     pub velocity_rad_s: Vec<f64>,
@@ -28,6 +28,8 @@ pub struct Series {
     pub in_range: Vec<bool>,
     /// Travel back below which nothing counts as a reversal, rad.
     pub deadband_rad: f64,
+    /// The encoder's step where it matters, else 0, rad.
+    pub step_rad: f64,
 }
 
 impl Series {
@@ -41,12 +43,13 @@ impl Series {
             trial: trial.index,
             rate_hz: trial.log.rate_hz / step as f64,
             time_s: thin(&trial.log.time_s),
-            position_rad: thin(&trial.log.position_rad),
+            position_rad: thin(&trial.followed_rad),
             velocity_rad_s: thin(&trial.velocity_rad_s),
             joint_torque_nm: (0..n).step_by(step).map(joint_torque).collect(),
             torque_nm: thin(&trial.torque_nm),
             in_range: trial.in_range(lowpass_hz).into_iter().step_by(step).collect(),
             deadband_rad: trial.deadband_rad,
+            step_rad: trial.step_rad,
         }
     }
 }

@@ -1,12 +1,12 @@
 //! One curve on the windows: its parameter, the clearance, their intervals.
 
-use super::{CurveFit, CurveKind};
+use super::{CurveFit, CurveKind, NEGLIGIBLE};
 use crate::identify::confidence::{interval, of_k};
 use crate::identify::windows::Window;
 use crate::model::{Combination, Confidence, Model};
 use crate::numerics::cluster;
 use crate::numerics::line::lowest;
-use crate::numerics::statistics::{HALF_WIDTH, student_t};
+use crate::numerics::statistics::{HALF_WIDTH, root_mean_square, student_t};
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 
@@ -32,11 +32,37 @@ pub(super) struct Fitting<'a> {
     pub backlash_span_rad: Option<(f64, f64)>,
     /// The median stroke between reversals, rad.
     pub stroke_rad: f64,
+    /// The coarsest encoder's step where it matters, else 0, rad.
+    pub step_rad: f64,
     /// What the model leaves of sliding at constant speed, N m, if that is known: no curve can do better.
     pub noise_nm: Option<f64>,
 }
 
 impl Fitting<'_> {
+    /// What a curve may leave whatever the noise, N m: a small share of the change of friction, or what it changes by within
+    /// an encoder's step, for where in the step the joint turned is not known.
+    pub fn negligible_nm(&self, fit: &CurveFit) -> f64 {
+        /// Places along the curve.
+        const PLACES: usize = 50;
+        let (sum, count) = self.windows.iter().fold((0.0, 0), |(sum, count), window| {
+            (sum + window.change_square_sum(self.model), count + window.judged.len())
+        });
+        let change_nm = (sum / count as f64).sqrt();
+        let off = self.hidden(fit);
+        let blur = |i: usize| {
+            let at = i as f64 / PLACES as f64;
+            fit.curve.share((at + off).min(1.0)) - fit.curve.share(at)
+        };
+        let blurs: Vec<f64> = (0..PLACES).map(blur).collect();
+        change_nm * NEGLIGIBLE.max(root_mean_square(&blurs))
+    }
+
+    /// Share of the clearance that an encoder's step hides: the standard deviation of a place within it.
+    fn hidden(&self, fit: &CurveFit) -> f64 {
+        let backlash_rad = fit.backlash_m / self.model.joint.pulley_radius_m;
+        if backlash_rad > 0.0 { (self.step_rad / 12f64.sqrt() / backlash_rad).min(1.0) } else { 0.0 }
+    }
+
     fn sums(&self, curve: &Combination, backlash_rad: f64) -> Vec<f64> {
         let sum = |w: &Window| w.residual_nm(self.model, curve, backlash_rad).iter().map(|r| r * r).sum();
         self.windows.par_iter().map(sum).collect()
@@ -77,7 +103,8 @@ impl Fitting<'_> {
     pub fn confidence(&self, fit: &CurveFit, declared_rad: f64) -> (Vec<(String, Confidence)>, Vec<String>) {
         let mut known = Vec::new();
         let mut warnings = Vec::new();
-        let at_floor = self.noise_nm.is_some_and(|noise_nm| fit.rmse_nm < AT_FLOOR * noise_nm);
+        let floor_nm = self.noise_nm.map_or(0.0, |noise_nm| AT_FLOOR * noise_nm).max(self.negligible_nm(fit));
+        let at_floor = fit.rmse_nm < floor_nm;
         if !at_floor {
             warnings.extend(self.doubt(fit, declared_rad));
         }
@@ -104,7 +131,7 @@ impl Fitting<'_> {
         for (i, se) in standard_errors(&residuals, &start, &free) {
             let range = if i == 0 { self.backlash_span_rad } else { fit.kind.range() };
             let at_bound = range.is_some_and(|(low, high)| start[i] - low.ln() < 0.02 || high.ln() - start[i] < 0.02);
-            let se = se.hypot(SYSTEMATIC);
+            let se = se.hypot(SYSTEMATIC.max(self.hidden(fit)));
             let half = student_t(freedom) * se;
             let scale = if i == 0 { self.model.joint.pulley_radius_m } else { 1.0 };
             let ends = [scale * (start[i] - half).exp(), scale * (start[i] + half).exp()];

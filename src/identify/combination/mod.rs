@@ -28,8 +28,10 @@ const REACH_STROKE: f64 = 0.5;
 /// The smallest clearance looked for, in deadbands of the encoder.
 const MIN_DEADBANDS: f64 = 3.0;
 
-/// A curve that leaves more than this many times what sliding leaves does not describe the change-over.
+/// A curve that leaves more than this many times what sliding leaves does not describe the change-over, ...
 const MISFIT: f64 = 4.0;
+/// ... unless what it leaves is at most this share of the change of friction, or what an encoder's steps hide.
+const NEGLIGIBLE: f64 = 0.01;
 
 /// Settings of this stage.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -158,14 +160,17 @@ pub fn fit_combination(
     let declared_rad = model.joint.backlash_rad();
     let reach = Reach::new(trials, model, settings);
     let all = reach.windows(trials, model, lowpass_hz)?;
-    let fitting =
-        Fitting { windows: &all, model, backlash_span_rad: reach.span_rad, stroke_rad: reach.stroke_rad, noise_nm };
+    let step_rad = trials.iter().map(|t| t.series.step_rad).fold(0.0, f64::max);
+    let (backlash_span_rad, stroke_rad) = (reach.span_rad, reach.stroke_rad);
+    let fitting = Fitting { windows: &all, model, backlash_span_rad, stroke_rad, step_rad, noise_nm };
     let (curves, sums): (Vec<CurveFit>, Vec<Vec<f64>>) = CurveKind::ALL.iter().map(|kind| fitting.fit(*kind)).unzip();
     let supported = best_supported(&sums);
     let taken = settings.wanted.and_then(|w| curves.iter().position(|c| c.kind == w)).unwrap_or(supported);
     let backlash_rad = curves[taken].backlash_m / model.joint.pulley_radius_m;
     let (mut confidence, mut warnings) = fitting.confidence(&curves[taken], declared_rad);
-    if let Some(noise_nm) = noise_nm.filter(|noise_nm| curves[taken].rmse_nm > MISFIT * noise_nm) {
+    let negligible_nm = fitting.negligible_nm(&curves[taken]);
+    let misfits = |noise_nm: &f64| curves[taken].rmse_nm > (MISFIT * noise_nm).max(negligible_nm);
+    if let Some(noise_nm) = noise_nm.filter(misfits) {
         warnings.push(misfit(&curves[taken], noise_nm));
         demote(confidence.iter_mut().map(|(_, known)| known));
     }
@@ -188,7 +193,7 @@ pub fn fit_one(trials: &[Prepared], model: &Model, lowpass_hz: f64, settings: Se
     let reach = Reach::new(trials, model, settings);
     let all = reach.windows(trials, model, lowpass_hz)?;
     let (backlash_span_rad, stroke_rad) = (reach.span_rad, reach.stroke_rad);
-    let fitting = Fitting { windows: &all, model, backlash_span_rad, stroke_rad, noise_nm: None };
+    let fitting = Fitting { windows: &all, model, backlash_span_rad, stroke_rad, step_rad: 0.0, noise_nm: None };
     Some(fitting.fit(settings.wanted.unwrap_or(CurveKind::Arctan)).0)
 }
 

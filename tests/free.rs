@@ -1,0 +1,114 @@
+//! Campaigns without sweeps: judged on what the fit did not see, refused where nothing can be.
+
+use crate::campaigns::{plan, truth};
+use std::path::Path;
+use tautline::identify::combination::{JudgedOn, Settings as CombinationSettings};
+use tautline::identify::{Identification, Route, Settings, run};
+use tautline::log::{Campaign, Protocol, TrialEntry};
+use tautline::model::{Combination, Model};
+use tautline::problem::Result;
+use tautline::simulate::{Course, Sensors, record};
+use tautline::trajectory::Trajectory;
+use tempfile::TempDir;
+
+const RATE_HZ: f64 = 100.0;
+/// Periods whose strokes go both ways at three speeds.
+const PERIODS_S: [f64; 4] = [20.0, 8.0, 4.0, 2.0];
+
+/// A campaign of `trials` cosine trials, each of these periods.
+fn cosines(model: &Model, periods_s: &[f64], trials: u32, protocol: Protocol) -> TempDir {
+    let folder = TempDir::new().unwrap();
+    let sensors = Sensors { torque_noise_nm: 0.005, encoder_counts: 524_288.0 };
+    let trajectory = Trajectory::Cosine { periods_s: periods_s.to_vec(), low_rad: 0.35, high_rad: 1.05 };
+    let mut campaign = plan().campaign(model, folder.path(), &[]);
+    for repeat in 1..=trials {
+        let course = Course { position_rad: trajectory.positions_rad(RATE_HZ), ..Course::default() };
+        let log = record(model, None, &course, RATE_HZ, sensors, u64::from(repeat));
+        let row = |((t, x), y): ((&f64, &f64), &f64)| format!("{t:.5},{:.7},{:.6}\n", x.to_degrees(), -y);
+        let rows: String = log.time_s.iter().zip(&log.position_rad).zip(&log.torque_nm).map(row).collect();
+        let file = format!("cosine_{repeat}.csv");
+        std::fs::write(folder.path().join(&file), format!("time_s,position_deg,torque_nm\n{rows}")).unwrap();
+        campaign.trials.push(TrialEntry { file, protocol, repeat, trajectory: None });
+    }
+    std::fs::write(folder.path().join("campaign.toml"), campaign.to_toml()).unwrap();
+    folder
+}
+
+fn tried(folder: &Path, combination: CombinationSettings) -> Result<Identification> {
+    run(&Campaign::read(folder).unwrap(), Settings { combination, ..Settings::default() }, &|| ())
+}
+
+fn declare(folder: &Path, backlash_m: f64) {
+    let file = folder.join("campaign.toml");
+    let text = std::fs::read_to_string(&file).unwrap();
+    assert!(text.contains("backlash_m = 0.0008"));
+    std::fs::write(&file, text.replace("backlash_m = 0.0008", &format!("backlash_m = {backlash_m}"))).unwrap();
+}
+
+const ESTIMATE: CombinationSettings = CombinationSettings { wanted: None, estimate_backlash: true };
+
+#[test]
+fn few_trials_are_judged_stroke_by_stroke() {
+    for trials in [1, 2, 3] {
+        let folder = cosines(&truth(), &PERIODS_S, trials, Protocol::Cosine);
+        let found = tried(folder.path(), CombinationSettings::default()).unwrap();
+        let Route::Free(free) = &found.route else { panic!("no sweeps, yet a sweep's route") };
+        assert!(free.held_out_nm < 0.02, "{trials} trials: {} N m held out", free.held_out_nm);
+        let Combination::Arctan { p, .. } = found.model.combination else { panic!("{:?}", found.model.combination) };
+        assert!((p / 2.05 - 1.0).abs() < 0.05, "{trials} trials: p = {p}");
+        assert!(!found.warnings.iter().any(|w| w.contains("clearance")), "{trials} trials: {:?}", found.warnings);
+    }
+}
+
+#[test]
+fn the_curves_are_those_of_the_form_taken() {
+    let folder = cosines(&truth(), &PERIODS_S, 2, Protocol::Cosine);
+    let found = tried(folder.path(), ESTIMATE).unwrap();
+    let Route::Free(free) = &found.route else { panic!("no sweeps, yet a sweep's route") };
+    let curves = found.combination.as_ref().unwrap();
+    assert_eq!(curves.judged_on, JudgedOn::UnseenStrokes);
+    assert_eq!(curves.curve().curve, found.model.combination);
+    assert_eq!(curves.curve().backlash_m, found.model.joint.backlash_m);
+    assert_eq!(curves.curve().rmse_nm, free.held_out_nm);
+    let of_form = free.forms.iter().find(|(form, _)| *form == free.form).unwrap();
+    assert_eq!(of_form.1, free.held_out_nm);
+}
+
+#[test]
+fn a_wrong_clearance_is_doubted() {
+    for declared_m in [0.0003, 0.002] {
+        let folder = cosines(&truth(), &PERIODS_S, 2, Protocol::Cosine);
+        declare(folder.path(), declared_m);
+        let warnings = tried(folder.path(), CombinationSettings::default()).unwrap().warnings;
+        assert!(warnings.iter().any(|w| w.contains("--estimate-backlash")), "{declared_m}: {warnings:?}");
+        let backlash_m = tried(folder.path(), ESTIMATE).unwrap().model.joint.backlash_m;
+        assert!((backlash_m / 0.0008 - 1.0).abs() < 0.1, "declared {declared_m}, estimated {backlash_m}");
+    }
+}
+
+/// A clearance of 0.4 rad at the joint, where at most half of the stroke of 0.7 rad is looked for.
+#[test]
+fn a_clearance_beyond_the_search_is_told() {
+    let mut wide = truth();
+    (wide.joint.backlash_m, wide.combination) = (0.016, Combination::Linear);
+    let folder = cosines(&wide, &PERIODS_S, 2, Protocol::Cosine);
+    let warnings = tried(folder.path(), ESTIMATE).unwrap().warnings;
+    assert!(warnings.iter().any(|w| w.contains("largest looked for")), "{warnings:?}");
+}
+
+#[test]
+fn too_few_strokes_are_refused() {
+    for (periods_s, backlash_m) in [(vec![8.0], 0.0008), (PERIODS_S.to_vec(), 0.08)] {
+        let folder = cosines(&truth(), &periods_s, 1, Protocol::Cosine);
+        declare(folder.path(), backlash_m);
+        let problems = tried(folder.path(), CombinationSettings::default()).unwrap_err().to_string();
+        assert!(problems.contains("two are needed") && problems.contains("campaign.toml"), "{problems}");
+    }
+}
+
+#[test]
+fn interaction_alone_is_refused_for_what_it_is() {
+    let folder = cosines(&truth(), &PERIODS_S, 1, Protocol::Interaction);
+    let problems = tried(folder.path(), CombinationSettings::default()).unwrap_err().to_string();
+    assert!(problems.contains("`interaction`") && problems.contains("uniform"), "{problems}");
+}
