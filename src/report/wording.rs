@@ -2,6 +2,7 @@
 
 use crate::dynamics::JointKind;
 use crate::identify::Amplitude;
+use crate::identify::combination::JudgedOn;
 use crate::model::{Direction, Friction, Status};
 use crate::report::number::{as_precise_as, significant};
 
@@ -112,6 +113,14 @@ pub const LEFT_OUT: &str = "left out";
 
 /// What that says.
 pub const LEFT_OUT_MEANING: &str = "not part of the form that the model takes";
+
+/// What a curve's residual is of.
+pub fn judged_on(judged_on: JudgedOn) -> &'static str {
+    match judged_on {
+        JudgedOn::Reversals => "after reversals",
+        JudgedOn::UnseenStrokes => "held out",
+    }
+}
 
 /// "moving up", "moving down".
 pub fn moving(direction: Direction) -> &'static str {
