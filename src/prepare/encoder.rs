@@ -75,13 +75,14 @@ fn between_jumps(raw_rad: &[f64], step_rad: f64) -> Vec<f64> {
         let [from, to] = [pair[0], pair[1]];
         let outer = k.checked_sub(1).and_then(|before| Some([*jumps.get(before)?, *jumps.get(k + 2)?]));
         let crest = if from.position_rad == to.position_rad { crest([from, to], outer, step_rad) } else { Crest::None };
-        for i in out.len()..to.at.ceil() as usize {
+        let between = out.len()..to.at.ceil() as usize;
+        for (i, reading_rad) in between.clone().zip(&raw_rad[between]) {
             let share = (i as f64 - from.at) / (to.at - from.at);
             let line_rad = from.position_rad + (to.position_rad - from.position_rad) * share;
             out.push(match crest {
                 Crest::None => line_rad,
                 Crest::Parabola(height_rad) => line_rad + height_rad * 4.0 * share * (1.0 - share),
-                Crest::Rest => raw_rad[i],
+                Crest::Rest => *reading_rad,
             });
         }
     }

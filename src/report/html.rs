@@ -7,8 +7,9 @@ use super::page::Card;
 use super::parameters::{Parameter, combination, friction};
 use super::plots::Figure;
 use super::verdict::{Verdict, verdict};
-use super::wording::{LEFT_OUT, LEFT_OUT_MEANING, Units, amplitude_spread, moving, status_meaning, status_word};
-use crate::identify::combination::JudgedOn;
+use super::wording::{
+    LEFT_OUT, LEFT_OUT_MEANING, Units, amplitude_spread, judged_on, moving, status_meaning, status_word,
+};
 use crate::identify::{CombinationFit, CurveKind, Identification, LegFit, Route};
 use crate::model::{Direction, Status};
 use askama::Template;
@@ -143,11 +144,7 @@ fn cards(found: &Identification, units: &Units) -> Vec<Card> {
         let curve = fit.curve();
         let own =
             parameter(&curve.curve).map_or(String::new(), |(name, x)| format!(", {name} = {}", significant(x, 3)));
-        let judged_on = match fit.judged_on {
-            JudgedOn::Reversals => "after reversals",
-            JudgedOn::UnseenStrokes => "held out",
-        };
-        let note = format!("RMSE {} {judged_on}", units.torque(curve.rmse_nm));
+        let note = format!("RMSE {} {}", units.torque(curve.rmse_nm), judged_on(fit.judged_on));
         add("combination", format!("{}{own}", curve.kind.name()), note);
     }
     let note = "all trials, low-passed".to_string();

@@ -1,6 +1,7 @@
 //! The words of a report: units of the joint's kind, what each parameter means, what each status means.
 
 use crate::dynamics::JointKind;
+use crate::identify::combination::JudgedOn;
 use crate::identify::{Amplitude, FrictionFit};
 use crate::model::{Direction, Friction, Status};
 use crate::report::number::{as_precise_as, r_squared, significant};
@@ -122,6 +123,14 @@ pub const LEFT_OUT: &str = "left out";
 
 /// What that says.
 pub const LEFT_OUT_MEANING: &str = "not part of the form that the model takes";
+
+/// What a curve's residual is of.
+pub fn judged_on(judged_on: JudgedOn) -> &'static str {
+    match judged_on {
+        JudgedOn::Reversals => "after reversals",
+        JudgedOn::UnseenStrokes => "held out",
+    }
+}
 
 /// "moving up", "moving down".
 pub fn moving(direction: Direction) -> &'static str {

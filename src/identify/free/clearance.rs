@@ -44,7 +44,8 @@ pub fn doubt(trials: &[Prepared], declared: &Search, asked: &Question) -> Option
     let (kept, free) = rayon::join(|| judge(false), || judge(true));
     let (kept_nm, free_nm) = (rmse_nm(&kept.sums), rmse_nm(&free.sums));
     let (gain, error) = excess(&kept.squares(), &free.squares());
-    if free_nm > DOUBT * kept_nm || gain.is_nan() || gain <= error {
+    let contradicts = free_nm <= DOUBT * kept_nm && gain > error;
+    if !contradicts {
         return None;
     }
     let fit = with(true).fit(kind, asked.form, &free);
