@@ -2,7 +2,7 @@
 
 use super::interrupt;
 use super::judged::{Judged, campaign_name, model_name};
-use super::outcome::{JUDGED_BAD, Talk};
+use super::outcome::{JUDGED_BAD, Talk, complain};
 use super::progress;
 use crate::evaluate::{self, Settings};
 use crate::model::recorded_curves;
@@ -28,7 +28,7 @@ pub struct Arguments {
     #[arg(long)]
     sweeps: bool,
     /// Exit with status 1 if the RMSE over all trials, low-passed, is above this, N m
-    #[arg(long, value_name = "RMSE_NM")]
+    #[arg(long, value_name = "RMSE_NM", allow_negative_numbers = true)]
     fail_above: Option<f64>,
     /// Write the plots as PNG too
     #[arg(long)]
@@ -43,19 +43,29 @@ pub fn run(arguments: &Arguments, talk: &Talk) -> Result<ExitCode> {
         return Problem::error("command line", format!("--fail-above is {limit}"), "expected an RMSE in N m").alone();
     }
     let (campaign, model) = arguments.judged.read()?;
-    let settings = Settings { sweeps: arguments.sweeps, recorded_curves: recorded_curves(&arguments.judged.model)? };
+    let settings =
+        Settings { sweeps: arguments.sweeps, recorded_curves: recorded_curves(&arguments.judged.model_file())? };
     let output = interrupt::output(&arguments.output, arguments.force, EVALUATION_FILES)?;
     let bar = progress::bar(talk, "judging", campaign.trials.len());
     let found = evaluate::run(&campaign, &model, &settings, &|| progress::step(&bar, "drawing"));
     bar.finish_and_clear();
     let found = found?;
-    let (name, model_name) = (campaign_name(&campaign), model_name(&arguments.judged.model));
+    let (name, model_name) = (campaign_name(&campaign), model_name(&arguments.judged.model_file()));
     write_evaluation(&found, &name, &model_name, &output, arguments.png)?;
     output.finish()?;
-    talk.result(
-        || evaluation::to_json(&found, &name, &model_name),
-        |out| evaluation::write_summary(out, &found, &name, &arguments.output),
-    )?;
-    let failed = arguments.fail_above.is_some_and(|limit| found.overall().all.rmse_nm > limit);
+    let rmse_nm = found.overall().all.rmse_nm;
+    let failed = arguments.fail_above.is_some_and(|limit| rmse_nm > limit);
+    let to_json = || {
+        let mut json = evaluation::to_json(&found, &name, &model_name);
+        if let Some(limit) = arguments.fail_above {
+            (json["fail_above_nm"], json["failed"]) = (limit.into(), failed.into());
+        }
+        json
+    };
+    talk.result(to_json, |out| evaluation::write_summary(out, &found, &name, &arguments.output))?;
+    if let Some(limit) = arguments.fail_above.filter(|_| failed) {
+        let what = format!("RMSE {rmse_nm:.4} N m is above --fail-above {limit}");
+        complain(&Problem::error(&campaign.file, what, "").into());
+    }
     Ok(if failed { ExitCode::from(JUDGED_BAD) } else { ExitCode::SUCCESS })
 }

@@ -34,7 +34,7 @@ pub fn run(
     if talk.shows_progress() {
         let (hz, torque_s, contact_s) = (stream.rate_hz(), stream.delay_s(), stream.contact_delay_s());
         let told = format!(
-            "following at {hz} Hz: the torque is {torque_s:.3} s late, a contact is told {contact_s:.3} s late"
+            "following at {hz:.1} Hz: the torque is {torque_s:.3} s late, a contact is told {contact_s:.3} s late"
         );
         let _ = writeln!(anstream::stderr(), "{told}");
     }

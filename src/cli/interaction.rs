@@ -39,7 +39,7 @@ pub struct Arguments {
     #[arg(long)]
     causal: bool,
     /// Threshold of a contact, N m, in place of the one that quiet trials give
-    #[arg(long)]
+    #[arg(long, allow_negative_numbers = true)]
     threshold_nm: Option<f64>,
     /// Read samples from standard input as they come, and write the torque of each
     #[arg(long)]
@@ -91,7 +91,7 @@ pub fn run(arguments: &Arguments, talk: &Talk) -> Result<ExitCode> {
     let found = interaction::run(&campaign, &model, settings, &|| progress::step(&bar, "drawing"));
     bar.finish_and_clear();
     let found = found?;
-    let (name, model_name) = (campaign_name(&campaign), model_name(&arguments.judged.model));
+    let (name, model_name) = (campaign_name(&campaign), model_name(&arguments.judged.model_file()));
     write_interaction(&found, &tables, &name, &model_name, &output, arguments.png)?;
     output.finish()?;
     talk.result(|| to_json(&found, &name, &model_name), |out| write_summary(out, &found, &name, folder))?;

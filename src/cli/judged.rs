@@ -10,15 +10,21 @@ use std::path::{Path, PathBuf};
 pub struct Judged {
     /// Folder with a campaign.toml and its logs
     pub campaign: PathBuf,
-    /// The model: a model.json
+    /// The model: a model.json, or the folder that `identify` wrote
     #[arg(long)]
     pub model: PathBuf,
 }
 
 impl Judged {
+    /// The model's file; of a folder that `identify` wrote, its model.json.
+    pub fn model_file(&self) -> PathBuf {
+        let inside = self.model.join("model.json");
+        if inside.is_file() { inside } else { self.model.clone() }
+    }
+
     /// Both, read.
     pub fn read(&self) -> Result<(Campaign, Model)> {
-        let model = Model::read(&self.model)?;
+        let model = Model::read(&self.model_file())?;
         Ok((Campaign::read(&self.campaign)?, model))
     }
 }

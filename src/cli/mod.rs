@@ -43,7 +43,7 @@ Exit status: 0 done, 1 a judgement that failed, 2 bad input or usage.";
 enum Command {
     /// Identify a joint from its campaign: all steps of the protocol
     Identify(identify::Arguments),
-    /// Judge a model on motions that it was not identified from
+    /// Judge a model on recorded motions: best on ones that it was not identified from
     Evaluate(evaluate::Arguments),
     /// Write what a model makes of every sample: prediction, its parts, residual
     Predict(predict::Arguments),

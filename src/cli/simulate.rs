@@ -39,13 +39,13 @@ pub struct Arguments {
     #[arg(long, default_value_t = 0.4)]
     fastest_rad_s: f64,
     /// Sweeps at each speed
-    #[arg(long, default_value_t = 3)]
+    #[arg(long, default_value_t = 3, value_parser = clap::value_parser!(u32).range(..=MANY))]
     repeats: u32,
     /// Trials of the cosine cascade (265.6 s each)
-    #[arg(long, default_value_t = 3)]
+    #[arg(long, default_value_t = 3, value_parser = clap::value_parser!(u32).range(..=MANY))]
     cosines: u32,
-    /// Times that a person touches the joint, at rest and in motion (60 s and 80 s), beside a load cell
-    #[arg(long, default_value_t = 0)]
+    /// Times that a person touches the joint, at rest and in motion (92 s and 80 s), beside a load cell that tells the torque at the winch
+    #[arg(long, default_value_t = 0, value_parser = clap::value_parser!(u32).range(..=MANY))]
     interactions: u32,
     /// URDF of the whole arm, in place of the model's gravity and inertia
     #[arg(long, requires = "joint")]
@@ -54,7 +54,7 @@ pub struct Arguments {
     #[arg(long, requires = "urdf")]
     joint: Option<String>,
     /// Trials of the cosine cascade with the arm's first other joint moving
-    #[arg(long, default_value_t = 0, requires = "urdf")]
+    #[arg(long, default_value_t = 0, requires = "urdf", value_parser = clap::value_parser!(u32).range(..=MANY))]
     multi_joint: u32,
     /// Sample rate, Hz
     #[arg(long, default_value_t = 1000.0)]
@@ -111,6 +111,7 @@ impl Arguments {
             self.fastest_rad_s,
             "from the slowest speed to 20",
         );
+        need(self.speeds <= MANY as usize, "speeds", self.speeds as f64, "1000 at most");
         need(positive(self.rate_hz) && self.rate_hz <= 1e5, "rate-hz", self.rate_hz, "a rate above 0, at most 100000");
         need(self.noise_nm.is_finite() && self.noise_nm >= 0.0, "noise-nm", self.noise_nm, "0 or more");
         need(
@@ -155,6 +156,8 @@ impl Arguments {
     }
 }
 
+/// The most of any kind of trial: more would be a slip of the finger.
+const MANY: i64 = 1000;
 /// The name of the URDF in the campaign.
 const URDF: &str = "arm.urdf";
 

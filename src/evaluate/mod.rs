@@ -1,4 +1,4 @@
-//! How well a model foretells motions that it was not identified from: the paper's section III B.
+//! How well a model foretells recorded motions, best ones that it was not identified from: the paper's section III B.
 //!
 //! Prediction and measurement pass through the same declared low-pass; the raw figures compare them with neither filtered.
 //! Samples before K_f is known and samples near clipped readings are in no figure.
@@ -14,7 +14,7 @@ pub use fits::fitted;
 pub use view::View;
 
 use crate::log::{Campaign, Protocol, TrialEntry, read_trial};
-use crate::model::{Model, RecordedCurve};
+use crate::model::{Combination, Model, RecordedCurve};
 use crate::numerics::filter::LowPass;
 use crate::predict::{Prediction, forgotten, with_curve};
 use crate::prepare::{Trial, prepare};
@@ -187,7 +187,26 @@ fn judge(campaign: &Campaign, index: usize, model: &Model, rivals: &[Rival]) -> 
         rivals: rivals_nm.iter().map(|predicted_nm| judged.split(&trial.torque_nm, predicted_nm)).collect(),
         view: View::new(&trial, &prediction, &filtered_nm, &rivals_nm, &judged),
     };
-    Ok((evaluation, trial.log.warnings.iter().map(Problem::to_string).collect()))
+    let mut warnings: Vec<String> = trial.log.warnings.iter().map(Problem::to_string).collect();
+    warnings.extend(chatter_warning(&trial, model, &prediction));
+    Ok((evaluation, warnings))
+}
+
+/// A word where the model follows the sign of a speed that is noise: (20) has no other way at rest.
+fn chatter_warning(trial: &Trial, model: &Model, prediction: &Prediction) -> Option<String> {
+    /// Changes of sign that are no chatter yet, beyond those of the motion.
+    const FEW: usize = 10;
+    let changes = |differ: &dyn Fn(usize) -> bool| (1..prediction.torque_nm.len()).filter(|i| differ(*i)).count();
+    let states = &prediction.states;
+    let of_speed = changes(&|i| states.k_tilde[i] != states.k_tilde[i - 1]);
+    let of_motion = changes(&|i| (states.k_f[i] > 0.0) != (states.k_f[i - 1] > 0.0));
+    (model.combination == Combination::Sign && of_speed > of_motion + FEW).then(|| {
+        format!(
+            "{}: the speed changes its sign {of_speed} times where the motion turns {of_motion} times: at rest it is noise, and \
+             the model's `sign` follows it",
+            trial.entry.file
+        )
+    })
 }
 
 /// Trials by protocol, speed and trajectory, in the order of their first.

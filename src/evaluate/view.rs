@@ -24,6 +24,8 @@ pub struct View {
     pub raw_nm: Vec<(f64, f64)>,
     /// Predicted, not filtered, N m.
     pub raw_predicted_nm: Vec<f64>,
+    /// Measured less predicted, neither filtered: lowest and highest in each stretch, N m.
+    pub raw_error_nm: Vec<(f64, f64)>,
     /// Predicted with each rival's curve, low-passed, N m.
     pub rivals_nm: Vec<Vec<f64>>,
     /// (r1/r2) G, N m.
@@ -54,6 +56,7 @@ impl View {
         let step = n.div_ceil(SAMPLES).max(1);
         let thin = |values: &[f64]| values.iter().step_by(step).copied().collect::<Vec<f64>>();
         let extremes = |part: &[f64]| part.iter().fold((f64::MAX, f64::MIN), |(l, h), y| (l.min(*y), h.max(*y)));
+        let raw_error: Vec<f64> = trial.log.torque_nm.iter().zip(&prediction.torque_nm).map(|(y, p)| y - p).collect();
         let mut counted = vec![false; n];
         judged.samples.iter().for_each(|at| counted[*at] = true);
         Self {
@@ -64,6 +67,7 @@ impl View {
             predicted_nm: thin(filtered_nm),
             raw_nm: trial.log.torque_nm.chunks(step).map(extremes).collect(),
             raw_predicted_nm: thin(&prediction.torque_nm),
+            raw_error_nm: raw_error.chunks(step).map(extremes).collect(),
             rivals_nm: rivals_nm.iter().map(|of| thin(of)).collect(),
             gravity_nm: thin(&prediction.gravity_nm),
             inertia_nm: thin(&prediction.inertia_nm),

@@ -72,7 +72,7 @@ fn delay_s(trial: &Extracted, reference_nm: &[f64]) -> f64 {
     let rate_hz = trial.rate_hz / step as f64;
     let at: Vec<usize> = (0..reference_nm.len()).step_by(step).collect();
     let known: Vec<f64> = at.iter().map(|i| if trial.known[*i] { trial.torque_nm[*i] } else { 0.0 }).collect();
-    let reference: Vec<f64> = at.iter().map(|i| reference_nm[*i]).collect();
+    let reference: Vec<f64> = at.iter().map(|i| if trial.known[*i] { reference_nm[*i] } else { 0.0 }).collect();
     let reach = ((DELAY_S * rate_hz) as i64).min(known.len() as i64 - 1);
     let correlation = |lag: i64| -> f64 {
         let pairs = (0..known.len() as i64).filter_map(|i| {

@@ -93,6 +93,7 @@ pub fn run(
         .zip(trials)
         .map(|(index, extracted)| touched_trial(campaign, *index, extracted, &quiet))
         .collect();
+    warnings.extend(trials.iter().filter_map(unknown_warning));
     warnings.extend(trials.iter().filter_map(|trial| frame_warning(trial, &model, settings.frame)));
     warnings.dedup();
     let filter_delay_s = trials.first().map_or(0.0, |trial| trial.extracted.filter_delay_s);
@@ -178,6 +179,24 @@ fn all(
         }
     }
     if problems.is_empty() { Ok((done, warnings)) } else { Err(Problems(problems)) }
+}
+
+/// A word on the part of a trial in which contacts may go unseen.
+fn unknown_warning(trial: &TrialInteraction) -> Option<String> {
+    /// A share that is not worth a word.
+    const LITTLE: f64 = 0.05;
+    let known = &trial.extracted.known;
+    let unknown = known.iter().filter(|known| !**known).count();
+    let share = unknown as f64 / known.len() as f64;
+    (share > LITTLE).then(|| {
+        format!(
+            "{}: in {:.0} % of it ({:.1} s) K_f is not known yet or the sensor was at its limit: no figure and no contact \
+             smaller than the whole change of friction is to be had there",
+            trial.entry.file,
+            100.0 * share,
+            unknown as f64 / trial.extracted.rate_hz
+        )
+    })
 }
 
 /// The reference measures at the joint what the winch sees through the transmission: a slope that fits says so.

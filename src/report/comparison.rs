@@ -144,7 +144,16 @@ pub fn page(found: &Comparison, names: &[String; 2], drawings: Vec<Drawing>) -> 
 pub fn write_summary(out: &mut impl Write, found: &Comparison, names: &[String; 2]) -> io::Result<()> {
     let units = Units::of(found.before.joint.kind);
     writeln!(out, "{BOLD}{}{BOLD:#}  {DIM}{} -> {}{DIM:#}", found.before.joint.name, names[0], names[1])?;
-    heading(out, "Parameters")?;
+    heading(
+        out,
+        "Parameters, and their change with its 95 % interval (5 % of a value where nobody said how well it is known)",
+    )?;
+    let head = ["", "unit", "before", "after", "change", "95 % interval", "verdict"];
+    writeln!(
+        out,
+        "  {DIM}{:<22} {:<8} {:>10}    {:>10}  {:>10}  {:<26} {}{DIM:#}",
+        head[0], head[1], head[2], head[3], head[4], head[5], head[6]
+    )?;
     for row in parameters_table(found).rows {
         let [name, unit, before, after, change, range, verdict] = &row[..] else { continue };
         writeln!(out, "  {name:<22} {unit:<8} {before:>10} -> {after:>10}  {change:>10}  {range:<26} {verdict}")?;

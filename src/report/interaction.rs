@@ -195,9 +195,8 @@ fn trials_table(found: &Interaction, units: &Units) -> Table {
     let row = |t: &TrialInteraction| {
         let figure =
             |of: fn(&Comparison) -> f64| t.comparison.as_ref().map_or("–".to_string(), |c| units.torque(of(c)));
-        let time = |of: fn(&Comparison) -> f64| {
-            t.comparison.as_ref().map_or("–".to_string(), |c| significant(1e3 * of(c), 2))
-        };
+        let time =
+            |of: fn(&Comparison) -> f64| t.comparison.as_ref().map_or("–".to_string(), |c| milliseconds(of(c)));
         let missed = t.comparison.as_ref().map_or("–".to_string(), |c| format!("{} / {}", c.missed, c.spurious));
         vec![
             t.entry.file.clone(),
@@ -273,6 +272,11 @@ pub fn write_summary(out: &mut impl Write, found: &Interaction, campaign: &str, 
         "\nwritten to {BOLD}{}{BOLD:#}: interaction.json, a table per trial, report.html, plots",
         written.display()
     )
+}
+
+/// To a tenth of a millisecond: what lies below is rounding.
+fn milliseconds(time_s: f64) -> String {
+    if time_s.is_finite() { format!("{:.1}", 1e3 * time_s) } else { "–".to_string() }
 }
 
 fn columns(cells: &[String]) -> String {

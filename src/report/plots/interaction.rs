@@ -67,7 +67,7 @@ fn fill(panel: &Panel, found: &Interaction, trial: &TrialInteraction) -> Drawn {
         |i: usize| found.quiet.levels.uncertainty(extracted.weak[i], extracted.known[i], extracted.change_nm[i]);
     let step = n.div_ceil(2 * BUCKETS).max(1);
     let edge = |sign: f64| -> Vec<(f64, f64)> {
-        (0..n).step_by(step).map(|i| (extracted.time_s[i], extracted.torque_nm[i] + sign * spread(i))).collect()
+        (0..n).step_by(step).map(|i| (extracted.time_s[i], sign * spread(i))).collect()
     };
     panel.band(&edge(-1.0), &edge(1.0), palette::BLUE, 0.18)?;
     let over_time = |values: &[f64]| -> Vec<(f64, f64)> {

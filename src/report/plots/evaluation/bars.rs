@@ -28,8 +28,9 @@ pub(super) fn draw(evaluation: &Evaluation) -> Drawn<Drawing> {
         name: "combinations".to_string(),
         title: "Error with and without the combination coefficient".to_string(),
         caption: "Mean absolute error (above) and largest error (below) of each curve, low-passed: mean over trials, with one \
-                  standard deviation. Sign is the model without any coefficient. The curves differ in transitions alone; what \
-                  is left in stable state is the branches' own error and the sensor's noise."
+                  standard deviation. Sign is the model without any coefficient. The curves differ in transitions, \
+                  of which the low-pass carries a little into stable state, and with the sign curve wherever the speed's \
+                  sign is not K_f's; the rest there is the branches' own error and the sensor's noise."
             .to_string(),
         svg: drawn,
     })

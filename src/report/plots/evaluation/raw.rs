@@ -10,8 +10,7 @@ pub(super) fn draw(shown: &Shown) -> Drawn<Drawing> {
     let trial = shown.trials[0];
     let view = &trial.view;
     let (low, high): (Vec<f64>, Vec<f64>) = view.raw_nm.iter().copied().unzip();
-    let error = |bound: &[f64]| super::series::difference(bound, &view.raw_predicted_nm);
-    let (error_low, error_high) = (error(&low), error(&high));
+    let (error_low, error_high): (Vec<f64>, Vec<f64>) = view.raw_error_nm.iter().copied().unzip();
     let heading = format!("{}; as recorded, nothing filtered", trial.entry.file);
     let svg = svg(860, 520, &heading, |canvas| {
         canvas.text((92.0, 14.0), &heading, TEXT_PX, palette::INK, Anchor::Left)?;

@@ -122,7 +122,7 @@ fn error(canvas: &Canvas, shown: &Shown, time: Axis) -> Drawn {
     canvas.legend((LEFT, RIGHT), 644.0, &entries)
 }
 
-pub(super) fn difference(measured: &[f64], predicted: &[f64]) -> Vec<f64> {
+fn difference(measured: &[f64], predicted: &[f64]) -> Vec<f64> {
     measured.iter().zip(predicted).map(|(y, p)| y - p).collect()
 }
 
