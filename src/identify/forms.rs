@@ -126,7 +126,17 @@ fn ladder(branch: &Branch, judged: bool) -> Vec<&ExponentialFit> {
     if branch.supported > 0 && ladder.get(1).is_some_and(|form| has_speeds(branch, form)) {
         ladder.remove(0);
     }
+    // What the full protocol's points support needs no comparison with less.
+    let settled = |form: &&ExponentialFit| form.rates.len() == branch.supported && is_full(branch, form);
+    if let Some(at) = ladder.iter().position(settled) {
+        ladder.drain(..at);
+    }
     ladder
+}
+
+/// Whether the points are as many as the full protocol's for `form`.
+fn is_full(branch: &Branch, form: &ExponentialFit) -> bool {
+    branch.points.distinct_speeds() >= FULL_SPEEDS * form.parameters()
 }
 
 /// Whether the points can tell that `form` is a good one: they support it, or there are enough of them to take it even so.
@@ -136,9 +146,8 @@ fn has_speeds(branch: &Branch, form: &ExponentialFit) -> bool {
 
 /// Whether `larger`, which leaves `then` of the series where a smaller form leaves `here`, is fit for use.
 fn is_fit(branch: &Branch, larger: &ExponentialFit, here: [f64; 2], then: [f64; 2]) -> bool {
-    let full = branch.points.distinct_speeds() >= FULL_SPEEDS * larger.parameters();
     // Where nothing could be compared, NaN, nothing speaks against it.
-    let worse = match full {
+    let worse = match is_full(branch, larger) {
         true => then[0] > LITTLE_WORSE * here[0],
         false => here.iter().zip(&then).any(|(here, then)| *then > NO_WORSE * here),
     };
