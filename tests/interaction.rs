@@ -181,3 +181,24 @@ fn the_bound_on_false_alarms_is_a_poisson_counts() {
         assert!((tautline::numerics::statistics::poisson_bound(count) - bound).abs() < 1e-3);
     }
 }
+
+#[test]
+fn a_joint_that_rests_throughout_is_tared_and_told() {
+    let folder = campaign();
+    let file = folder.path().join("touched_held_1.csv");
+    let text = std::fs::read_to_string(&file).unwrap();
+    // The motion begins after 30 s.
+    let rest: Vec<&str> = text.lines().take(1 + 25 * 500).collect();
+    std::fs::write(&file, rest.join("\n")).unwrap();
+    let found = extracted(&folder, Settings::default());
+    assert!(
+        found.warnings.iter().any(|w| w.contains("held") && w.contains("rests throughout")),
+        "{:?}",
+        found.warnings
+    );
+    let held = found.trials.iter().find(|t| t.entry.file.contains("held")).unwrap();
+    let compared = held.comparison.as_ref().unwrap();
+    assert!(compared.contacts > 2 && compared.missed == 0, "{compared:?}");
+    // Half a second of noise behind a 5 Hz low-pass holds a few independent values: the level taken is off by about the noise.
+    assert!(compared.error.rmse_nm < 2.0 * found.quiet.rmse_nm.unwrap(), "{compared:?}");
+}

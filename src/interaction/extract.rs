@@ -84,9 +84,6 @@ impl Extracted {
             Filtering::Causal { deadband_rad } => Self::causal(campaign, model, frame, deadband_rad, trial)?,
         };
         extracted.spread_weakness(campaign.signal.lowpass_hz);
-        if filtering == Filtering::ZeroPhase && !extracted.known.contains(&true) {
-            extracted.tare(&trial.entry.file);
-        }
         Ok(extracted)
     }
 
@@ -98,7 +95,7 @@ impl Extracted {
         let lowpass_hz = campaign.signal.lowpass_hz;
         let in_range = trial.in_range(lowpass_hz);
         let known_from = prediction.states.known_from + forgotten(trial.log.rate_hz, lowpass_hz);
-        Self {
+        let mut made = Self {
             rate_hz: trial.log.rate_hz,
             time_s: trial.log.time_s.clone(),
             torque_nm: (0..n).map(|i| factor(i) * (trial.torque_nm[i] - predicted_nm[i])).collect(),
@@ -108,7 +105,12 @@ impl Extracted {
             change_nm: (0..n).map(|i| factor(i) * change_nm(model, trial.velocity_rad_s[i])).collect(),
             filter_delay_s: 0.0,
             warnings: trial.log.warnings.iter().map(ToString::to_string).collect(),
+        };
+        // A joint that moves through its clearance only at the very end is no joint that rests.
+        if prediction.states.known_from >= n {
+            made.tare(&trial.entry.file);
         }
+        made
     }
 
     fn causal(campaign: &Campaign, model: &Model, frame: Frame, deadband_rad: f64, trial: &Trial) -> Result<Self> {
