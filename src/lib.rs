@@ -17,6 +17,9 @@ pub mod units;
 /// Ground: least squares, bounded Levenberg-Marquardt, zero-phase filter, statistics.
 pub mod numerics;
 
+/// Ground: what a joint or its sensors may have beyond the paper's formula: one effect, one file, one list.
+pub mod effects;
+
 /// Ground: the paper's formula: friction branches, their combination, the predicted torque; `model.json`.
 pub mod model;
 

@@ -25,7 +25,8 @@ impl Judged {
     /// Both, read.
     pub fn read(&self) -> Result<(Campaign, Model)> {
         let model = Model::read(&self.model_file())?;
-        Ok((Campaign::read(&self.campaign)?, model))
+        let campaign = Campaign::read(&self.campaign)?;
+        Ok((if model.needs_clock() { campaign.with_clock()? } else { campaign }, model))
     }
 }
 

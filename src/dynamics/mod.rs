@@ -1,9 +1,11 @@
 //! What mass does: gravity and inertia of one joint moving alone, or of a chain of bodies.
 
 mod chain;
+mod direction;
 mod urdf;
 
 pub use chain::{Chain, GRAVITY_M_S2, Motion, RigidTorque};
+pub use direction::{Both, Direction};
 
 /// How the joint moves. For a prismatic joint the `_rad` quantities hold metres and the `_nm` quantities newtons.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -43,6 +45,14 @@ pub struct Dynamics {
 }
 
 impl Dynamics {
+    /// dG/dq at the joint, N m/rad.
+    pub fn gravity_slope_nm_rad(&self, kind: JointKind, position_rad: f64) -> f64 {
+        match kind {
+            JointKind::Revolute => self.gravity_nm * position_rad.cos(),
+            JointKind::Prismatic => 0.0,
+        }
+    }
+
     /// G at the joint, N m: zero when a revolute joint hangs at theta = 0.
     pub fn gravity_nm(&self, kind: JointKind, position_rad: f64) -> f64 {
         match kind {

@@ -97,7 +97,7 @@ pub fn load_of_a_nm(campaign: &Campaign) -> f64 {
 pub fn regressor(trial: &Trial, gravity_nm: f64, i: usize) -> f64 {
     let sine = trial.log.position_rad[i].sin();
     match (&trial.chain, &trial.load_torque_nm) {
-        (Some(chain), _) => chain[i].total_nm() + trial.load_nm(i),
+        (Some(chain), _) => chain[i].0.total_nm() + trial.load_nm(i),
         (None, None) => sine,
         (None, Some(load_nm)) if gravity_nm == 0.0 => load_nm[i],
         (None, Some(load_nm)) => sine + load_nm[i] / gravity_nm,

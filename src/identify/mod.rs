@@ -134,6 +134,7 @@ pub fn blank_model(campaign: &Campaign) -> Model {
         chain: campaign.arm.as_ref().map(Arm::name),
         friction: Both { up: Friction::default(), down: Friction::default() },
         combination: Combination::Sign,
+        effects: Vec::new(),
         confidence: BTreeMap::new(),
     }
 }

@@ -5,9 +5,10 @@
 
 use super::extract::{Frame, change_nm};
 use crate::dynamics::{Chain, Motion};
+use crate::effects::Sample;
 use crate::log::{Campaign, Place};
-use crate::model::{Combination, Direction, Model, Transition};
-use crate::numerics::causal::{CausalLowPass, Follower};
+use crate::model::{Asked, Direction, Model, Passage};
+use crate::numerics::causal::{CausalLowPass, Delay, Follower};
 use crate::numerics::filter::LowPass;
 use crate::predict::forgotten;
 use crate::prepare::motion_cutoff_hz;
@@ -36,10 +37,17 @@ pub struct Estimator {
     joint: Follower,
     torque: Follower,
     load: Follower,
-    chain: Option<(Chain, Vec<(Place, Follower)>)>,
+    chain: Option<(Chain, Vec<Place>)>,
+    /// One for each recorded other joint, and room for what they say.
+    others: Vec<Follower>,
+    moved: Vec<Motion>,
+    /// Holds the prediction back where the sensor is late, and the measurement where it is early.
+    late: Delay,
+    early: Delay,
+    samples: usize,
     lowpass: CausalLowPass,
     /// From either branch: where they agree, K_f is known whatever it was at first.
-    states: Option<[Transition; 2]>,
+    states: Option<[Passage; 2]>,
     /// Samples until the filters have forgotten what they were fed before K_f was known; `None` until it is.
     known_in: Option<usize>,
     forgotten: usize,
@@ -56,9 +64,8 @@ impl Estimator {
             return Problem::error(&campaign.file, what, "lower lowpass_hz below half the sample rate").alone();
         };
         let follower = Follower::new(motion_cutoff_hz(signal.lowpass_hz, rate_hz), rate_hz);
-        let chain = campaign.arm.as_ref().map(|arm| {
-            (arm.chain.clone(), arm.others.iter().map(|place| (*place, follower)).collect::<Vec<(Place, Follower)>>())
-        });
+        let chain = campaign.arm.as_ref().map(|arm| (arm.chain.clone(), arm.others.clone()));
+        let delay = model.delay_s() * rate_hz;
         Ok(Self {
             model: model.clone(),
             frame,
@@ -68,6 +75,11 @@ impl Estimator {
             torque: follower,
             load: follower,
             chain,
+            others: vec![follower; campaign.columns.other_position.len()],
+            moved: Vec::new(),
+            late: Delay::new(delay.max(0.0)),
+            early: Delay::new((-delay).max(0.0)),
+            samples: 0,
             lowpass: CausalLowPass::new(&lowpass),
             states: None,
             known_in: None,
@@ -77,12 +89,12 @@ impl Estimator {
 
     /// How late the torque is, s.
     pub fn delay_s(&self) -> f64 {
-        (self.torque.delay() + self.lowpass.delay()) / self.rate_hz
+        (self.torque.delay() + self.lowpass.delay() + self.early.samples()) / self.rate_hz
     }
 
     /// A filter as late as the torque's own, for a reference to compare with.
     pub fn like_the_torque(&self) -> ReferenceFilter {
-        ReferenceFilter { follower: self.torque.fresh(), lowpass: self.lowpass.fresh() }
+        ReferenceFilter { follower: self.torque.fresh(), lowpass: self.lowpass.fresh(), early: self.early.fresh() }
     }
 
     /// The next sample: position (rad), y (N m), measured load at the joint (N m), and the other joints' recorded positions.
@@ -90,25 +102,20 @@ impl Estimator {
         let own = motion(self.joint.step(position_rad));
         let [measured_nm, ..] = self.torque.step(torque_nm);
         let [load_nm, ..] = self.load.step(load_nm);
-        let rigid_nm = match &mut self.chain {
-            Some((chain, followers)) => {
-                let moved = followers.iter_mut().map(|(place, follower)| match place {
-                    Place::Held(position) => Motion { position: *position, ..Motion::default() },
-                    Place::Column(at) => motion(follower.step(others.get(*at).copied().unwrap_or(0.0))),
-                });
-                chain.torque(own, &moved.collect::<Vec<Motion>>()).total_nm()
-            }
-            None => {
-                let dynamics = &self.model.dynamics;
-                dynamics.gravity_nm(self.model.joint.kind, own.position) + dynamics.inertia_kg_m2 * own.acceleration
-            }
-        };
-        let state = self.advance(own.position);
-        let k_tilde = match self.model.combination {
-            Combination::Sign => f64::from(u8::from(own.velocity >= 0.0)),
-            _ => state.k_tilde,
-        };
-        let predicted_nm = self.model.torque_nm(rigid_nm + load_nm, own.velocity, k_tilde).torque_nm;
+        let mut moved = std::mem::take(&mut self.moved);
+        moved.clear();
+        let recorded = |at: usize| others.get(at).copied().unwrap_or(0.0);
+        moved.extend(self.others.iter_mut().enumerate().map(|(at, follower)| motion(follower.step(recorded(at)))));
+        let mut asked = self.asked(own, &moved);
+        asked.torque_nm += load_nm;
+        let (state, k_tilde) = self.advance(own);
+        let time_s = self.samples as f64 / self.rate_hz;
+        self.samples += 1;
+        let sample = Sample { time_s, elapsed_s: time_s, own, others: &moved };
+        let driven_nm = self.model.driven_nm(&sample, asked, k_tilde).torque_nm;
+        let predicted_nm = self.model.reading_nm(&sample, self.late.step(driven_nm));
+        let measured_nm = self.early.step(measured_nm);
+        self.moved = moved;
         let factor = self.frame.factor(&self.model, k_tilde);
         Step {
             torque_nm: factor * self.lowpass.step(measured_nm - predicted_nm),
@@ -118,21 +125,43 @@ impl Estimator {
         }
     }
 
-    fn advance(&mut self, position_rad: f64) -> Transition {
+    /// What mass asks of the joint.
+    fn asked(&self, own: Motion, others: &[Motion]) -> Asked {
+        /// Half the step over which a chain's gravity is differentiated, rad.
+        const STEP_RAD: f64 = 1e-4;
+        let (kind, dynamics) = (self.model.joint.kind, &self.model.dynamics);
+        let Some((chain, places)) = &self.chain else {
+            let torque_nm = dynamics.gravity_nm(kind, own.position) + dynamics.inertia_kg_m2 * own.acceleration;
+            return Asked { torque_nm, slope_nm_rad: dynamics.gravity_slope_nm_rad(kind, own.position) };
+        };
+        let place = |place: &Place| match place {
+            Place::Held(position) => Motion { position: *position, ..Motion::default() },
+            Place::Column(at) => others[*at],
+        };
+        let moved: Vec<Motion> = places.iter().map(place).collect();
+        let slope_nm_rad = if self.model.effects.is_empty() {
+            0.0
+        } else {
+            let at = |position| chain.torque(Motion { position, ..own }, &moved).gravity_nm;
+            (at(own.position + STEP_RAD) - at(own.position - STEP_RAD)) / (2.0 * STEP_RAD)
+        };
+        Asked { torque_nm: chain.torque(own, &moved).total_nm(), slope_nm_rad }
+    }
+
+    /// Where friction stands once the joint has moved on, and K~.
+    fn advance(&mut self, own: Motion) -> (Passage, f64) {
+        let (model, deadband_rad) = (&self.model, self.deadband_rad);
         let states = self.states.get_or_insert_with(|| {
-            [Direction::Up, Direction::Down].map(|direction| Transition::after(direction, position_rad))
+            Direction::BOTH.map(|direction| Passage::after(model, direction, own.position, deadband_rad))
         });
-        let backlash_rad = self.model.joint.backlash_rad();
-        for state in states.iter_mut() {
-            state.step(position_rad, &self.model.combination, backlash_rad, self.deadband_rad);
-        }
+        let [up, down] = states.each_mut().map(|state| state.step(own.position, own.velocity));
         let [from_up, from_down] = *states;
         self.known_in = match self.known_in {
-            None if from_up.k_f == from_down.k_f => Some(self.forgotten),
+            None if from_up.k_f() == from_down.k_f() => Some(self.forgotten),
             waiting => waiting.map(|samples| samples.saturating_sub(1)),
         };
         // The one that the motion goes towards is the one whose K_f the other will meet.
-        if from_up.direction() == Direction::Up { from_up } else { from_down }
+        if from_up.direction() == Direction::Up { (from_up, up) } else { (from_down, down) }
     }
 }
 
@@ -141,13 +170,14 @@ impl Estimator {
 pub struct ReferenceFilter {
     follower: Follower,
     lowpass: CausalLowPass,
+    early: Delay,
 }
 
 impl ReferenceFilter {
     /// The next sample, filtered.
     pub fn step(&mut self, reference_nm: f64) -> f64 {
         let [late_nm, ..] = self.follower.step(reference_nm);
-        self.lowpass.step(late_nm)
+        self.lowpass.step(self.early.step(late_nm))
     }
 }
 

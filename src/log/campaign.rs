@@ -34,6 +34,8 @@ pub struct Campaign {
     pub trials: Vec<TrialEntry>,
     /// What the reader should know of `campaign.toml`.
     pub warnings: Vec<Problem>,
+    /// When each trial began, s since the campaign did; empty until asked for.
+    pub clock_s: Vec<f64>,
 }
 
 /// What `campaign.toml` tells, however much of it can be used.
@@ -180,6 +182,7 @@ impl Survey {
             columns,
             trials: entries.trials,
             warnings: Vec::new(),
+            clock_s: Vec::new(),
         });
         let (folder, problems) = (folder.to_path_buf(), Vec::new());
         Self { campaign, is_whole, problems, readable: entries.readable, folder, columns: named }

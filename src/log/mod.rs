@@ -4,6 +4,7 @@ mod arm;
 mod campaign;
 mod checks;
 mod clipping;
+mod clock;
 mod columns;
 mod csv_file;
 mod entries;
@@ -17,6 +18,7 @@ mod written;
 
 pub use arm::{Arm, Place};
 pub use campaign::{Campaign, Protocol, Signal, Survey, TrialEntry};
+pub use clock::{clock_s, span_s};
 pub use columns::{Column, Columns, OtherColumn, ReferenceColumn};
 pub use samples::{Sample, Samples};
 

@@ -8,7 +8,7 @@
 //! the curve from the point (K_f, K~) where it found it and ends at the same end. With u the share of the remaining K_f
 //! travel, K~ = K~0 + g(u)/g(1) (K~end - K~0). For a whole transition this is (29) or (30) itself when g(1) = 1.
 
-use super::friction::Direction;
+use crate::dynamics::Direction;
 
 /// The curve by which friction changes over.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -3,6 +3,7 @@
 use super::{Both, ChainName, Combination, Confidence, Direction, Friction, Joint, Model, Status};
 use crate::document::{Document, Section};
 use crate::dynamics::{Dynamics, JointKind};
+use crate::effects::{Added, LIBRARY, Parameter};
 use crate::problem::Result;
 use serde_json::{Map, Value, json};
 use std::path::Path;
@@ -17,7 +18,7 @@ pub const EXTRA_KEYS: [&str; 7] =
 impl Model {
     /// Reads a model; keys that an identification adds may be absent.
     ///
-    /// Errors: the file, an unknown key, a missing or impossible parameter, an effect (none is known to this version).
+    /// Errors: the file, an unknown key or effect, a missing or impossible parameter.
     pub fn read(file: &Path) -> Result<Self> {
         Document::open(file)?.read(|root| {
             root.need("format").choice(&[(FORMAT, ())]);
@@ -38,13 +39,18 @@ impl Model {
                 Some(Both { up: up?, down: down? })
             });
             let combination = root.need("combination").section(read_combination);
-            let effects = root.may("effects").sections(|s| s.keys().next().map(str::to_string));
-            if effects.is_some_and(|effects| !effects.is_empty()) {
-                root.reject("effects", "names effects, and this version knows none", "leave the list empty");
-            }
+            let effects = root.may("effects").sections(read_effect).unwrap_or_default();
             let confidence = root.may("confidence").sections_by_name(|_, s| read_confidence(s)).unwrap_or_default();
             let (dynamics, chain) = dynamics?;
-            Some(Self { joint: joint?, dynamics, chain, friction: friction?, combination: combination?, confidence })
+            Some(Self {
+                joint: joint?,
+                dynamics,
+                chain,
+                friction: friction?,
+                combination: combination?,
+                effects,
+                confidence,
+            })
         })
     }
 
@@ -87,7 +93,7 @@ impl Model {
             "dynamics": dynamics,
             "friction": { "up": branch(&self.friction.up), "down": branch(&self.friction.down) },
             "combination": combination,
-            "effects": [],
+            "effects": self.effects.iter().map(Added::to_json).collect::<Vec<Value>>(),
             "confidence": confidence,
         })
     }
@@ -121,6 +127,14 @@ pub fn recorded_curves(file: &Path) -> Result<Vec<RecordedCurve>> {
         };
         Some(root.may("combinations").sections_by_name(one).unwrap_or_default().into_values().collect())
     })
+}
+
+impl Added {
+    /// The effect as in `model.json`.
+    pub fn to_json(&self) -> Value {
+        let parameters: Map<String, Value> = self.named().map(|(p, x)| (p.name.to_string(), json!(x))).collect();
+        json!({ "id": self.id(), "parameters": parameters })
+    }
 }
 
 impl Confidence {
@@ -163,6 +177,24 @@ fn read_combination(s: &Section) -> Option<Combination> {
         }
         _ => Some(Combination::Power { n: s.need("n").positive()? }),
     }
+}
+
+/// One effect: its name, and a number for each of its parameters.
+fn read_effect(s: &Section) -> Option<Added> {
+    let effect = s.need("id").choice(&LIBRARY.map(|effect| (effect.about().id, effect)))?;
+    let one = |s: &Section, parameter: &Parameter| {
+        let value = s.need(parameter.name).number()?;
+        let (low, high) = parameter.bounds;
+        if !(low..=high).contains(&value) {
+            s.reject(parameter.name, format!("is {value}"), format!("expected {low} to {high}"));
+        }
+        Some(value)
+    };
+    let parameters = s.need("parameters").section(|s| {
+        let values: Vec<Option<f64>> = effect.about().parameters.iter().map(|p| one(s, p)).collect();
+        values.into_iter().collect::<Option<Vec<f64>>>()
+    });
+    Some(Added { effect, parameters: parameters? })
 }
 
 fn read_confidence(s: &Section) -> Option<Confidence> {

@@ -4,15 +4,19 @@ mod combination;
 mod file;
 mod friction;
 mod joint;
+mod passage;
 mod predict;
 
+pub use crate::dynamics::{Both, Direction};
 pub use combination::{Combination, Transition, settle};
 pub use file::{RecordedCurve, recorded_curves};
-pub use friction::{Both, Direction, Friction};
+pub use friction::Friction;
 pub use joint::Joint;
-pub use predict::Components;
+pub use passage::Passage;
+pub use predict::{Asked, Components};
 
 use crate::dynamics::Dynamics;
+use crate::effects::Added;
 use std::collections::BTreeMap;
 
 /// Everything needed to predict y from motion: geometry, rigid body, friction, combination.
@@ -28,6 +32,8 @@ pub struct Model {
     pub friction: Both<Friction>,
     /// How friction changes over between them.
     pub combination: Combination,
+    /// What the joint or its sensors have beyond the formula.
+    pub effects: Vec<Added>,
     /// How well each parameter is known, by dotted name (`friction.up.a_j`); empty when nobody said.
     pub confidence: BTreeMap<String, Confidence>,
 }

@@ -8,6 +8,19 @@
 //! B of each direction.
 
 use super::{Direction, Model};
+use crate::effects::Sample;
+
+/// What a sample asks of the joint.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Asked {
+    /// Gravity, inertia, Coriolis, measured load at the joint, N m.
+    pub torque_nm: f64,
+    /// How gravity changes with the joint's position, N m/rad.
+    pub slope_nm_rad: f64,
+}
+
+/// Steps in which the lag of a stretched cable and the torque that stretches it settle: each gains a digit or more.
+const SETTLING: usize = 3;
 
 /// What the model makes of one sample, all as torques at the winch, N m.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -16,7 +29,7 @@ pub struct Components {
     pub torque_nm: f64,
     /// (r1/r2) times the rigid-body torque: what the winch would see without friction.
     pub rigid_nm: f64,
-    /// The rest: friction.
+    /// The rest: friction, and what effects add.
     pub friction_nm: f64,
 }
 
@@ -32,5 +45,56 @@ impl Model {
         let loss = 1.0 - mu_down - k_tilde * (mu_up - mu_down);
         let torque_nm = (rigid_nm + down + k_tilde * (up - down)) / loss;
         Components { torque_nm, rigid_nm, friction_nm: torque_nm - rigid_nm }
+    }
+
+    /// y with everything that the model's effects add to the joint, before the sensor: what `asked` and `sample` come to with
+    /// friction combined by `k_tilde`. The formula is the one of `effects`.
+    pub fn driven_nm(&self, sample: &Sample<'_>, asked: Asked, k_tilde: f64) -> Components {
+        if self.effects.is_empty() {
+            return self.torque_nm(asked.torque_nm, sample.own.velocity, k_tilde);
+        }
+        let (r1, r2) = (self.joint.winch_radius_m, self.joint.pulley_radius_m);
+        let mut up = self.friction.up.unloaded_nm(Direction::Up, sample.own.velocity, r1, r2);
+        let mut down = self.friction.down.unloaded_nm(Direction::Down, sample.own.velocity, r1, r2);
+        let (mu_up, mu_down) = (self.friction.up.mu_c, self.friction.down.mu_c);
+        let transmission = self.joint.transmission();
+        let (mut factor, mut winch_nm, mut joint_nm) = (1.0, 0.0, asked.torque_nm);
+        for e in &self.effects {
+            joint_nm += e.effect.joint_torque_nm(&e.parameters, sample);
+            factor *= e.effect.friction_factor(&e.parameters, sample);
+            winch_nm += e.effect.winch_torque_nm(&e.parameters, sample);
+        }
+        for e in &self.effects {
+            let more = e.effect.friction_nm(&e.parameters, sample, transmission * joint_nm);
+            (up, down) = (up + more.up, down + more.down);
+        }
+        let friction_nm = factor * (down + k_tilde * (up - down));
+        let loss = 1.0 - mu_down - k_tilde * (mu_up - mu_down);
+        let torque_nm =
+            |lag_rad: f64| (transmission * (joint_nm - asked.slope_nm_rad * lag_rad) + friction_nm) / loss + winch_nm;
+        let lag_rad = |y_nm: f64| -> f64 {
+            self.effects.iter().map(|e| e.effect.position_lag_rad(&e.parameters, y_nm / transmission)).sum()
+        };
+        let mut y_nm = torque_nm(0.0);
+        if lag_rad(y_nm) != 0.0 {
+            (0..SETTLING).for_each(|_| y_nm = torque_nm(lag_rad(y_nm)));
+        }
+        let rigid_nm = transmission * asked.torque_nm;
+        Components { torque_nm: y_nm, rigid_nm, friction_nm: y_nm - rigid_nm }
+    }
+
+    /// What the sensor reads of `torque_nm`, but for its delay, N m.
+    pub fn reading_nm(&self, sample: &Sample<'_>, torque_nm: f64) -> f64 {
+        self.effects.iter().fold(torque_nm, |y, e| e.effect.reading_nm(&e.parameters, sample, y))
+    }
+
+    /// How late the sensor's reading is, s.
+    pub fn delay_s(&self) -> f64 {
+        self.effects.iter().map(|e| e.effect.delay_s(&e.parameters)).sum()
+    }
+
+    /// Whether any effect goes by the time since the campaign began.
+    pub fn needs_clock(&self) -> bool {
+        self.effects.iter().any(|e| e.effect.needs_clock(&e.parameters))
     }
 }

@@ -3,6 +3,7 @@
 //! All start in the steady state of their first sample, so that a signal at rest carries no transient.
 
 use super::filter::LowPass;
+use std::collections::VecDeque;
 use std::f64::consts::TAU;
 
 /// One second-order section, transposed direct form II: y = b0 x + z1, z1 = b1 x - a1 y + z2, z2 = b2 x - a2 y.
@@ -44,6 +45,42 @@ impl Section {
     fn delay(&self) -> f64 {
         let slope = |c: [f64; 3]| (c[1] + 2.0 * c[2]) / c.iter().sum::<f64>();
         slope(self.b) - slope([1.0, self.a[0], self.a[1]])
+    }
+}
+
+/// Holds a signal back by a number of samples, not always whole; in between it is drawn straight.
+#[derive(Debug, Clone)]
+pub struct Delay {
+    samples: f64,
+    /// The newest last.
+    kept: VecDeque<f64>,
+}
+
+impl Delay {
+    /// By so many `samples`, 0 or more.
+    pub fn new(samples: f64) -> Self {
+        Self { samples, kept: VecDeque::new() }
+    }
+
+    /// How late it is, samples.
+    pub fn samples(&self) -> f64 {
+        self.samples
+    }
+
+    /// The same, with nothing kept.
+    pub fn fresh(&self) -> Self {
+        Self::new(self.samples)
+    }
+
+    /// The next sample; before the first the signal rested there.
+    pub fn step(&mut self, x: f64) -> f64 {
+        let (whole, share) = (self.samples as usize, self.samples.fract());
+        self.kept.push_back(x);
+        while self.kept.len() > whole + 2 {
+            self.kept.pop_front();
+        }
+        let back = |n: usize| self.kept[(self.kept.len() - 1).saturating_sub(n)];
+        back(whole) + share * (back(whole + 1) - back(whole))
     }
 }
 

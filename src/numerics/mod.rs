@@ -9,8 +9,10 @@ pub mod marquardt;
 /// Least cost and crossings along one line.
 pub mod line;
 
-/// Standard errors from clusters of samples.
+/// Filters that run one sample at a time.
 pub mod causal;
+
+/// Standard errors from clusters of samples.
 pub mod cluster;
 
 /// Zero-phase Butterworth low-pass.
@@ -18,6 +20,9 @@ pub mod filter;
 
 /// Velocity and acceleration from samples of a position.
 pub mod difference;
+
+/// A series read between its samples.
+pub mod resample;
 
 /// Means, spreads, quantiles.
 pub mod statistics;

@@ -8,6 +8,7 @@ mod state;
 pub use state::{States, forgotten, states};
 
 use crate::model::{Combination, Model};
+use crate::numerics::resample::shifted;
 use crate::prepare::Trial;
 
 /// y and its parts, N m at the winch, none of them low-passed.
@@ -32,7 +33,7 @@ pub struct Prediction {
 impl Prediction {
     /// Of `trial` by `model`.
     pub fn new(model: &Model, trial: &Trial) -> Self {
-        let states = states(model, &model.combination, trial);
+        let states = states(model, trial);
         let n = trial.torque_nm.len();
         let mut made = Self {
             torque_nm: Vec::with_capacity(n),
@@ -44,18 +45,36 @@ impl Prediction {
             states,
         };
         let transmission = model.joint.transmission();
+        let mut others = Vec::with_capacity(trial.others.len());
         for i in 0..n {
             let rigid = trial.rigid(i, model.joint.kind, &model.dynamics);
-            let load_nm = trial.load_nm(i);
-            let all = model.torque_nm(rigid.total_nm() + load_nm, trial.velocity_rad_s[i], made.states.k_tilde[i]);
+            let asked = trial.asked(i, model.joint.kind, &model.dynamics);
+            let all = model.driven_nm(&trial.sample(i, &mut others), asked, made.states.k_tilde[i]);
             made.torque_nm.push(all.torque_nm);
             made.gravity_nm.push(transmission * rigid.gravity_nm);
             made.inertia_nm.push(transmission * rigid.inertia_nm);
             made.coriolis_nm.push(transmission * rigid.coriolis_nm);
-            made.load_nm.push(transmission * load_nm);
-            made.friction_nm.push(all.friction_nm);
+            made.load_nm.push(transmission * trial.load_nm(i));
         }
+        read(model, trial, &mut made.torque_nm);
+        let rigid_nm = |i: usize| made.gravity_nm[i] + made.inertia_nm[i] + made.coriolis_nm[i] + made.load_nm[i];
+        made.friction_nm = (0..n).map(|i| made.torque_nm[i] - rigid_nm(i)).collect();
         made
+    }
+}
+
+/// What the sensor makes of the torque along `trial`, in place: late, off scale, off zero, clipped.
+fn read(model: &Model, trial: &Trial, torque_nm: &mut Vec<f64>) {
+    if model.effects.is_empty() {
+        return;
+    }
+    let delay_s = model.delay_s();
+    if delay_s != 0.0 {
+        *torque_nm = shifted(torque_nm, delay_s * trial.log.rate_hz);
+    }
+    let mut others = Vec::with_capacity(trial.others.len());
+    for (i, y) in torque_nm.iter_mut().enumerate() {
+        *y = model.reading_nm(&trial.sample(i, &mut others), *y);
     }
 }
 
@@ -63,10 +82,7 @@ impl Prediction {
 pub fn with_curve(model: &Model, curve: &Combination, backlash_m: f64, trial: &Trial) -> Vec<f64> {
     let mut changed = model.clone();
     changed.joint.backlash_m = backlash_m;
-    let states = states(&changed, curve, trial);
-    let torque = |i: usize| {
-        let rigid = trial.rigid(i, model.joint.kind, &model.dynamics).total_nm() + trial.load_nm(i);
-        model.torque_nm(rigid, trial.velocity_rad_s[i], states.k_tilde[i]).torque_nm
-    };
-    (0..trial.torque_nm.len()).map(torque).collect()
+    changed.combination = *curve;
+    changed.effects.retain(|e| e.effect.curve(&e.parameters).is_none());
+    Prediction::new(&changed, trial).torque_nm
 }

@@ -1,6 +1,6 @@
 //! Where friction stands between its branches along a motion.
 
-use crate::model::{Combination, Model, Transition, settle};
+use crate::model::{Model, Passage, settle};
 use crate::prepare::Trial;
 
 /// K~ and its like for every sample of a trial.
@@ -30,23 +30,20 @@ pub fn forgotten(rate_hz: f64, lowpass_hz: f64) -> usize {
     (FORGOTTEN_PERIODS / lowpass_hz * rate_hz) as usize
 }
 
-/// The states of `trial` under `model`'s clearance, with `curve`.
+/// The states of `trial` under `model`'s clearance and curve.
 ///
 /// K_f follows the position as recorded, or what a coarse encoder's jumps tell of it: a filtered one rings at corners. With `Sign` K~ follows the sign of the speed alone,
 /// as (20) has it, K = 1 for v >= 0; K_f still says where a transition through the clearance would be.
-pub fn states(model: &Model, curve: &Combination, trial: &Trial) -> States {
+pub fn states(model: &Model, trial: &Trial) -> States {
     let positions = &trial.followed_rad;
-    let (backlash_rad, deadband_rad) = (model.joint.backlash_rad(), trial.deadband_rad);
-    let (direction, known_from) = settle(positions, backlash_rad, deadband_rad);
-    let mut state = Transition::after(direction, positions.first().copied().unwrap_or(0.0));
+    let backlash_rad = model.backlash_m() / model.joint.pulley_radius_m;
+    let (direction, known_from) = settle(positions, backlash_rad, trial.deadband_rad);
+    let start_rad = positions.first().copied().unwrap_or(0.0);
+    let mut state = Passage::after(model, direction, start_rad, trial.deadband_rad);
     let (mut k_tilde, mut k_f) = (Vec::with_capacity(positions.len()), Vec::with_capacity(positions.len()));
     for (x, v) in positions.iter().zip(&trial.velocity_rad_s) {
-        let value = state.step(*x, curve, backlash_rad, deadband_rad);
-        k_tilde.push(match curve {
-            Combination::Sign => f64::from(u8::from(*v >= 0.0)),
-            _ => value,
-        });
-        k_f.push(state.k_f);
+        k_tilde.push(state.step(*x, *v));
+        k_f.push(state.k_f());
     }
     States { k_tilde, k_f, known_from }
 }

@@ -9,9 +9,10 @@ mod series;
 pub use legs::{Leg, find_legs};
 pub use series::Series;
 
-use crate::dynamics::{Dynamics, JointKind, RigidTorque};
+use crate::dynamics::{Dynamics, JointKind, Motion, RigidTorque};
+use crate::effects::Sample;
 use crate::log::{Campaign, Log, Protocol, TrialEntry};
-use crate::model::Joint;
+use crate::model::{Asked, Joint};
 use crate::numerics::difference::{acceleration, velocity};
 use crate::numerics::filter::LowPass;
 use crate::numerics::line::crossing;
@@ -46,8 +47,13 @@ pub struct Trial {
     pub acceleration_rad_s2: Vec<f64>,
     /// Measured load at the joint after the motion's low-pass, N m.
     pub load_torque_nm: Option<Vec<f64>>,
-    /// The joint's row of M a + C v + G of the whole chain, where the campaign has one.
-    pub chain: Option<Vec<RigidTorque>>,
+    /// The joint's row of M a + C v + G of the whole chain, where the campaign has one, and how its gravity changes with the
+    /// joint's position, N m/rad.
+    pub chain: Option<Vec<(RigidTorque, f64)>>,
+    /// The other joints as recorded, after the motion's low-pass, in the order of their columns.
+    pub others: Vec<Vec<Motion>>,
+    /// When the trial began, s since the campaign did; 0 where nobody asked for the campaign's clock.
+    pub began_s: f64,
     /// Position that K_f follows, rad.
     pub followed_rad: Vec<f64>,
     /// Travel back below which nothing counts as a reversal: noise, rad.
@@ -62,13 +68,32 @@ impl Trial {
     /// What mass asks of the joint at sample `at`, N m: by the chain where the campaign has one, else by `dynamics`.
     pub fn rigid(&self, at: usize, kind: JointKind, dynamics: &Dynamics) -> RigidTorque {
         match &self.chain {
-            Some(chain) => chain[at],
+            Some(chain) => chain[at].0,
             None => RigidTorque {
                 gravity_nm: dynamics.gravity_nm(kind, self.position_rad[at]),
                 inertia_nm: dynamics.inertia_kg_m2 * self.acceleration_rad_s2[at],
                 coriolis_nm: 0.0,
             },
         }
+    }
+
+    /// What the sample `at` asks of the joint: mass and measured load.
+    pub fn asked(&self, at: usize, kind: JointKind, dynamics: &Dynamics) -> Asked {
+        let slope_nm_rad = match &self.chain {
+            Some(chain) => chain[at].1,
+            None => dynamics.gravity_slope_nm_rad(kind, self.position_rad[at]),
+        };
+        Asked { torque_nm: self.rigid(at, kind, dynamics).total_nm() + self.load_nm(at), slope_nm_rad }
+    }
+
+    /// The sample `at` as effects see it; `others` is room for the other joints' motions.
+    pub fn sample<'o>(&self, at: usize, others: &'o mut Vec<Motion>) -> Sample<'o> {
+        others.clear();
+        others.extend(self.others.iter().map(|other| other[at]));
+        let time_s = self.log.time_s[at] - self.log.time_s[0];
+        let (velocity, acceleration) = (self.velocity_rad_s[at], self.acceleration_rad_s2[at]);
+        let own = Motion { position: self.position_rad[at], velocity, acceleration };
+        Sample { time_s, elapsed_s: self.began_s + time_s, own, others }
     }
 
     /// Measured load at the joint at sample `at`, N m; 0 where none is recorded.
@@ -114,9 +139,11 @@ pub fn prepare(campaign: &Campaign, index: usize, mut log: Log) -> Result<Trial>
         None => acceleration(&position_rad, rate_hz),
     };
     let load_torque_nm = log.load_torque_nm.as_ref().map(|load| motion.zero_phase(load));
+    let others: Vec<Vec<Motion>> =
+        log.other_position_rad.iter().map(|recorded| rigid::moving(recorded, &motion, rate_hz)).collect();
     let chain = campaign.arm.as_ref().map(|arm| {
         let own = [&position_rad[..], &velocity_rad_s, &acceleration_rad_s2];
-        rigid::along(arm, own, &log.other_position_rad, &motion, rate_hz)
+        rigid::along(arm, own, &others)
     });
     let lowpass_hz = campaign.signal.lowpass_hz;
     let Position { followed_rad, deadband_rad, step_rad } = Position::new(&log.position_rad, &position_rad);
@@ -135,6 +162,8 @@ pub fn prepare(campaign: &Campaign, index: usize, mut log: Log) -> Result<Trial>
         acceleration_rad_s2,
         load_torque_nm,
         chain,
+        others,
+        began_s: campaign.began_s(index),
         followed_rad,
         deadband_rad,
         step_rad,

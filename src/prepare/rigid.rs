@@ -5,41 +5,34 @@ use crate::log::{Arm, Place};
 use crate::numerics::difference::{acceleration, velocity};
 use crate::numerics::filter::LowPass;
 
-/// M a + C v + G of `arm`'s joint, sample by sample; `own` is its filtered position, velocity and acceleration, `recorded` the
-/// other joints' positions as recorded, which pass through the same `filter`.
-pub(super) fn along(
-    arm: &Arm,
-    own: [&[f64]; 3],
-    recorded: &[Vec<f64>],
-    filter: &LowPass,
-    rate_hz: f64,
-) -> Vec<RigidTorque> {
-    let others: Vec<Box<dyn Fn(usize) -> Motion>> = arm
-        .others
-        .iter()
-        .map(|place| -> Box<dyn Fn(usize) -> Motion> {
-            match place {
-                Place::Held(position) => {
-                    let still = Motion { position: *position, ..Motion::default() };
-                    Box::new(move |_| still)
-                }
-                Place::Column(column) => {
-                    let positions = filter.zero_phase(&recorded[*column]);
-                    let (speeds, accelerations) = (velocity(&positions, rate_hz), acceleration(&positions, rate_hz));
-                    Box::new(move |i| motion([&positions[..], &speeds, &accelerations], i))
-                }
-            }
-        })
-        .collect();
-    let mut moved = vec![Motion::default(); others.len()];
+/// Half the step over which gravity's slope is taken, rad: the error of the central difference is then below 1e-8 of gravity.
+const STEP_RAD: f64 = 1e-4;
+
+/// M a + C v + G of `arm`'s joint and the slope of G over its position, N m/rad, sample by sample; `own` is its filtered
+/// position, velocity and acceleration, `others` are the recorded joints.
+pub(super) fn along(arm: &Arm, own: [&[f64]; 3], others: &[Vec<Motion>]) -> Vec<(RigidTorque, f64)> {
+    let place = |place: &Place, i: usize| match place {
+        Place::Held(position) => Motion { position: *position, ..Motion::default() },
+        Place::Column(column) => others[*column][i],
+    };
+    let mut moved = vec![Motion::default(); arm.others.len()];
     (0..own[0].len())
         .map(|i| {
-            moved.iter_mut().zip(&others).for_each(|(slot, other)| *slot = other(i));
-            arm.chain.torque(motion(own, i), &moved)
+            moved.iter_mut().zip(&arm.others).for_each(|(slot, other)| *slot = place(other, i));
+            let torque =
+                arm.chain.torque(Motion { position: own[0][i], velocity: own[1][i], acceleration: own[2][i] }, &moved);
+            moved.iter_mut().for_each(|other| (other.velocity, other.acceleration) = (0.0, 0.0));
+            let gravity_nm = |position| arm.chain.torque(Motion { position, ..Motion::default() }, &moved).gravity_nm;
+            let slope = (gravity_nm(own[0][i] + STEP_RAD) - gravity_nm(own[0][i] - STEP_RAD)) / (2.0 * STEP_RAD);
+            (torque, slope)
         })
         .collect()
 }
 
-fn motion([position, velocity, acceleration]: [&[f64]; 3], at: usize) -> Motion {
-    Motion { position: position[at], velocity: velocity[at], acceleration: acceleration[at] }
+/// Another joint's motion: its `recorded` positions through the same `filter`, differentiated.
+pub(super) fn moving(recorded: &[f64], filter: &LowPass, rate_hz: f64) -> Vec<Motion> {
+    let positions = filter.zero_phase(recorded);
+    let (speeds, accelerations) = (velocity(&positions, rate_hz), acceleration(&positions, rate_hz));
+    let motion = |((position, velocity), acceleration)| Motion { position, velocity, acceleration };
+    positions.into_iter().zip(speeds).zip(accelerations).map(motion).collect()
 }

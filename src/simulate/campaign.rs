@@ -171,6 +171,7 @@ impl Plan {
             },
             trials: trials.iter().map(|trial| trial.entry.clone()).collect(),
             warnings: Vec::new(),
+            clock_s: Vec::new(),
         }
     }
 
@@ -187,7 +188,7 @@ impl Plan {
             true => (0..samples).map(|i| swing_rad(i as f64 / self.rate_hz)).collect(),
             false => vec![0.0; samples],
         };
-        Course { position_rad, others_rad: (0..others).map(other).collect(), contact_nm }
+        Course { position_rad, others_rad: (0..others).map(other).collect(), contact_nm, began_s: 0.0 }
     }
 
     /// The bytes of one trial's log.

@@ -5,8 +5,9 @@ mod contacts;
 
 pub use campaign::{Plan, PlannedTrial, SimulatedArm};
 
-use crate::dynamics::{Chain, Motion, RigidTorque};
-use crate::model::{Direction, Model, Transition};
+use crate::dynamics::{Chain, Motion};
+use crate::effects::Sample;
+use crate::model::{Asked, Direction, Model, Passage};
 use crate::numerics::difference::{acceleration, velocity};
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
@@ -30,6 +31,8 @@ pub struct Course {
     pub others_rad: Vec<Vec<f64>>,
     /// What a person adds at the winch, N m; nothing where empty.
     pub contact_nm: Vec<f64>,
+    /// When the trial begins, s since the campaign did.
+    pub began_s: f64,
 }
 
 /// Samples of a motion: what a log would hold.
@@ -60,22 +63,30 @@ pub fn course_torque_nm(model: &Model, chain: Option<&Chain>, course: &Course, r
         Some(m) if m.position < first.position => Direction::Down,
         _ => Direction::Up,
     };
-    let mut transition = Transition::after(start, first.position);
-    let backlash_rad = model.joint.backlash_rad();
+    let mut passage = Passage::after(model, start, first.position, 0.0);
+    let mut moved = vec![Motion::default(); others.len()];
     let torque = |(i, motion): (usize, &Motion)| {
-        let rigid = match chain {
-            Some(chain) => chain.torque(*motion, &others.iter().map(|other| other[i]).collect::<Vec<Motion>>()),
-            None => RigidTorque {
-                gravity_nm: model.dynamics.gravity_nm(model.joint.kind, motion.position),
-                inertia_nm: model.dynamics.inertia_kg_m2 * motion.acceleration,
-                coriolis_nm: 0.0,
-            },
-        };
-        let k_tilde = transition.step(motion.position, &model.combination, backlash_rad, 0.0);
+        moved.iter_mut().zip(&others).for_each(|(slot, other)| *slot = other[i]);
+        let asked = asked(model, chain, *motion, &moved);
+        let time_s = i as f64 / rate_hz;
+        let sample = Sample { time_s, elapsed_s: course.began_s + time_s, own: *motion, others: &moved };
+        let k_tilde = passage.step(motion.position, motion.velocity);
         let contact_nm = course.contact_nm.get(i).copied().unwrap_or(0.0);
-        model.torque_nm(rigid.total_nm(), motion.velocity, k_tilde).torque_nm + contact_nm
+        model.driven_nm(&sample, asked, k_tilde).torque_nm + contact_nm
     };
     own.iter().enumerate().map(torque).collect()
+}
+
+/// What mass asks of the joint.
+fn asked(model: &Model, chain: Option<&Chain>, own: Motion, others: &[Motion]) -> Asked {
+    let (kind, dynamics) = (model.joint.kind, &model.dynamics);
+    match chain {
+        Some(chain) => Asked { torque_nm: chain.torque(own, others).total_nm(), slope_nm_rad: 0.0 },
+        None => Asked {
+            torque_nm: dynamics.gravity_nm(kind, own.position) + dynamics.inertia_kg_m2 * own.acceleration,
+            slope_nm_rad: dynamics.gravity_slope_nm_rad(kind, own.position),
+        },
+    }
 }
 
 fn moving(positions: &[f64], rate_hz: f64) -> Vec<Motion> {

@@ -221,6 +221,7 @@ prop_compose! {
             columns,
             trials: vec![TrialEntry { file: "a.csv".into(), protocol, repeat, trajectory }],
             warnings: Vec::new(),
+            clock_s: Vec::new(),
         }
     }
 }

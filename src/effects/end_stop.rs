@@ -1,0 +1,47 @@
+//! A stop engaged near one end of travel.
+
+use super::{About, Effect, Extent, Family, Parameter, Region, Sample};
+
+/// Where a stop may begin, as shares of the range from its end.
+const REACHES: [f64; 5] = [0.03, 0.07, 0.13, 0.22, 0.35];
+
+static ABOUT: About = About {
+    id: "end_stop",
+    family: Family::Physics,
+    means: "a stop is engaged near the end of travel",
+    formula: "side stiffness_nm (side (q - position_rad) / 1 rad)^exponent beyond position_rad, at the joint",
+    source: "contact of a stop; Hunt and Crossley 1975 without its damping",
+    signature: Region::Position,
+    trades_with: &["elastic_spring", "saturation"],
+    parameters: &[
+        Parameter::choice("side", -1.0, 1.0),
+        Parameter::strength("stiffness_nm"),
+        Parameter::shape("position_rad", -1e3, 1e3),
+        Parameter::shape("exponent", 0.8, 3.0),
+    ],
+};
+
+#[derive(Debug)]
+pub struct EndStop;
+
+impl Effect for EndStop {
+    fn about(&self) -> &'static About {
+        &ABOUT
+    }
+
+    fn starts(&self, extent: &Extent) -> Vec<Vec<f64>> {
+        let (low, high) = extent.position_rad;
+        let at = |reach: f64| {
+            let reach_rad = reach * (high - low);
+            [(-1.0, low + reach_rad), (1.0, high - reach_rad)]
+                .into_iter()
+                .flat_map(|(side, position)| [1.0, 2.0].map(|exponent| vec![side, 0.0, position, exponent]))
+        };
+        REACHES.into_iter().flat_map(at).collect()
+    }
+
+    fn joint_torque_nm(&self, p: &[f64], sample: &Sample<'_>) -> f64 {
+        let depth_rad = (p[0] * (sample.own.position - p[2])).max(0.0);
+        if depth_rad > 0.0 { p[0] * p[1] * depth_rad.powf(p[3]) } else { 0.0 }
+    }
+}

@@ -1,0 +1,34 @@
+//! Friction that varies periodically with position and changes sign with the direction.
+
+use super::ripple::{PARAMETERS, ripple_nm, starts};
+use super::{About, Effect, Extent, Family, Region, Sample};
+use crate::dynamics::Both;
+
+static ABOUT: About = About {
+    id: "friction_ripple",
+    family: Family::Physics,
+    means: "friction varies with position",
+    formula: "+ or - sum over h of sin_h_nm sin(2 pi h periods_per_rad q) + cos_h_nm cos(...), by the direction",
+    source: "Tuttle and Seering 1996",
+    signature: Region::Position,
+    trades_with: &["load_dependent_friction", "torque_ripple"],
+    parameters: &PARAMETERS,
+};
+
+#[derive(Debug)]
+pub struct FrictionRipple;
+
+impl Effect for FrictionRipple {
+    fn about(&self) -> &'static About {
+        &ABOUT
+    }
+
+    fn starts(&self, extent: &Extent) -> Vec<Vec<f64>> {
+        starts(extent)
+    }
+
+    fn friction_nm(&self, p: &[f64], sample: &Sample<'_>, _load_nm: f64) -> Both<f64> {
+        let ripple_nm = ripple_nm(p, sample);
+        Both { up: ripple_nm, down: -ripple_nm }
+    }
+}

@@ -1,0 +1,49 @@
+//! Torque that follows another joint: cables routed over it, its weight, its friction.
+
+use super::{About, Effect, Extent, Family, Parameter, Region, Sample};
+
+/// Speed over which the other joint's Coulomb friction changes sign, rad/s: below it encoders tell no direction.
+const RESTING_RAD_S: f64 = 0.01;
+
+static ABOUT: About = About {
+    id: "joint_coupling",
+    family: Family::Physics,
+    means: "torque follows another joint",
+    formula: "stiffness q2 + viscous v2 + coulomb tanh(v2/0.01) + inertia a2 + weight (sin(q + q2) - sin q) + offset",
+    source: "rigid-body coupling (1); cables routed over a moving joint",
+    signature: Region::OtherJoint,
+    trades_with: &["sensor_drift", "warm_up"],
+    parameters: &[
+        Parameter::choice("joint", 1.0, 64.0),
+        Parameter::strength("stiffness_nm_rad"),
+        Parameter::strength("viscous_nm_s_rad"),
+        Parameter::strength("coulomb_nm"),
+        Parameter::strength("inertia_kg_m2"),
+        Parameter::strength("weight_nm"),
+        Parameter::strength("offset_nm"),
+    ],
+};
+
+#[derive(Debug)]
+pub struct JointCoupling;
+
+impl Effect for JointCoupling {
+    fn about(&self) -> &'static About {
+        &ABOUT
+    }
+
+    fn starts(&self, extent: &Extent) -> Vec<Vec<f64>> {
+        (1..=extent.others).map(|joint| vec![joint as f64, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0]).collect()
+    }
+
+    fn winch_torque_nm(&self, p: &[f64], sample: &Sample<'_>) -> f64 {
+        let Some(other) = sample.others.get(p[0] as usize - 1) else { return 0.0 };
+        let q = sample.own.position;
+        p[1] * other.position
+            + p[2] * other.velocity
+            + p[3] * (other.velocity / RESTING_RAD_S).tanh()
+            + p[4] * other.acceleration
+            + p[5] * ((q + other.position).sin() - q.sin())
+            + p[6]
+    }
+}

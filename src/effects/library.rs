@@ -1,0 +1,59 @@
+//! The list of all effects, and one of them with its parameters.
+
+use super::{Effect, *};
+
+/// Every effect, in the order of the format's list.
+pub const LIBRARY: [&dyn Effect; 20] = [
+    &reversal_transition::ReversalTransition,
+    &stribeck::Stribeck,
+    &load_dependent_friction::LoadDependentFriction,
+    &friction_ripple::FrictionRipple,
+    &torque_ripple::TorqueRipple,
+    &cable_elasticity::CableElasticity,
+    &quadratic_viscous::QuadraticViscous,
+    &sensor_bias::SensorBias,
+    &sensor_gain::SensorGain,
+    &sensor_drift::SensorDrift,
+    &time_delay::TimeDelay,
+    &gravity_phase::GravityPhase,
+    &inertia::Inertia,
+    &warm_up::WarmUp,
+    &joint_coupling::JointCoupling,
+    &contact::Contact,
+    &elastic_spring::ElasticSpring,
+    &saturation::Saturation,
+    &end_stop::EndStop,
+    &presliding::Presliding,
+];
+
+/// The effect called `id`.
+pub fn find(id: &str) -> Option<&'static dyn Effect> {
+    LIBRARY.into_iter().find(|effect| effect.about().id == id)
+}
+
+/// An effect that a model has, with its parameters in the order of its list.
+#[derive(Debug, Clone)]
+pub struct Added {
+    /// Which one.
+    pub effect: &'static dyn Effect,
+    /// In SI.
+    pub parameters: Vec<f64>,
+}
+
+impl PartialEq for Added {
+    fn eq(&self, other: &Self) -> bool {
+        self.id() == other.id() && self.parameters == other.parameters
+    }
+}
+
+impl Added {
+    /// The effect's name in files.
+    pub fn id(&self) -> &'static str {
+        self.effect.about().id
+    }
+
+    /// Parameters with their names.
+    pub fn named(&self) -> impl Iterator<Item = (&'static Parameter, f64)> {
+        self.effect.about().parameters.iter().zip(self.parameters.iter().copied())
+    }
+}

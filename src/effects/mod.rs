@@ -1,0 +1,300 @@
+//! What a joint, or the sensors that record it, may have beyond the paper's formula.
+//!
+//! One effect, one file, one entry in [`LIBRARY`]. An effect is a set of hooks into the formula, each a line of physics for
+//! one sample; the model, the simulator and the diagnosis all go through them. With u and d the two branches of friction,
+//!
+//! y = w + [ (r1/r2) (G + I a + j) + K~ (u + fu) h + (1 - K~) (d + fd) h ] / (1 - mu)
+//!
+//! where j is [`Effect::joint_torque_nm`], fu and fd [`Effect::friction_nm`], h [`Effect::friction_factor`] and w
+//! [`Effect::winch_torque_nm`]; G is taken where [`Effect::position_lag_rad`] says the joint is; K~ changes over by
+//! [`Effect::curve`] and is smoothed over [`Effect::presliding_rad`]. What the sensor makes of y comes last:
+//! [`Effect::delay_s`], then [`Effect::reading_nm`].
+
+mod cable_elasticity;
+mod contact;
+mod elastic_spring;
+mod end_stop;
+mod friction_ripple;
+mod gravity_phase;
+mod inertia;
+mod joint_coupling;
+mod library;
+mod load_dependent_friction;
+mod presliding;
+mod quadratic_viscous;
+mod reversal_transition;
+mod ripple;
+mod saturation;
+mod sensor_bias;
+mod sensor_drift;
+mod sensor_gain;
+mod stribeck;
+mod time_delay;
+mod torque_ripple;
+mod warm_up;
+
+pub use library::{Added, LIBRARY, find};
+pub use ripple::HARMONICS;
+
+use crate::dynamics::{Both, Motion};
+
+/// What the joint does at one sample, as effects see it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Sample<'a> {
+    /// Since the trial began, s.
+    pub time_s: f64,
+    /// Since the campaign began, s: by the logs' own clock where it runs on from trial to trial, else the lengths of the logs
+    /// before added up.
+    pub elapsed_s: f64,
+    /// The joint.
+    pub own: Motion,
+    /// The other joints, in the order of the campaign's columns.
+    pub others: &'a [Motion],
+}
+
+/// Over what range a campaign moves, for an effect to know where its shape may lie.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Extent {
+    /// Lowest and highest position, rad.
+    pub position_rad: (f64, f64),
+    /// Speeds that 5 % and all of the moving samples stay below, rad/s.
+    pub speed_rad_s: (f64, f64),
+    /// The longest trial, s.
+    pub trial_s: f64,
+    /// The whole campaign, s.
+    pub campaign_s: f64,
+    /// Lowest and highest reading of the torque, N m.
+    pub torque_nm: (f64, f64),
+    /// How many other joints are recorded moving.
+    pub others: usize,
+    /// r2, m.
+    pub pulley_radius_m: f64,
+    /// Whether the joint turns rather than slides.
+    pub turns: bool,
+}
+
+/// How a parameter enters the prediction.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Role {
+    /// In proportion, or nearly so; at 0 the effect is absent.
+    Strength,
+    /// It decides where or how the effect acts, and is searched.
+    Shape,
+    /// It selects, and is neither fitted nor has it an interval: which joint, which clock.
+    Choice,
+}
+
+/// One parameter of an effect.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Parameter {
+    /// Its name in files; the unit stands in it.
+    pub name: &'static str,
+    /// How it enters.
+    pub role: Role,
+    /// The range beyond which it makes no sense.
+    pub bounds: (f64, f64),
+}
+
+impl Parameter {
+    const fn strength(name: &'static str) -> Self {
+        Self { name, role: Role::Strength, bounds: (-1e9, 1e9) }
+    }
+
+    const fn shape(name: &'static str, low: f64, high: f64) -> Self {
+        Self { name, role: Role::Shape, bounds: (low, high) }
+    }
+
+    const fn choice(name: &'static str, low: f64, high: f64) -> Self {
+        Self { name, role: Role::Choice, bounds: (low, high) }
+    }
+}
+
+/// What an effect is of.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Family {
+    /// The joint.
+    Physics,
+    /// The measurement: the joint is innocent.
+    Fault,
+    /// Something outside both: no model of the joint should hold it.
+    Outside,
+}
+
+/// Where an effect shows most.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum Region {
+    /// Travel since the last reversal.
+    AfterReversal,
+    /// The joint rests.
+    Rest,
+    /// Slow motion.
+    LowSpeed,
+    /// Fast motion.
+    HighSpeed,
+    /// Moving up.
+    Up,
+    /// Moving down.
+    Down,
+    /// Some positions.
+    Position,
+    /// Large load.
+    Load,
+    /// Some times.
+    Time,
+    /// In step with acceleration.
+    Acceleration,
+    /// In step with another joint.
+    OtherJoint,
+    /// One frequency in time.
+    Frequency,
+    /// The sensor at the end of its range.
+    Clipped,
+    /// Short stretches that are not repeated.
+    Bursts,
+    /// No place more than any other.
+    Everywhere,
+}
+
+impl Region {
+    /// All of them.
+    pub const ALL: [Self; 15] = [
+        Self::AfterReversal,
+        Self::Rest,
+        Self::LowSpeed,
+        Self::HighSpeed,
+        Self::Up,
+        Self::Down,
+        Self::Position,
+        Self::Load,
+        Self::Time,
+        Self::Acceleration,
+        Self::OtherJoint,
+        Self::Frequency,
+        Self::Clipped,
+        Self::Bursts,
+        Self::Everywhere,
+    ];
+
+    /// The name used in files.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::AfterReversal => "after_reversal",
+            Self::Rest => "rest",
+            Self::LowSpeed => "low_speed",
+            Self::HighSpeed => "high_speed",
+            Self::Up => "up",
+            Self::Down => "down",
+            Self::Position => "position",
+            Self::Load => "load",
+            Self::Time => "time",
+            Self::Acceleration => "acceleration",
+            Self::OtherJoint => "other_joint",
+            Self::Frequency => "frequency",
+            Self::Clipped => "clipped",
+            Self::Bursts => "bursts",
+            Self::Everywhere => "everywhere",
+        }
+    }
+}
+
+/// What an effect is, apart from its physics.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct About {
+    /// Its name in files.
+    pub id: &'static str,
+    /// What it is of.
+    pub family: Family,
+    /// For people, in a few words: "friction passes gradually ...".
+    pub means: &'static str,
+    /// The formula, in the words of the parameters.
+    pub formula: &'static str,
+    /// Where it comes from.
+    pub source: &'static str,
+    /// Where it shows.
+    pub signature: Region,
+    /// What it can be mistaken for: ids of effects and names of stale parameters.
+    pub trades_with: &'static [&'static str],
+    /// Its parameters, in order.
+    pub parameters: &'static [Parameter],
+}
+
+/// One effect: what it is, and its hooks. A hook's `p` holds the parameters in the order of [`About::parameters`].
+pub trait Effect: Sync + std::fmt::Debug {
+    /// What it is.
+    fn about(&self) -> &'static About;
+
+    /// Parameter sets to begin a search from, strengths at 0: where in `extent` its shape may lie. None where the campaign
+    /// cannot show it.
+    fn starts(&self, extent: &Extent) -> Vec<Vec<f64>>;
+
+    /// Added to gravity and inertia, N m at the joint.
+    fn joint_torque_nm(&self, _p: &[f64], _sample: &Sample<'_>) -> f64 {
+        0.0
+    }
+
+    /// Added to the two branches, N m at the winch, for a load of `load_nm` there; the one of `down` is negative where it
+    /// resists.
+    fn friction_nm(&self, _p: &[f64], _sample: &Sample<'_>, _load_nm: f64) -> Both<f64> {
+        Both { up: 0.0, down: 0.0 }
+    }
+
+    /// Multiplies the friction of both branches.
+    fn friction_factor(&self, _p: &[f64], _sample: &Sample<'_>) -> f64 {
+        1.0
+    }
+
+    /// Added to y, N m at the winch.
+    fn winch_torque_nm(&self, _p: &[f64], _sample: &Sample<'_>) -> f64 {
+        0.0
+    }
+
+    /// How far the joint is behind the measured position under `torque_nm` at the joint, rad.
+    fn position_lag_rad(&self, _p: &[f64], _torque_nm: f64) -> f64 {
+        0.0
+    }
+
+    /// The arctan curve and the clearance that take the place of the model's own.
+    fn curve(&self, _p: &[f64]) -> Option<Curve> {
+        None
+    }
+
+    /// Travel over which friction builds up elastically, rad.
+    fn presliding_rad(&self, _p: &[f64]) -> f64 {
+        0.0
+    }
+
+    /// How late the torque is recorded, s.
+    fn delay_s(&self, _p: &[f64]) -> f64 {
+        0.0
+    }
+
+    /// Whether it goes by the time since the campaign began.
+    fn needs_clock(&self, _p: &[f64]) -> bool {
+        false
+    }
+
+    /// What the sensor reads of `torque_nm`, N m.
+    fn reading_nm(&self, _p: &[f64], _sample: &Sample<'_>, torque_nm: f64) -> f64 {
+        torque_nm
+    }
+}
+
+/// A change-over of friction: K~ = atan(2 p u) / atan(2 p) over the share u of the clearance.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Curve {
+    /// X_cl, m on the cable.
+    pub backlash_m: f64,
+    /// Steepness, dimensionless.
+    pub p: f64,
+}
+
+/// Values from `low` to `high`, evenly spaced in their logarithm.
+fn spaced(low: f64, high: f64, count: usize) -> impl Iterator<Item = f64> {
+    let ratio = high / low;
+    (0..count).map(move |i| low * ratio.powf(i as f64 / (count.max(2) - 1) as f64))
+}
+
+/// `time_s` or `elapsed_s` of `sample`: a clock that starts anew with each trial, or runs through the campaign.
+fn clock_s(restarts: f64, sample: &Sample<'_>) -> f64 {
+    if restarts > 0.5 { sample.time_s } else { sample.elapsed_s }
+}

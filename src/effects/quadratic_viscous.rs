@@ -1,0 +1,33 @@
+//! Drag beyond linear in speed.
+
+use super::{About, Effect, Extent, Family, Parameter, Region, Sample};
+use crate::dynamics::Both;
+
+static ABOUT: About = About {
+    id: "quadratic_viscous",
+    family: Family::Physics,
+    means: "drag grows with the square of speed",
+    formula: "drag_nm_s2_rad2 v |v|",
+    source: "turbulent drag; churning of grease",
+    signature: Region::HighSpeed,
+    trades_with: &["viscous", "inertia", "time_delay"],
+    parameters: &[Parameter::strength("drag_nm_s2_rad2")],
+};
+
+#[derive(Debug)]
+pub struct QuadraticViscous;
+
+impl Effect for QuadraticViscous {
+    fn about(&self) -> &'static About {
+        &ABOUT
+    }
+
+    fn starts(&self, _extent: &Extent) -> Vec<Vec<f64>> {
+        vec![vec![0.0]]
+    }
+
+    fn friction_nm(&self, p: &[f64], sample: &Sample<'_>, _load_nm: f64) -> Both<f64> {
+        let drag_nm = p[0] * sample.own.velocity * sample.own.velocity;
+        Both { up: drag_nm, down: -drag_nm }
+    }
+}

@@ -1,0 +1,37 @@
+//! Friction passes gradually from one branch to the other after a reversal: the clearance takes up first.
+
+use super::{About, Curve, Effect, Extent, Family, Parameter, Region, spaced};
+
+/// Clearances tried, as shares of the range moved through.
+const WIDTHS: (f64, f64) = (0.004, 0.4);
+
+static ABOUT: About = About {
+    id: "reversal_transition",
+    family: Family::Physics,
+    means: "friction passes gradually from one branch to the other after a reversal",
+    formula: "K~ = atan(2 p u) / atan(2 p), u = travel since the reversal over backlash_rad",
+    source: "paper (21) to (30); Nordin, Galic and Gutman 1997",
+    signature: Region::AfterReversal,
+    trades_with: &["presliding", "time_delay", "backlash_width"],
+    parameters: &[Parameter::shape("backlash_m", 1e-7, 1.0), Parameter::shape("p", 0.05, 50.0)],
+};
+
+#[derive(Debug)]
+pub struct ReversalTransition;
+
+impl Effect for ReversalTransition {
+    fn about(&self) -> &'static About {
+        &ABOUT
+    }
+
+    fn starts(&self, extent: &Extent) -> Vec<Vec<f64>> {
+        let range_m = (extent.position_rad.1 - extent.position_rad.0) * extent.pulley_radius_m;
+        spaced(WIDTHS.0 * range_m, WIDTHS.1 * range_m, 8)
+            .flat_map(|width| [0.3, 2.0, 8.0].map(|p| vec![width, p]))
+            .collect()
+    }
+
+    fn curve(&self, p: &[f64]) -> Option<Curve> {
+        Some(Curve { backlash_m: p[0], p: p[1] })
+    }
+}

@@ -1,0 +1,36 @@
+//! The torque sensor clips at the ends of its range.
+
+use super::{About, Effect, Extent, Family, Parameter, Region, Sample};
+
+/// Shares of the reading's range at which it is tried to clip.
+const LEVELS: [f64; 4] = [0.0, 0.05, 0.15, 0.3];
+
+static ABOUT: About = About {
+    id: "saturation",
+    family: Family::Fault,
+    means: "the torque sensor clips",
+    formula: "reading = y kept between low_nm and high_nm",
+    source: "end of the amplifier's or converter's range",
+    signature: Region::Clipped,
+    trades_with: &["end_stop"],
+    parameters: &[Parameter::shape("low_nm", -1e9, 1e9), Parameter::shape("high_nm", -1e9, 1e9)],
+};
+
+#[derive(Debug)]
+pub struct Saturation;
+
+impl Effect for Saturation {
+    fn about(&self) -> &'static About {
+        &ABOUT
+    }
+
+    fn starts(&self, extent: &Extent) -> Vec<Vec<f64>> {
+        let (low, high) = extent.torque_nm;
+        let at = |share: f64| share * (high - low);
+        LEVELS.iter().flat_map(|a| LEVELS.map(|b| vec![low + at(*a), high - at(b)])).collect()
+    }
+
+    fn reading_nm(&self, p: &[f64], _sample: &Sample<'_>, torque_nm: f64) -> f64 {
+        torque_nm.min(p[1]).max(p[0])
+    }
+}

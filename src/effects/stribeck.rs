@@ -1,0 +1,41 @@
+//! Friction that falls as the speed grows from rest.
+
+use super::{About, Effect, Extent, Family, Parameter, Region, Sample, spaced};
+use crate::dynamics::Both;
+
+static ABOUT: About = About {
+    id: "stribeck",
+    family: Family::Physics,
+    means: "friction falls with speed at low speed",
+    formula: "up_nm exp(-(|v| / speed_rad_s)^exponent) moving up, -down_nm exp(...) moving down",
+    source: "Armstrong-Helouvry, Dupont and Canudas de Wit 1994",
+    signature: Region::LowSpeed,
+    trades_with: &["viscous", "stribeck_level", "presliding"],
+    parameters: &[
+        Parameter::strength("up_nm"),
+        Parameter::strength("down_nm"),
+        Parameter::shape("speed_rad_s", 1e-5, 100.0),
+        Parameter::shape("exponent", 0.5, 3.0),
+    ],
+};
+
+#[derive(Debug)]
+pub struct Stribeck;
+
+impl Effect for Stribeck {
+    fn about(&self) -> &'static About {
+        &ABOUT
+    }
+
+    fn starts(&self, extent: &Extent) -> Vec<Vec<f64>> {
+        let (slow, fast) = extent.speed_rad_s;
+        spaced(slow.max(fast / 200.0), fast / 3.0, 5)
+            .flat_map(|speed| [1.0, 2.0].map(|exponent| vec![0.0, 0.0, speed, exponent]))
+            .collect()
+    }
+
+    fn friction_nm(&self, p: &[f64], sample: &Sample<'_>, _load_nm: f64) -> Both<f64> {
+        let decay = (-(sample.own.velocity.abs() / p[2]).powf(p[3])).exp();
+        Both { up: p[0] * decay, down: -p[1] * decay }
+    }
+}

@@ -1,0 +1,31 @@
+//! The torque is recorded late, or early, against the position.
+
+use super::{About, Effect, Extent, Family, Parameter, Region};
+
+static ABOUT: About = About {
+    id: "time_delay",
+    family: Family::Fault,
+    means: "torque is recorded late against position",
+    formula: "reading(t) = y(t - delay_s)",
+    source: "transport on the bus, an analog filter",
+    signature: Region::Acceleration,
+    trades_with: &["reversal_transition", "viscous", "inertia"],
+    parameters: &[Parameter { bounds: (-10.0, 10.0), ..Parameter::strength("delay_s") }],
+};
+
+#[derive(Debug)]
+pub struct TimeDelay;
+
+impl Effect for TimeDelay {
+    fn about(&self) -> &'static About {
+        &ABOUT
+    }
+
+    fn starts(&self, _extent: &Extent) -> Vec<Vec<f64>> {
+        vec![vec![0.0]]
+    }
+
+    fn delay_s(&self, p: &[f64]) -> f64 {
+        p[0]
+    }
+}

@@ -1,0 +1,32 @@
+//! Torque that varies periodically with position whatever the direction: cogging, an eccentric pulley.
+
+use super::ripple::{PARAMETERS, ripple_nm, starts};
+use super::{About, Effect, Extent, Family, Region, Sample};
+
+static ABOUT: About = About {
+    id: "torque_ripple",
+    family: Family::Physics,
+    means: "torque varies with position whatever the direction: cogging, an eccentric pulley",
+    formula: "sum over h of sin_h_nm sin(2 pi h periods_per_rad q) + cos_h_nm cos(...)",
+    source: "Tuttle and Seering 1996; cogging at 6 and 12 times the pole pairs",
+    signature: Region::Position,
+    trades_with: &["gravity_phase", "elastic_spring", "friction_ripple"],
+    parameters: &PARAMETERS,
+};
+
+#[derive(Debug)]
+pub struct TorqueRipple;
+
+impl Effect for TorqueRipple {
+    fn about(&self) -> &'static About {
+        &ABOUT
+    }
+
+    fn starts(&self, extent: &Extent) -> Vec<Vec<f64>> {
+        starts(extent)
+    }
+
+    fn winch_torque_nm(&self, p: &[f64], sample: &Sample<'_>) -> f64 {
+        ripple_nm(p, sample)
+    }
+}

@@ -1,0 +1,44 @@
+//! The campaign's own time: what drifts or warms up goes on from trial to trial.
+
+use super::{Campaign, Log, read_trial};
+use crate::problem::Result;
+use rayon::prelude::*;
+
+impl Campaign {
+    /// When trial `index` began, s since the campaign did; 0 where the clock was not read.
+    pub fn began_s(&self, index: usize) -> f64 {
+        self.clock_s.get(index).copied().unwrap_or(0.0)
+    }
+
+    /// The same campaign with its clock read from all of its logs.
+    ///
+    /// Errors: a log that cannot be read.
+    pub fn with_clock(mut self) -> Result<Self> {
+        let span = |index: usize| read_trial(&self, index).map(|log| span_s(&log));
+        let spans: Vec<(f64, f64)> =
+            (0..self.trials.len()).into_par_iter().with_max_len(1).map(span).collect::<Result<_>>()?;
+        self.clock_s = clock_s(&spans);
+        Ok(self)
+    }
+}
+
+/// First and last time stamp, s.
+pub fn span_s(log: &Log) -> (f64, f64) {
+    (log.time_s.first().copied().unwrap_or(0.0), log.time_s.last().copied().unwrap_or(0.0))
+}
+
+/// When trials with these first and last time stamps began, s: by the stamps where each trial follows on the one before, else
+/// as if they had been recorded one right after the other.
+pub fn clock_s(spans_s: &[(f64, f64)]) -> Vec<f64> {
+    if spans_s.len() > 1 && spans_s.windows(2).all(|pair| pair[1].0 >= pair[0].1) {
+        return spans_s.iter().map(|(first, _)| first - spans_s[0].0).collect();
+    }
+    spans_s
+        .iter()
+        .scan(0.0, |began_s, (first, last)| {
+            let this_s = *began_s;
+            *began_s += last - first;
+            Some(this_s)
+        })
+        .collect()
+}
