@@ -78,8 +78,12 @@ pub struct Extent {
 pub enum Role {
     /// In proportion, or nearly so; at 0 the effect is absent.
     Strength,
-    /// It decides where or how the effect acts, and is searched.
+    /// Above 0, it decides how the effect acts: searched in its logarithm.
     Shape,
+    /// A position at which the effect acts: searched along the joint's range.
+    Position,
+    /// A torque at which the effect acts: searched along the reading's range.
+    Level,
     /// It selects, and is neither fitted nor has it an interval: which joint, which clock.
     Choice,
 }
@@ -102,6 +106,10 @@ impl Parameter {
 
     const fn shape(name: &'static str, low: f64, high: f64) -> Self {
         Self { name, role: Role::Shape, bounds: (low, high) }
+    }
+
+    const fn placed(name: &'static str, role: Role, limit: f64) -> Self {
+        Self { name, role, bounds: (-limit, limit) }
     }
 
     const fn choice(name: &'static str, low: f64, high: f64) -> Self {
