@@ -18,12 +18,15 @@ const WHOLE_SHARE_MORE: f64 = 0.02;
 /// Its gain must exceed so many standard errors over clusters.
 const ERRORS: f64 = 2.0;
 /// What clusters lose by it is little, as a share of what others win.
-const LOST_SHARE: f64 = 0.1;
+const LOST_SHARE: f64 = 0.2;
 /// A simpler cause is taken, and an equal one is a rival, within so many standard errors over clusters ...
 const TIE_ERRORS: f64 = 1.5;
 /// ... or this share of the gap's square, or of the floor's.
 const TIE_SHARE: f64 = 0.001;
 const TIE_FLOOR_SHARE: f64 = 0.01;
+
+/// A cause that moves the base by so much more, in squared standard deviations, does not do as well: e^-5 as likely.
+const SURPRISE_APART: f64 = 10.0;
 
 /// Causes found, and all that was tried in the place of each.
 #[derive(Debug)]
@@ -36,8 +39,6 @@ pub struct Choice {
     pub refused: Vec<Tried>,
     /// The final fit; `rest` if nothing was found.
     pub last: Fit,
-    /// The model with its causes, the base as it was.
-    pub ground: Ground,
 }
 
 /// One cause with its rivals.
@@ -47,6 +48,8 @@ pub struct Found {
     pub cause: Cause,
     /// In which way.
     pub how: &'static str,
+    /// Score without it, the others in, (N m)^2.
+    pub without: f64,
     /// Everything tried in its place, best first.
     pub tried: Vec<Tried>,
     /// Causes that do as well with no more numbers.
@@ -60,7 +63,7 @@ pub fn choose(bench: &Bench<'_>, model: &Model, progress: &(dyn Fn() + Sync)) ->
     let rest = bench.rest(&first);
     let start = score(bench, &rest);
     let mut chosen: Vec<Tried> = Vec::new();
-    let mut tried_in: Vec<Vec<Tried>> = Vec::new();
+    let mut tried_in: Vec<(f64, Vec<Tried>)> = Vec::new();
     let mut refused = Vec::new();
     let (mut ground, mut fit, mut now) = (first.clone(), rest.clone(), start);
     let is_gap = |now: f64| now - bench.floor_nm.powi(2) > (FLOOR_SHARE * bench.floor_nm).powi(2);
@@ -73,10 +76,11 @@ pub fn choose(bench: &Bench<'_>, model: &Model, progress: &(dyn Fn() + Sync)) ->
             refused = tried;
             break;
         }
+        let before = now;
         chosen.push(tried[best].clone());
         (ground, fit) = together(bench, &first, &base, &chosen);
         now = score(bench, &fit);
-        tried_in.push(tried);
+        tried_in.push((before, tried));
     }
     let single = chosen.len() == 1;
     for at in 0..chosen.len() {
@@ -84,26 +88,32 @@ pub fn choose(bench: &Bench<'_>, model: &Model, progress: &(dyn Fn() + Sync)) ->
             break;
         }
         let others: Vec<Tried> = chosen.iter().enumerate().filter(|(i, _)| *i != at).map(|(_, t)| t.clone()).collect();
-        let (without, _) = together(bench, &first, &base, &others);
+        let (without, left) = together(bench, &first, &base, &others);
         let known: Vec<Cause> = others.iter().map(|t| t.cause).collect();
         let tried = ranked(bench, try_all(bench, &without, &known));
         progress();
         if let Some(best) = simplest(bench, &tried, start) {
             chosen[at] = tried[best].clone();
         }
-        tried_in[at] = tried;
+        tried_in[at] = (score(bench, &left), tried);
     }
     if !single && !chosen.is_empty() {
         // Once its company has changed, an early compromise may have become idle.
         drop_idle(bench, &first, &base, &mut chosen, &mut tried_in, start);
-        (ground, fit) = together(bench, &first, &base, &chosen);
+        fit = together(bench, &first, &base, &chosen).1;
     }
     let found = chosen
         .iter()
         .zip(tried_in)
-        .map(|(t, tried)| Found { cause: t.cause, how: t.how, rivals: rivals(bench, t, &tried, start), tried })
+        .map(|(t, (without, tried))| Found {
+            cause: t.cause,
+            how: t.how,
+            rivals: rivals(bench, t, &tried, start),
+            without,
+            tried,
+        })
         .collect();
-    Choice { rest, found, refused, last: fit, ground }
+    Choice { rest, found, refused, last: fit }
 }
 
 /// Best first by what is left on held-out units.
@@ -126,6 +136,9 @@ fn is_tie(bench: &Bench<'_>, best: &Tried, other: &Tried, start: f64) -> bool {
     let negligible = (TIE_SHARE * (start - floor_square)).max(TIE_FLOOR_SHARE * floor_square);
     let weigh = |t: &Tried| bench.surprise_factor(&t.fit);
     let (a, b) = (weigh(best), weigh(other));
+    if other.fit.cost.surprise > best.fit.cost.surprise + SURPRISE_APART {
+        return false;
+    }
     let differences = clusters(bench, best.fit.held_out.iter().zip(&other.fit.held_out).map(|(x, y)| b * y - a * x));
     behind <= negligible || behind * bench.rows() as f64 <= TIE_ERRORS * error_of_sum(&differences)
 }
@@ -198,7 +211,7 @@ fn drop_idle(
     first: &Ground,
     base: &[Move],
     chosen: &mut Vec<Tried>,
-    tried_in: &mut Vec<Vec<Tried>>,
+    tried_in: &mut Vec<(f64, Vec<Tried>)>,
     start: f64,
 ) {
     let mut at = 0;

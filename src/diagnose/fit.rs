@@ -90,7 +90,7 @@ impl Bench<'_> {
         1.0 + fit.cost.surprise * self.records.rows_per_independent / self.rows().max(1) as f64
     }
 
-    fn prior<'d>(&self, deviations: &'d [f64]) -> Prior<'d> {
+    pub(super) fn prior<'d>(&self, deviations: &'d [f64]) -> Prior<'d> {
         Prior {
             deviations,
             floor_square: self.floor_nm * self.floor_nm,

@@ -141,7 +141,16 @@ impl Move {
 }
 
 impl Knob {
-    fn bounds(self, model: &Model) -> (f64, f64) {
+    /// Its name where its owner is known: an effect's parameter by itself.
+    pub fn own_name(self, model: &Model) -> String {
+        match self {
+            Self::Effect(effect, at) => model.effects[effect].effect.about().parameters[at].name.to_string(),
+            _ => self.name(model),
+        }
+    }
+
+    /// The range beyond which it makes no sense.
+    pub fn bounds(self, model: &Model) -> (f64, f64) {
         match self {
             Self::Friction(_, 0) => (-5.0, 0.95),
             Self::Backlash => (1e-9, 1e3),
@@ -188,6 +197,20 @@ fn deviation(model: &Model, knob: Knob) -> f64 {
             if c.status == crate::model::Status::Pinned { own } else { own.min(unknown) }
         }
         _ => unknown,
+    }
+}
+
+/// The group that a base parameter goes stale with.
+pub fn group_of(knob: Knob) -> &'static str {
+    match knob {
+        Knob::Gravity => "gravity",
+        Knob::Inertia => "inertia",
+        Knob::Backlash => "backlash_width",
+        Knob::Friction(_, 0) => "load_coefficient",
+        Knob::Friction(_, 1) => "coulomb",
+        Knob::Friction(_, 6) => "viscous",
+        Knob::Friction(..) => "stribeck_level",
+        Knob::Curve | Knob::Effect(..) => "",
     }
 }
 

@@ -154,12 +154,13 @@ impl Records {
     }
 
     /// A signal given at every thinned sample, low-passed like the torque, at the rows.
-    pub fn low_passed(&self, of: impl Fn(&Record, usize) -> f64 + Sync) -> Vec<f64> {
-        let one = |record: &Record| {
-            let signal: Vec<f64> = (0..record.own.len()).map(|i| of(record, i)).collect();
+    /// `of` is told the record's place in the list, the record, and the sample.
+    pub fn low_passed(&self, of: impl Fn(usize, &Record, usize) -> f64 + Sync) -> Vec<f64> {
+        let one = |(at, record): (usize, &Record)| {
+            let signal: Vec<f64> = (0..record.own.len()).map(|i| of(at, record, i)).collect();
             record.at_rows(&record.lowpass.zero_phase(&signal))
         };
-        self.all.par_iter().with_max_len(1).map(one).collect::<Vec<Vec<f64>>>().concat()
+        self.all.par_iter().enumerate().with_max_len(1).map(one).collect::<Vec<Vec<f64>>>().concat()
     }
 
     /// How many other joints are recorded.
@@ -304,4 +305,29 @@ fn rests(positions_rad: &[f64], rate_hz: f64, deadband_rad: f64) -> Vec<bool> {
         (before - positions_rad[i]).abs().max((after - positions_rad[i]).abs())
     };
     (0..positions_rad.len()).map(|i| travel(i) < limit_rad).collect()
+}
+
+impl Record {
+    /// Travel since the last reversal at each thinned sample, rad; a reversal counts after travel back beyond the encoder's noise.
+    pub fn travel_rad(&self) -> Vec<f64> {
+        let limit_rad = (4.0 * self.deadband_rad).max(REST_RAD);
+        let (mut crest, mut turned, mut rising) = (f64::NAN, f64::NAN, true);
+        self.own
+            .iter()
+            .map(|own| {
+                let q = own.position;
+                if crest.is_nan() {
+                    (crest, turned) = (q, q);
+                }
+                let ahead = if rising { q - crest } else { crest - q };
+                if ahead >= 0.0 {
+                    crest = q;
+                } else if -ahead > limit_rad {
+                    rising = !rising;
+                    (turned, crest) = (crest, q);
+                }
+                (q - turned).abs()
+            })
+            .collect()
+    }
 }

@@ -10,6 +10,7 @@
 //! | `identification` | the JSON of `model.json` and `--json` |
 //! | `evaluation` | an evaluation as JSON, on the terminal, as a page |
 //! | `comparison` | two models compared as JSON, on the terminal, as a page |
+//! | `diagnosis` | a diagnosis as JSON, on the terminal, as a page |
 //! | `interaction` | an interaction as JSON, tables, on the terminal, as a page |
 //! | `predicted` | a trial's prediction, sample by sample |
 //! | `verdict` | the result in plain words |
@@ -22,6 +23,7 @@
 
 pub mod chart;
 pub mod comparison;
+pub mod diagnosis;
 pub mod evaluation;
 mod forms;
 pub mod html;
