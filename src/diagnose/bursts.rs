@@ -11,18 +11,22 @@ use std::ops::Range;
 const ROUNDS: usize = 3;
 /// A burst reaches so many times the usual level ...
 const PEAK: f64 = 4.5;
+/// (more in proportion to the root of the level over so many floors) ...
+const MISFIT: f64 = 1.5;
 /// ... and lasts as long as it stays above so many.
 const EDGE: f64 = 1.8;
 /// The level is taken over so many independent samples.
 const WINDOW: f64 = 2.0;
 /// Above this share of the rows bursts are no bursts.
 const SHARE_MAX: f64 = 0.35;
-/// What is there again elsewhere at this share of its size is repeated.
+/// What is there again at this share of its size, in one row of five in the same state elsewhere, is repeated.
 const REPEATED: f64 = 0.4;
-/// The same place: position within this share of the range, ...
-const NEAR: f64 = 0.03;
-/// ... speed within this factor, so many rows at least.
-const FASTER: f64 = 1.5;
+const OFTEN: f64 = 0.8;
+/// The same state: position within this share of the range, ...
+const NEAR: f64 = 0.05;
+/// ... speed within this factor, or both slower than this share of the fastest; so many rows at least.
+const FASTER: f64 = 1.6;
+const SLOW: f64 = 0.02;
 const ROWS_MIN: usize = 12;
 
 /// One burst: rows of the series over all records.
@@ -65,6 +69,8 @@ fn stretches(bench: &Bench<'_>, residual_nm: &[f64]) -> Vec<Burst> {
         bench.records.ranges.iter().map(|range| level(&residual_nm[range.clone()], reach)).collect();
     let mut all: Vec<f64> = levels.concat();
     let usual = (quantile(&mut all, 0.5)).max(bench.floor_nm);
+    // Where the fit stays far above the floor, its own misfit has peaks too.
+    let peak = PEAK * (usual / (MISFIT * bench.floor_nm).max(f64::MIN_POSITIVE)).max(1.0).sqrt();
     for (record, (range, level)) in bench.records.ranges.iter().zip(&levels).enumerate() {
         let mut at = 0;
         while at < level.len() {
@@ -73,7 +79,7 @@ fn stretches(bench: &Bench<'_>, residual_nm: &[f64]) -> Vec<Burst> {
                 continue;
             }
             let end = level[at..].iter().position(|l| *l <= EDGE * usual).map_or(level.len(), |n| at + n);
-            if level[at..end].iter().any(|l| *l > PEAK * usual) {
+            if level[at..end].iter().any(|l| *l > peak * usual) {
                 let rows = range.start + at.saturating_sub(reach)..range.start + (end + reach).min(level.len());
                 let peak_nm =
                     residual_nm[rows.clone()].iter().fold(0.0, |p: f64, r| if r.abs() > p.abs() { *r } else { p });
@@ -111,18 +117,15 @@ fn is_repeated(bench: &Bench<'_>, states: &[[f64; 3]], residual_nm: &[f64], burs
     let range = bench.extent.position_rad.1 - bench.extent.position_rad.0;
     let peak = burst.rows.clone().max_by(|a, b| residual_nm[*a].abs().total_cmp(&residual_nm[*b].abs())).unwrap_or(0);
     let [q, v, travel] = states[peak];
+    let slow_rad_s = SLOW * bench.extent.speed_rad_s.1;
     let same = |i: &usize| {
         let [other_q, other_v, other_travel] = states[*i];
-        let speeds = other_v / if v == 0.0 { f64::MIN_POSITIVE } else { v };
-        (other_q - q).abs() < NEAR * range
-            && (1.0 / FASTER..FASTER).contains(&speeds)
-            && ((other_travel - travel).abs() < NEAR * range || (other_travel > 0.2 * range && travel > 0.2 * range))
+        let slow = v.abs() < slow_rad_s && other_v.abs() < slow_rad_s;
+        let alike = slow || (v != 0.0 && (1.0 / FASTER..FASTER).contains(&(other_v / v)));
+        let settled = other_travel > 0.2 * range && travel > 0.2 * range;
+        (other_q - q).abs() < NEAR * range && alike && (settled || (other_travel - travel).abs() < NEAR * range)
     };
     let far = |i: &usize| *i + 10 < burst.rows.start || *i > burst.rows.end + 10;
-    let others: Vec<f64> = (0..states.len()).filter(far).filter(same).map(|i| residual_nm[i]).collect();
-    if others.len() < ROWS_MIN {
-        return false;
-    }
-    let middle = quantile(&mut others.clone(), 0.5);
-    middle * burst.peak_nm.signum() > REPEATED * burst.peak_nm.abs()
+    let mut others: Vec<f64> = (0..states.len()).filter(far).filter(same).map(|i| residual_nm[i].abs()).collect();
+    others.len() >= ROWS_MIN && quantile(&mut others, OFTEN) > REPEATED * burst.peak_nm.abs()
 }

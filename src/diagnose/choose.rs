@@ -24,6 +24,8 @@ const TIE_ERRORS: f64 = 1.5;
 /// ... or this share of the gap's square, or of the floor's.
 const TIE_SHARE: f64 = 0.001;
 const TIE_FLOOR_SHARE: f64 = 0.01;
+/// However uncertain, what lies further apart than this share of the gap's square is not equal.
+const TIE_SHARE_MAX: f64 = 0.05;
 
 /// A cause that moves the base by so much more, in squared standard deviations, does not do as well: e^-5 as likely.
 const SURPRISE_APART: f64 = 10.0;
@@ -72,6 +74,12 @@ pub fn choose(bench: &Bench<'_>, model: &Model, progress: &(dyn Fn() + Sync)) ->
         let tried = ranked(bench, try_all(bench, &ground, &known));
         progress();
         let Some(best) = simplest(bench, &tried, start) else { break };
+        if std::env::var("TDEBUG").is_ok() {
+            for t in tried.iter().take(6) {
+                eprintln!("{:.5} {:.5} {:.1} {:?} {}", t.score(bench).sqrt(), t.fit.cost.mean_square.sqrt(), t.fit.cost.surprise, t.cause, t.how);
+            }
+            eprintln!("-> {:?} now {:.5}", tried[best].cause, now.sqrt());
+        }
         if !is_material(bench, &tried[best], &fit, now, start, chosen.is_empty()) {
             refused = tried;
             break;
@@ -140,7 +148,8 @@ fn is_tie(bench: &Bench<'_>, best: &Tried, other: &Tried, start: f64) -> bool {
         return false;
     }
     let differences = clusters(bench, best.fit.held_out.iter().zip(&other.fit.held_out).map(|(x, y)| b * y - a * x));
-    behind <= negligible || behind * bench.rows() as f64 <= TIE_ERRORS * error_of_sum(&differences)
+    let uncertain = behind * bench.rows() as f64 <= TIE_ERRORS * error_of_sum(&differences);
+    behind <= negligible || (uncertain && behind <= TIE_SHARE_MAX * (start - floor_square).max(floor_square))
 }
 
 /// Sums of `of_units` over each cluster.

@@ -6,6 +6,7 @@
 
 use super::fit::{Bench, Ground};
 use super::gram::{Gram, Prior};
+use super::record::Record;
 use crate::numerics::statistics::{extent, root_mean_square};
 use rayon::prelude::*;
 use std::f64::consts::TAU;
@@ -40,6 +41,8 @@ struct State {
     travel: f64,
     time_s: f64,
     elapsed_s: f64,
+    /// What gravity, inertia and a measured load ask of the joint, N m.
+    load: f64,
 }
 
 /// Columns of the flexible fit at all rows, low-passed.
@@ -61,6 +64,11 @@ pub fn columns(bench: &Bench<'_>, ground: &Ground, lines: &[Vec<f64>]) -> Vec<Ve
     };
     for k in 0..CORNERS {
         both(Box::new(move |s| hat(s.position, (low, high), k, CORNERS)));
+    }
+    let load = |record: &Record, i: usize| record.load_nm(i, &ground.model);
+    let loads = extent(&bench.records.rows(load));
+    for k in 0..CORNERS_FEW {
+        both(Box::new(move |s| hat(s.load, loads, k, CORNERS_FEW)));
     }
     for travel in TRAVELS {
         both(Box::new(move |s| (-s.travel / (travel * range)).exp()));
@@ -138,6 +146,7 @@ fn states(bench: &Bench<'_>, ground: &Ground) -> Vec<Vec<State>> {
                 travel: travel[i],
                 time_s: record.time_s[i],
                 elapsed_s: record.elapsed_s(i),
+                load: record.load_nm(i, &ground.model),
             })
             .collect()
     };

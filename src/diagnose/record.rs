@@ -235,6 +235,11 @@ impl Record {
         self.others.get(joint).map_or(Motion::default(), |other| other[i])
     }
 
+    /// Gravity, inertia and measured load at the joint under `model`, N m.
+    pub fn load_nm(&self, i: usize, model: &Model) -> f64 {
+        self.asked(i, model.joint.kind, model).torque_nm
+    }
+
     /// What the sample asks of the joint.
     pub fn asked(&self, i: usize, kind: JointKind, model: &Model) -> Asked {
         let own = self.own[i];
