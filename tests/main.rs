@@ -18,4 +18,5 @@ mod log;
 mod model;
 mod recovery;
 mod reference;
+mod trajectory;
 mod validate;
