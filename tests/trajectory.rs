@@ -9,8 +9,11 @@ const RATE_HZ: f64 = 200.0;
 /// One segment of every kind, another joint moving along.
 fn all_kinds() -> Trajectory {
     let sweep = |to_rad| Segment::Sweep { to_rad, speed_rad_s: 0.3, acceleration_rad_s2: 2.0 };
-    let waves = [(0.1, 0.7, 0.0), (0.07, 1.9, 2.5)]
-        .map(|(amplitude_rad, frequency_hz, phase_rad)| Wave { amplitude_rad, frequency_hz, phase_rad });
+    let waves = [(0.1, 0.7, 0.0), (0.07, 1.9, 2.5)].map(|(amplitude_rad, frequency_hz, phase_rad)| Wave {
+        amplitude_rad,
+        frequency_hz,
+        phase_rad,
+    });
     let segments = vec![
         Segment::Rest { duration_s: 0.7 },
         sweep(1.3),

@@ -1,11 +1,16 @@
 //! A joint driven along a prescribed motion, as its log would show it.
 
 mod campaign;
+mod closed;
 mod contacts;
 mod course;
 mod driven;
+mod log;
 mod plan;
+mod planned;
+mod wander;
 
+pub use closed::Controller;
 pub use course::Course;
 pub use plan::{Plan, PlannedTrial, SimulatedArm};
 
@@ -13,6 +18,7 @@ use crate::dynamics::Chain;
 use crate::model::Model;
 use crate::numerics::resample::shifted;
 use course::Motions;
+use planned::Made;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, Normal};
@@ -55,13 +61,25 @@ pub fn record(
     sensors: Sensors,
     seed: u64,
 ) -> Recording {
+    let torque_nm = driven::torque_nm(model, chain, course, &Motions::new(course, rate_hz));
+    recorded(model, course, torque_nm, rate_hz, sensors, seed)
+}
+
+/// `course` with `torque_nm` at the winch as recorded by `sensors`.
+fn recorded(
+    model: &Model,
+    course: &Course,
+    torque_nm: Vec<f64>,
+    rate_hz: f64,
+    sensors: Sensors,
+    seed: u64,
+) -> Recording {
     let mut random = ChaCha8Rng::seed_from_u64(seed);
     // A spread that is not finite or negative gives no noise rather than no simulation; the command line refuses it.
     let noise = Normal::new(0.0, sensors.torque_noise_nm).ok();
     let count_rad = std::f64::consts::TAU / sensors.encoder_counts;
     let measured = |x: &f64| if sensors.encoder_counts > 0.0 { (x / count_rad).round() * count_rad } else { *x };
     let motions = Motions::new(course, rate_hz);
-    let torque_nm = driven::torque_nm(model, chain, course, &motions);
     let noise_nm = || noise.map_or(0.0, |n| n.sample(&mut random));
     Recording {
         time_s: (0..course.position_rad.len()).map(|i| i as f64 / rate_hz).collect(),

@@ -1,6 +1,6 @@
 //! Which trials a campaign has: the protocol's sweeps and cosines, any other trajectories, a person touching the joint.
 
-use super::Sensors;
+use super::{Controller, Sensors};
 use crate::dynamics::{Chain, JointKind};
 use crate::log::{Protocol, Signal, TrialEntry};
 use crate::trajectory::Trajectory;
@@ -27,6 +27,12 @@ pub struct Plan {
     pub trajectories: Vec<Trajectory>,
     /// The whole arm, in place of the model's own gravity and inertia.
     pub arm: Option<SimulatedArm>,
+    /// Joints that are recorded beside the model's where there is no arm: they wander in cosines and further motions.
+    pub other_joints: usize,
+    /// How far the joint is off its trajectory, rad, root mean square; different in each trial.
+    pub tracking_error_rad: f64,
+    /// What drives the joint along its trajectory; a joint without it moves as prescribed.
+    pub controller: Option<Controller>,
     /// Sample rate, Hz.
     pub rate_hz: f64,
     /// Sensors.
@@ -55,10 +61,14 @@ pub struct SimulatedArm {
 pub struct PlannedTrial {
     /// Its place in the campaign's list.
     pub entry: TrialEntry,
+    /// How long its log is.
+    pub samples: usize,
     pub(super) trajectory: Trajectory,
     /// Whether the chain's first other joint swings along.
     pub(super) swings: bool,
     pub(super) seed: u64,
+    /// The same for repeats of one motion.
+    pub(super) motion_seed: u64,
     /// When it begins, s since the campaign did.
     pub(super) began_s: f64,
 }
@@ -112,15 +122,22 @@ struct List<'p> {
 }
 
 impl List<'_> {
-    fn add(&mut self, file: &str, protocol: Protocol, repeat: u32, trajectory: Trajectory, name: Option<&str>) {
+    fn add(&mut self, stem: &str, protocol: Protocol, repeat: u32, trajectory: Trajectory, name: Option<&str>) {
         let ending = if self.plan.parquet { "parquet" } else { "csv" };
-        let file = format!("{file}_{repeat}.{ending}");
+        let file = format!("{stem}_{repeat}.{ending}");
         // Every trial its own stream of noise, whatever the order in which they are made.
         let seed = self.plan.seed.wrapping_mul(0x9E37_79B9_7F4A_7C15).wrapping_add(self.trials.len() as u64);
+        let motion_seed = self.plan.seed ^ hash(stem);
         let entry = TrialEntry { file, protocol, repeat, trajectory: name.map(str::to_string) };
         let (swings, began_s) = (protocol == Protocol::Cosine && name == Some(MULTI_JOINT), self.now_s);
         // From the first stamp to the last: so the clock of a campaign is read back from its logs.
-        self.now_s += trajectory.samples(self.plan.rate_hz).saturating_sub(1) as f64 / self.plan.rate_hz;
-        self.trials.push(PlannedTrial { entry, trajectory, swings, seed, began_s });
+        let samples = trajectory.samples(self.plan.rate_hz);
+        self.now_s += samples.saturating_sub(1) as f64 / self.plan.rate_hz;
+        self.trials.push(PlannedTrial { entry, trajectory, swings, seed, motion_seed, began_s, samples });
     }
+}
+
+/// FNV-1a: the same on every machine and in every version, as a seed must be.
+fn hash(text: &str) -> u64 {
+    text.bytes().fold(0xCBF2_9CE4_8422_2325, |hash, byte| (hash ^ u64::from(byte)).wrapping_mul(0x0100_0000_01B3))
 }

@@ -1,5 +1,6 @@
 //! What `tautline simulate` takes, and the plan that it amounts to.
 
+use super::motor::Motor;
 use crate::log::Signal;
 use crate::problem::{Problem, Problems, Result};
 use crate::simulate::{Plan, Sensors};
@@ -9,6 +10,8 @@ use std::path::PathBuf;
 
 /// The most of any kind of trial: more would be a slip of the finger.
 const MANY: i64 = 1000;
+/// The most joints recorded beside the model's: as many as `joint_coupling` can name.
+const OTHERS: i64 = 64;
 
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Examples:
@@ -16,6 +19,7 @@ const MANY: i64 = 1000;
   tautline simulate --model out/model.json -o simulated --rate-hz 100 --format parquet --seed 3
   tautline simulate --model out/model.json -o gap --effect sensor_bias:bias_nm=0.05 --effect time_delay:delay_s=0.02
   tautline simulate --model out/model.json -o wide --trajectory wide.toml --repeats 5
+  tautline simulate --model out/model.json -o closed --closed-loop --feedforward --effect inertia:inertia_kg_m2=0.02
   tautline simulate --model out/model.json -o arm --urdf data/arm/arm.urdf --joint elbow_flexion --multi-joint 3")]
 pub struct Arguments {
     /// The model: a model.json
@@ -58,6 +62,14 @@ pub struct Arguments {
     /// Trials of the cosine cascade with the arm's first other joint moving
     #[arg(long, default_value_t = 0, requires = "urdf", value_parser = clap::value_parser!(u32).range(..=MANY))]
     pub multi_joint: u32,
+    /// Joints that are recorded beside this one and move along in cosines and trajectories
+    #[arg(long, default_value_t = 0, conflicts_with = "urdf", value_parser = clap::value_parser!(u32).range(..=OTHERS))]
+    other_joints: u32,
+    /// How far the joint strays from its trajectory, rad (root mean square); different in each trial
+    #[arg(long, default_value_t = 0.0, conflicts_with = "closed_loop")]
+    tracking_error_rad: f64,
+    #[command(flatten)]
+    pub motor: Motor,
     /// Sample rate, Hz
     #[arg(long, default_value_t = 1000.0)]
     rate_hz: f64,
@@ -93,47 +105,36 @@ enum Format {
 impl Arguments {
     /// Errors: every number that makes no sense.
     pub fn plan(&self) -> Result<Plan> {
-        let mut problems = Vec::new();
-        let mut need = |fine: bool, name: &str, value: f64, expected: &str| {
-            if !fine {
-                let what = format!("--{name} is {value}");
-                problems.push(Problem::error("command line", what, format!("expected {expected}")));
-            }
-        };
-        let positive = |x: f64| x.is_finite() && x > 0.0;
-        need(
-            self.slowest_rad_s >= 0.001,
-            "slowest-rad-s",
-            self.slowest_rad_s,
-            "0.001 or more (that sweep takes an hour)",
-        );
-        need(
-            self.fastest_rad_s >= self.slowest_rad_s && self.fastest_rad_s <= 20.0,
-            "fastest-rad-s",
-            self.fastest_rad_s,
-            "from the slowest speed to 20",
-        );
-        need(self.speeds() <= MANY as usize, "speeds", self.speeds() as f64, "1000 at most");
-        need(positive(self.rate_hz) && self.rate_hz <= 1e5, "rate-hz", self.rate_hz, "a rate above 0, at most 100000");
-        need(self.noise_nm.is_finite() && self.noise_nm >= 0.0, "noise-nm", self.noise_nm, "0 or more");
-        need(
-            self.encoder_counts.is_finite() && self.encoder_counts >= 0.0,
-            "encoder-counts",
-            self.encoder_counts,
-            "0 or more",
-        );
-        need(
-            positive(self.lowpass_hz) && self.lowpass_hz < self.rate_hz / 2.0,
-            "lowpass-hz",
-            self.lowpass_hz,
-            "above 0, below half the rate",
-        );
-        need(self.torque_sign != 0, "torque-sign", 0.0, "1 or -1");
+        let mut problems: Vec<Problem> = self.senseless().collect();
         let trajectories = self.trajectories().unwrap_or_else(|Problems(found)| {
             problems.extend(found);
             Vec::new()
         });
         Problems(problems).unless_errors(self.as_plan(trajectories))
+    }
+
+    /// Every number that makes no sense.
+    fn senseless(&self) -> impl Iterator<Item = Problem> {
+        let (slowest, fastest, rate_hz, lowpass_hz) =
+            (self.slowest_rad_s, self.fastest_rad_s, self.rate_hz, self.lowpass_hz);
+        let speeds = self.speeds() as f64;
+        let not_negative = |x: f64| x.is_finite() && x >= 0.0;
+        [
+            ("slowest-rad-s", slowest, slowest >= 0.001, "0.001 or more (that sweep takes an hour)"),
+            ("fastest-rad-s", fastest, (slowest..=20.0).contains(&fastest), "from the slowest speed to 20"),
+            ("speeds", speeds, speeds <= MANY as f64, "1000 at most"),
+            ("rate-hz", rate_hz, rate_hz > 0.0 && rate_hz <= 1e5, "a rate above 0, at most 100000"),
+            ("noise-nm", self.noise_nm, not_negative(self.noise_nm), "0 or more"),
+            ("encoder-counts", self.encoder_counts, not_negative(self.encoder_counts), "0 or more"),
+            ("tracking-error-rad", self.tracking_error_rad, (0.0..=1.0).contains(&self.tracking_error_rad), "0 to 1"),
+            ("lowpass-hz", lowpass_hz, lowpass_hz > 0.0 && lowpass_hz < rate_hz / 2.0, "above 0, below half the rate"),
+            ("torque-sign", f64::from(self.torque_sign), self.torque_sign != 0, "1 or -1"),
+        ]
+        .into_iter()
+        .filter(|(_, _, makes_sense, _)| !makes_sense)
+        .map(|(name, value, _, expected)| {
+            Problem::error("command line", format!("--{name} is {value}"), format!("expected {expected}"))
+        })
     }
 
     /// The files with other motions.
@@ -162,6 +163,9 @@ impl Arguments {
             interactions: self.interactions,
             trajectories,
             arm: None,
+            other_joints: self.other_joints as usize,
+            tracking_error_rad: self.tracking_error_rad,
+            controller: None,
             rate_hz: self.rate_hz,
             sensors: Sensors { torque_noise_nm: self.noise_nm, encoder_counts: self.encoder_counts },
             seed: self.seed,

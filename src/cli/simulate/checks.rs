@@ -1,7 +1,8 @@
 //! What `tautline simulate` refuses before it begins.
 
 use crate::dynamics::JointKind;
-use crate::model::Joint;
+use crate::effects::Added;
+use crate::model::{Joint, Model};
 use crate::prepare::fastest_sweep_rad_s;
 use crate::problem::{Problem, Result};
 use crate::simulate::{Plan, PlannedTrial};
@@ -36,17 +37,38 @@ pub fn check_sweeps(plan: &Plan, joint: &Joint) -> Result<()> {
     }
 }
 
-/// Errors: no trial, or two that would be one file.
+/// Errors: no trial, one without a sample, or two that would be one file.
 pub fn check_trials(trials: &[PlannedTrial]) -> Result<()> {
+    let refuse = |what: String, cure: &str| Problem::error("command line", what, cure).alone();
     if trials.is_empty() {
-        return Problem::error("command line", "asks for no trial", "give --speeds, --cosines or --trajectory").alone();
+        return refuse("asks for no trial".to_string(), "give --speeds, --cosines or --trajectory");
+    }
+    if let Some(trial) = trials.iter().find(|trial| trial.samples < 2) {
+        let what = format!("{} would hold {} rows", trial.entry.file, trial.samples);
+        return refuse(what, "a longer trajectory or a higher --rate-hz gives more");
     }
     let mut files = BTreeSet::new();
     match trials.iter().map(|trial| &trial.entry.file).find(|file| !files.insert(*file)) {
-        Some(file) => {
-            let what = format!("two trials would be called {file}");
-            Problem::error("command line", what, "give each trajectory a `name` of its own").alone()
-        }
+        Some(file) => refuse(format!("two trials would be called {file}"), "give each trajectory a `name` of its own"),
         None => Ok(()),
     }
+}
+
+/// Errors: a trajectory that moves more joints than the arm has, an effect of a joint that is not recorded.
+pub fn check_others(plan: &Plan, model: &Model) -> Result<()> {
+    let recorded = plan.other_joints().len();
+    if let Some(trajectory) = plan.trajectories.iter().find(|trajectory| trajectory.others.len() > recorded) {
+        let what =
+            format!("`{}` moves {} other joints, the arm has {recorded}", trajectory.name, trajectory.others.len());
+        return Problem::error("command line", what, "delete [[others]] of the trajectory, or leave out --urdf")
+            .alone();
+    }
+    let named = |effect: &Added| effect.named().find(|(p, _)| p.name == "joint").map(|(_, joint)| joint as usize);
+    for effect in &model.effects {
+        if let Some(joint) = named(effect).filter(|joint| *joint > recorded) {
+            let what = format!("effect `{}` is of other joint {joint}, and {recorded} are recorded", effect.id());
+            return Problem::error("command line", what, format!("add --other-joints {joint}")).alone();
+        }
+    }
+    Ok(())
 }

@@ -2,6 +2,7 @@
 
 mod arguments;
 mod checks;
+mod motor;
 
 pub use arguments::Arguments;
 
@@ -14,7 +15,7 @@ use crate::model::Model;
 use crate::problem::{Problem, Problems, Result};
 use crate::report::json_text;
 use crate::simulate::{Plan, SimulatedArm};
-use checks::{check_sweeps, check_trials};
+use checks::{check_others, check_sweeps, check_trials};
 use rayon::prelude::*;
 use serde_json::json;
 use std::io::Write;
@@ -62,12 +63,15 @@ impl Arguments {
 }
 
 pub fn run(arguments: &Arguments, talk: &Talk) -> Result<ExitCode> {
-    let mut model = Model::read(&arguments.model)?;
+    let known = Model::read(&arguments.model)?;
+    let mut model = known.clone();
     model.effects.extend(arguments.effects()?);
-    let plan = Plan { arm: arguments.arm(&model)?, ..arguments.plan()? };
+    let (arm, controller) = (arguments.arm(&model)?, arguments.motor.controller(&known)?);
+    let plan = Plan { arm, controller, ..arguments.plan()? };
     check_sweeps(&plan, &model.joint)?;
     let trials = plan.trials(model.joint.kind);
     check_trials(&trials)?;
+    check_others(&plan, &model)?;
     let output = interrupt::output(
         &arguments.output,
         arguments.force,
