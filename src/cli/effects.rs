@@ -14,6 +14,6 @@ Examples:
 pub struct Arguments {}
 
 pub fn run(_: &Arguments, talk: &Talk) -> Result<ExitCode> {
-    talk.result(as_json, |out| write_list(out))?;
+    talk.result(as_json, write_list)?;
     Ok(ExitCode::SUCCESS)
 }

@@ -57,7 +57,7 @@ enum Command {
     /// List every problem of a campaign
     Validate(validate::Arguments),
     /// Record a campaign from a model
-    Simulate(simulate::Arguments),
+    Simulate(Box<simulate::Arguments>),
     /// List the effects that a model may have beyond the paper's formula, with their parameters
     Effects(effects::Arguments),
     /// Print shell completions

@@ -29,7 +29,7 @@ fn one(effect: &dyn Effect) -> Value {
 }
 
 /// Writes each effect's name, meaning, formula and parameters to `out`.
-pub fn write_list(out: &mut impl Write) -> io::Result<()> {
+pub fn write_list<W: Write>(out: &mut W) -> io::Result<()> {
     for effect in LIBRARY {
         let about = effect.about();
         writeln!(out, "{BOLD}{}{BOLD:#}  {DIM}{}{DIM:#}  {}", about.id, family(about.family), about.means)?;

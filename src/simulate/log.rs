@@ -18,10 +18,8 @@ struct Written {
 
 impl Plan {
     /// The bytes of one trial's log.
-    ///
-    /// Errors: a joint without inertia under a controller.
     pub fn log_bytes(&self, model: &Model, trial: &PlannedTrial) -> Result<Vec<u8>> {
-        let columns = self.columns(model.joint.kind, self.make(model, trial)?);
+        let columns = self.columns(model.joint.kind, self.make(model, trial));
         let numbers: Vec<Numbers> =
             columns.iter().map(|c| Numbers { name: &c.name, values: &c.values, decimals: c.decimals }).collect();
         let file = PathBuf::from(&trial.entry.file);

@@ -8,7 +8,6 @@ use super::{Course, Plan, PlannedTrial, Recording, driven, recorded};
 use crate::dynamics::JointKind;
 use crate::log::Protocol;
 use crate::model::Model;
-use crate::problem::Result;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, Normal};
@@ -48,14 +47,12 @@ impl Plan {
     }
 
     /// Drives the joint through `trial` and records it.
-    ///
-    /// Errors: a joint without inertia under a controller.
-    pub(super) fn make(&self, model: &Model, trial: &PlannedTrial) -> Result<Made> {
+    pub(super) fn make(&self, model: &Model, trial: &PlannedTrial) -> Made {
         let planned = self.course(trial);
         let chain = self.arm.as_ref().map(|arm| &arm.chain);
         let (course, torque_nm, command_rad) = match &self.controller {
             Some(controller) => {
-                let Followed { course, torque_nm } = closed::follow(model, chain, controller, &planned, self.rate_hz)?;
+                let Followed { course, torque_nm } = closed::follow(model, chain, controller, &planned, self.rate_hz);
                 (course, torque_nm, Some(planned.position_rad))
             }
             None => {
@@ -65,7 +62,7 @@ impl Plan {
         };
         let reference_nm = reference_nm(&course, LOAD_CELL_NOISE * self.sensors.torque_noise_nm, trial.seed);
         let recording = recorded(model, &course, torque_nm, self.rate_hz, self.sensors, trial.seed);
-        Ok(Made { recording, reference_nm, command_rad })
+        Made { recording, reference_nm, command_rad }
     }
 
     /// What is to happen in a trial.
@@ -73,7 +70,7 @@ impl Plan {
         let mut position_rad = trial.trajectory.positions_rad(self.rate_hz);
         let samples = position_rad.len();
         if self.tracking_error_rad > 0.0 {
-            let missed = error_rad(samples, self.rate_hz, self.tracking_error_rad, trial.seed ^ TRACKING_SEED);
+            let missed = error_rad(&position_rad, self.tracking_error_rad, trial.seed ^ TRACKING_SEED);
             position_rad.iter_mut().zip(missed).for_each(|(x, error)| *x += error);
         }
         let contact_nm = match trial.entry.protocol {

@@ -1,8 +1,7 @@
 //! What `tautline simulate` takes for a joint under a controller.
 
-use crate::model::Model;
 use crate::problem::{Problem, Problems, Result};
-use crate::simulate::Controller;
+use crate::simulate::Wanted;
 
 #[derive(Debug, clap::Args)]
 pub struct Motor {
@@ -13,7 +12,7 @@ pub struct Motor {
     /// The controller's stiffness at the joint, N m/rad [default: such that weight and friction deflect the joint by 0.01 rad]
     #[arg(long, requires = "closed_loop", help_heading = "Closed loop")]
     stiffness_nm_rad: Option<f64>,
-    /// The controller's damping at the joint, N m s/rad [default: critical]
+    /// The controller's damping at the joint, N m s/rad [default: critical, and more where friction falls with speed]
     #[arg(long, requires = "closed_loop", help_heading = "Closed loop")]
     damping_nm_s_rad: Option<f64>,
     /// The most that the motor gives at the winch, N m [default: no limit]
@@ -28,10 +27,10 @@ pub struct Motor {
 }
 
 impl Motor {
-    /// The controller of a joint that it knows as `known`; none where the motion is prescribed.
+    /// What is wanted of a controller; nothing where the motion is prescribed.
     ///
     /// Errors: every number that makes no sense.
-    pub fn controller(&self, known: &Model) -> Result<Option<Controller>> {
+    pub fn wanted(&self) -> Result<Option<Wanted>> {
         if !self.closed_loop {
             return Ok(None);
         }
@@ -46,12 +45,12 @@ impl Motor {
             let value = value.filter(|x| !x.is_finite() || *x < low)?;
             Some(Problem::error("command line", format!("--{name} is {value}"), format!("expected {low} or more")))
         });
-        Problems(problems.collect()).unless_errors(Some(Controller {
+        Problems(problems.collect()).unless_errors(Some(Wanted {
             stiffness_nm_rad: self.stiffness_nm_rad,
             damping_nm_s_rad: self.damping_nm_s_rad,
-            torque_limit_nm: self.torque_limit_nm.unwrap_or(f64::INFINITY),
+            torque_limit_nm: self.torque_limit_nm,
             motor_inertia_kg_m2: self.motor_inertia_kg_m2,
-            feedforward: self.feedforward.then(|| known.clone()),
+            feedforward: self.feedforward,
         }))
     }
 }

@@ -1,17 +1,15 @@
 //! A joint under a position controller: how it moves is what its torques make of the command.
 
-mod gains;
+mod controller;
 mod step;
 
-pub use gains::Controller;
-use gains::Gains;
+pub use controller::{Controller, Wanted};
 
 use super::course::{Course, Motions};
 use super::driven::{self, start};
 use crate::dynamics::{Chain, Motion};
 use crate::model::{Model, Passage};
 use crate::numerics::resample::between;
-use crate::problem::Result;
 use step::{Moment, Plant, State};
 
 /// The longest step, s: a tenth of the shortest time constant met, that of a joint against its cable's friction.
@@ -26,30 +24,20 @@ pub(super) struct Followed {
 }
 
 /// `model` under `controller`, with `course` as its command.
-///
-/// Errors: a joint without inertia.
 pub(super) fn follow(
     model: &Model,
     chain: Option<&Chain>,
     controller: &Controller,
     course: &Course,
     rate_hz: f64,
-) -> Result<Followed> {
-    let gains = controller.gains(model, chain)?;
+) -> Followed {
     let command = Motions::new(course, rate_hz);
     let feedforward_nm = controller.feedforward.as_ref().map_or(Vec::new(), |known| {
         let alone = Course { contact_nm: Vec::new(), ..course.clone() };
         driven::torque_nm(known, chain, &alone, &command)
     });
     let steps = (1.0 / (rate_hz * LONGEST_STEP_S)).ceil().max(1.0);
-    let plant = Plant {
-        model,
-        chain,
-        gains,
-        torque_limit_nm: controller.torque_limit_nm,
-        motor_inertia_kg_m2: controller.motor_inertia_kg_m2,
-        step_s: 1.0 / (rate_hz * steps),
-    };
+    let plant = Plant { model, chain, controller, step_s: 1.0 / (rate_hz * steps) };
     let script = Script::new(course, &command, feedforward_nm);
     let mut others = Vec::with_capacity(command.others.len());
     let mut state = resting(&plant, course, &script.moment(0.0, &mut others));
@@ -64,7 +52,7 @@ pub(super) fn follow(
         position_rad.push(state.position_rad);
         torque_nm.push(state.torque_nm);
     }
-    Ok(Followed { course: Course { position_rad, ..course.clone() }, torque_nm })
+    Followed { course: Course { position_rad, ..course.clone() }, torque_nm }
 }
 
 /// The joint at rest beside its command, where the controller holds it.
@@ -74,15 +62,16 @@ fn resting(plant: &Plant<'_>, course: &Course, moment: &Moment<'_>) -> State {
     let still = |position: f64| Motion { position, ..Motion::default() };
     let direction = start(&course.position_rad);
     let k_tilde = (direction.sign() + 1.0) / 2.0;
-    let stiffness_nm_rad = plant.model.joint.transmission() * plant.gains.stiffness_nm_rad;
+    let stiffness_nm_rad = plant.model.joint.transmission() * plant.controller.stiffness_nm_rad;
     let mut position_rad = moment.command_rad;
-    let mut torque_nm = 0.0;
     for _ in 0..SETTLING {
         let mass = plant.mass(position_rad, 0.0, moment.others);
-        torque_nm = plant.asked_nm(still(position_rad), k_tilde, &mass, moment);
+        let torque_nm = plant.asked_nm(still(position_rad), k_tilde, &mass, moment);
         position_rad = moment.command_rad + (moment.feedforward_nm - torque_nm) / stiffness_nm_rad;
     }
     let passage = Passage::after(plant.model, direction, position_rad, 0.0);
+    // Beyond the motor's limit it begins to fall.
+    let torque_nm = plant.motor_nm(still(position_rad), moment);
     State { position_rad, velocity_rad_s: 0.0, passage, torque_nm }
 }
 

@@ -6,7 +6,7 @@
 //! the jump, the joint sticks and y is what the motor gives: no threshold of speed is needed, and nothing chatters.
 
 use super::super::driven::asked;
-use super::Gains;
+use super::Controller;
 use crate::dynamics::{Chain, Motion};
 use crate::effects::Sample;
 use crate::model::{Asked, Model, Passage};
@@ -31,9 +31,7 @@ pub(super) struct State {
 pub(super) struct Plant<'a> {
     pub model: &'a Model,
     pub chain: Option<&'a Chain>,
-    pub gains: Gains,
-    pub torque_limit_nm: f64,
-    pub motor_inertia_kg_m2: f64,
+    pub controller: &'a Controller,
     /// The length of a step, s.
     pub step_s: f64,
 }
@@ -87,10 +85,10 @@ impl Plant<'_> {
 
     /// What the motor gives, N m.
     pub fn motor_nm(&self, own: Motion, moment: &Moment<'_>) -> f64 {
-        let behind_nm = self.gains.stiffness_nm_rad * (moment.command_rad - own.position)
-            + self.gains.damping_nm_s_rad * (moment.command_rad_s - own.velocity);
+        let behind_nm = self.controller.stiffness_nm_rad * (moment.command_rad - own.position)
+            + self.controller.damping_nm_s_rad * (moment.command_rad_s - own.velocity);
         let wanted_nm = moment.feedforward_nm + self.model.joint.transmission() * behind_nm;
-        wanted_nm.clamp(-self.torque_limit_nm, self.torque_limit_nm)
+        wanted_nm.min(self.controller.torque_limit_nm).max(-self.controller.torque_limit_nm)
     }
 
     /// The joint one step on from `state`, at `moment`.
@@ -118,14 +116,15 @@ impl Plant<'_> {
 
     /// What reaches the torque sensor from the motor's side, N m.
     fn sensed_nm(&self, own: Motion, moment: &Moment<'_>) -> f64 {
-        self.motor_nm(own, moment) - self.motor_inertia_kg_m2 / self.model.joint.transmission() * own.acceleration
+        self.motor_nm(own, moment)
+            - self.controller.motor_inertia_kg_m2 / self.model.joint.transmission() * own.acceleration
     }
 
     /// The speed at which `excess_nm`, which falls with it, is zero; 0 where the jump of friction at rest holds the joint.
     fn balance_rad_s(&self, excess_nm: impl Fn(f64) -> f64, mass: &Mass) -> f64 {
         // The slope of the excess is at least that of inertia without friction: the zero is hardly farther than this.
         let transmission = self.model.joint.transmission();
-        let inertia = transmission * mass.inertia_kg_m2 + self.motor_inertia_kg_m2 / transmission;
+        let inertia = transmission * mass.inertia_kg_m2 + self.controller.motor_inertia_kg_m2 / transmission;
         let stride = |excess: f64| if inertia > 0.0 { excess * self.step_s / inertia } else { excess.signum() };
         for side in [BESIDE_REST_RAD_S, -BESIDE_REST_RAD_S] {
             let excess = excess_nm(side);
