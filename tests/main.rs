@@ -4,6 +4,7 @@ mod architecture;
 mod campaigns;
 mod chain;
 mod cli;
+mod closed_loop;
 mod combination;
 mod compare;
 mod covariance;

@@ -44,7 +44,7 @@ pub fn free() -> Plan {
 }
 
 /// The trials of a recorded campaign, with its clock.
-fn trials(folder: &Path) -> Vec<Trial> {
+pub fn trials(folder: &Path) -> Vec<Trial> {
     let campaign = Campaign::read(folder).unwrap().with_clock().unwrap();
     (0..campaign.trials.len())
         .map(|index| prepare(&campaign, index, read_trial(&campaign, index).unwrap()).unwrap())
@@ -61,7 +61,7 @@ pub fn left_nm(model: &Model, trial: &Trial) -> f64 {
     (squares.sum::<f64>() / (predicted.len() - known) as f64).sqrt()
 }
 
-fn range_nm(trial: &Trial) -> f64 {
+pub fn range_nm(trial: &Trial) -> f64 {
     let (low, high) = trial.torque_nm.iter().fold((f64::MAX, f64::MIN), |(low, high), y| (low.min(*y), high.max(*y)));
     high - low
 }
