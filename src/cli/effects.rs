@@ -10,7 +10,7 @@ use std::process::ExitCode;
 
 Examples:
   tautline effects
-  tautline simulate --model out/model.json -o simulated --effect torque_ripple:periods_per_rad=8,sin_1_nm=0.05")]
+  tautline simulate --model out/model.json -o gap --effect torque_ripple:periods_per_rad=8,sin_1_nm=0.05")]
 pub struct Arguments {}
 
 pub fn run(_: &Arguments, talk: &Talk) -> Result<ExitCode> {

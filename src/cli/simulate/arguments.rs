@@ -16,11 +16,11 @@ const OTHERS: i64 = 64;
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Examples:
   tautline simulate --model data/elbow/truth/model.json -o simulated
-  tautline simulate --model out/model.json -o simulated --rate-hz 100 --format parquet --seed 3
-  tautline simulate --model out/model.json -o gap --effect sensor_bias:bias_nm=0.05 --effect time_delay:delay_s=0.02
+  tautline simulate --model out/model.json -o small --rate-hz 100 --format parquet --seed 3
+  tautline simulate --model out/model.json -o gap --effect sensor_bias:bias_nm=0.05
   tautline simulate --model out/model.json -o wide --trajectory wide.toml --repeats 5
-  tautline simulate --model out/model.json -o closed --closed-loop --feedforward --effect inertia:inertia_kg_m2=0.02
-  tautline simulate --model out/model.json -o arm --urdf data/arm/arm.urdf --joint elbow_flexion --multi-joint 3")]
+  tautline simulate --model out/model.json -o closed --closed-loop --torque-limit-nm 1.5
+  tautline simulate --model out/model.json -o arm --urdf arm.urdf --joint elbow --multi-joint 3")]
 pub struct Arguments {
     /// The model: a model.json
     #[arg(long)]

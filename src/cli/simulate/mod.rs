@@ -92,7 +92,12 @@ pub fn run(arguments: &Arguments, talk: &Talk) -> Result<ExitCode> {
         output.write(URDF, text)?;
     }
     output.write("campaign.toml", plan.campaign(&model, &arguments.output, &trials).to_toml().as_bytes())?;
-    let mark = json!({ "tautline": env!("CARGO_PKG_VERSION"), "seed": plan.seed, "model": model.to_json() });
+    let mark = json!({
+        "tautline": env!("CARGO_PKG_VERSION"),
+        "seed": plan.seed,
+        "model": model.to_json(),
+        "controller": plan.controller.as_ref().map(Controller::to_json),
+    });
     output.write("simulated.json", json_text(&mark))?;
     output.finish()?;
     let (folder, name, count) = (arguments.output.display(), &model.joint.name, trials.len());

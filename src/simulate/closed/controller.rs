@@ -5,6 +5,7 @@ use crate::dynamics::{Chain, Motion};
 use crate::effects::Sample;
 use crate::model::Model;
 use crate::problem::{Problem, Result};
+use serde_json::{Value, json};
 use std::f64::consts::{FRAC_PI_2, TAU};
 
 /// How far the joint may stay from its command where it rests under its own weight and friction, rad.
@@ -69,6 +70,17 @@ impl Controller {
             torque_limit_nm: wanted.torque_limit_nm.unwrap_or(f64::INFINITY),
             motor_inertia_kg_m2: wanted.motor_inertia_kg_m2,
             feedforward: wanted.feedforward.then(|| known.clone()),
+        })
+    }
+
+    /// For people who want to know what was chosen; a limit that is infinite becomes null.
+    pub fn to_json(&self) -> Value {
+        json!({
+            "stiffness_nm_rad": self.stiffness_nm_rad,
+            "damping_nm_s_rad": self.damping_nm_s_rad,
+            "torque_limit_nm": self.torque_limit_nm,
+            "motor_inertia_kg_m2": self.motor_inertia_kg_m2,
+            "feedforward": self.feedforward.is_some(),
         })
     }
 }
