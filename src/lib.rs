@@ -47,6 +47,9 @@ pub mod evaluate;
 /// `Model` x `Trial` -> the torque that a person adds, from logs or as samples come.
 pub mod interaction;
 
+/// `Model` x `Trial`s -> where the gap lies, what causes it, and by how much it shrinks once that is added.
+pub mod diagnose;
+
 /// Two `Model`s of one joint -> what changed, and what it does to the prediction.
 pub mod compare;
 

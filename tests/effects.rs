@@ -36,13 +36,13 @@ const IDS: [&str; 20] = [
 
 /// One of each, of a size that shows.
 pub const EXAMPLES: [&str; 20] = [
-    "reversal_transition:backlash_m=0.003,p=1.1",
+    "reversal_transition:backlash_m=0.003,p=1.1,n=1.4",
     "stribeck:up_nm=0.1,down_nm=0.13,speed_rad_s=0.1,exponent=1.3",
     "load_dependent_friction:up=0.2,down=0.15",
     "friction_ripple:periods_per_rad=7.3,sin_1_nm=0.08,cos_2_nm=0.03",
     "torque_ripple:periods_per_rad=5.1,sin_1_nm=0.06,cos_3_nm=0.02",
-    "cable_elasticity:compliance_rad_nm=0.03",
-    "quadratic_viscous:drag_nm_s2_rad2=0.3",
+    "cable_elasticity:with_friction=1,compliance_rad_nm=0.03",
+    "quadratic_viscous:up_nm_s2_rad2=0.3,down_nm_s2_rad2=0.25",
     "sensor_bias:bias_nm=0.04",
     "sensor_gain:error=-0.1",
     "sensor_drift:restarts=0,horizon_s=40,line_nm=0.1,wave_2_nm=0.03",
@@ -50,12 +50,12 @@ pub const EXAMPLES: [&str; 20] = [
     "gravity_phase:cos_nm=0.2",
     "inertia:inertia_kg_m2=0.05",
     "warm_up:restarts=0,cold_share=0.4,time_constant_s=15",
-    "joint_coupling:joint=1,stiffness_nm_rad=0.1,viscous_nm_s_rad=0.05,weight_nm=0.1,offset_nm=0.01",
+    "joint_coupling:joint=1,stiffness_nm_rad=0.1,viscous_nm_s_rad=0.05,weight_nm=0.1,bending_nm_rad2=0.05,offset_nm=0.01",
     "contact:peak_nm=0.7,start_s=6.5,length_s=2",
     "elastic_spring:stiffness_nm_rad=0.3,preload_nm=-0.1",
     "saturation:low_nm=-0.05,high_nm=0.9",
     "end_stop:side=1,stiffness_nm=4,position_rad=0.9,exponent=1.5",
-    "presliding:travel_rad=0.01",
+    "presliding:travel_rad=0.01,exponent=1.2",
 ];
 
 pub fn example(id: &str) -> Added {
@@ -119,9 +119,23 @@ fn the_library_is_the_format_s_list_and_the_folder() {
 
 #[test]
 fn parameters_name_their_units_and_have_room() {
-    let units = ["_nm", "_m", "_s", "_rad", "_rad_s", "_nm_rad", "_nm_s_rad", "_nm_s2_rad2", "_kg_m2", "_rad_nm"];
+    let units =
+        ["_nm", "_m", "_s", "_rad", "_rad_s", "_nm_rad", "_nm_s_rad", "_nm_s2_rad2", "_kg_m2", "_rad_nm", "_nm_rad2"];
     // Shares, exponents, choices: without a dimension.
-    let plain = ["p", "up", "down", "exponent", "error", "cold_share", "restarts", "side", "joint", "periods_per_rad"];
+    let plain = [
+        "p",
+        "up",
+        "down",
+        "exponent",
+        "error",
+        "cold_share",
+        "n",
+        "with_friction",
+        "restarts",
+        "side",
+        "joint",
+        "periods_per_rad",
+    ];
     for effect in LIBRARY {
         let about = effect.about();
         let names: BTreeSet<&str> = about.parameters.iter().map(|p| p.name).collect();

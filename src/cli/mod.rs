@@ -4,6 +4,7 @@
 
 mod compare;
 mod completions;
+mod diagnose;
 mod effects;
 mod evaluate;
 mod fit;
@@ -50,6 +51,8 @@ enum Command {
     Predict(predict::Arguments),
     /// Extract the torque that a person adds, from logs or from samples as they come
     Interaction(interaction::Arguments),
+    /// Find where the gap between model and recordings lies, and what causes it
+    Diagnose(diagnose::Arguments),
     /// Compare two models of one joint, before and after
     Compare(compare::Arguments),
     /// Run one step of the protocol alone
@@ -73,6 +76,7 @@ pub fn run() -> ExitCode {
         Command::Evaluate(arguments) => evaluate::run(&arguments, &talk),
         Command::Predict(arguments) => predict::run(&arguments, &talk),
         Command::Interaction(arguments) => interaction::run(&arguments, &talk),
+        Command::Diagnose(arguments) => diagnose::run(&arguments, &talk),
         Command::Compare(arguments) => compare::run(&arguments, &talk),
         Command::Fit(arguments) => fit::run(&arguments, &talk),
         Command::Validate(arguments) => validate::run(&arguments, &talk),

@@ -6,11 +6,11 @@ static ABOUT: About = About {
     id: "cable_elasticity",
     family: Family::Physics,
     means: "the joint lags the measured angle in proportion to load",
-    formula: "q_joint = q - compliance_rad_nm tau, tau = y r2/r1; gravity and springs are taken there",
+    formula: "q_joint = q - compliance_rad_nm tau; gravity is taken there; tau = the load, or y r2/r1 where with_friction",
     source: "two-mass models; Spong 1987",
     signature: Region::Load,
     trades_with: &["gravity_phase", "elastic_spring", "gravity"],
-    parameters: &[Parameter::strength("compliance_rad_nm")],
+    parameters: &[Parameter::choice("with_friction", 0.0, 1.0), Parameter::strength("compliance_rad_nm")],
 };
 
 #[derive(Debug)]
@@ -22,10 +22,10 @@ impl Effect for CableElasticity {
     }
 
     fn starts(&self, _extent: &Extent) -> Vec<Vec<f64>> {
-        vec![vec![0.0]]
+        vec![vec![0.0, 0.0], vec![1.0, 0.0]]
     }
 
-    fn position_lag_rad(&self, p: &[f64], torque_nm: f64) -> f64 {
-        p[0] * torque_nm
+    fn position_lag_rad(&self, p: &[f64], load_nm: f64, pull_nm: f64) -> f64 {
+        p[1] * if p[0] > 0.5 { pull_nm } else { load_nm }
     }
 }

@@ -9,7 +9,7 @@ static ABOUT: About = About {
     formula: "stiffness_nm_rad q + preload_nm at the joint; it rests at -preload/stiffness",
     source: "sheath and cabling stiffness; passive tissue",
     signature: Region::Position,
-    trades_with: &["gravity_phase", "cable_elasticity", "gravity", "sensor_bias"],
+    trades_with: &["gravity_phase", "cable_elasticity", "gravity"],
     parameters: &[Parameter::strength("stiffness_nm_rad"), Parameter::strength("preload_nm")],
 };
 

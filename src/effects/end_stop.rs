@@ -1,6 +1,6 @@
 //! A stop engaged near one end of travel.
 
-use super::{About, Effect, Extent, Family, Parameter, Region, Sample};
+use super::{About, Effect, Extent, Family, Parameter, Region, Role, Sample};
 
 /// Where a stop may begin, as shares of the range from its end.
 const REACHES: [f64; 5] = [0.03, 0.07, 0.13, 0.22, 0.35];
@@ -16,7 +16,7 @@ static ABOUT: About = About {
     parameters: &[
         Parameter::choice("side", -1.0, 1.0),
         Parameter::strength("stiffness_nm"),
-        Parameter::shape("position_rad", -1e3, 1e3),
+        Parameter::placed("position_rad", Role::Position, 1e3),
         Parameter::shape("exponent", 0.8, 3.0),
     ],
 };

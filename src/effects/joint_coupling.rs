@@ -9,7 +9,7 @@ static ABOUT: About = About {
     id: "joint_coupling",
     family: Family::Physics,
     means: "torque follows another joint",
-    formula: "stiffness q2 + viscous v2 + coulomb tanh(v2/0.01) + inertia a2 + weight (sin(q + q2) - sin q) + offset",
+    formula: "stiffness q2 + viscous v2 + coulomb tanh(v2/0.01) + inertia a2 + weight (sin(q + q2) - sin q) + inertia_cos cos(q) a2 + bending q2^2 + offset",
     source: "rigid-body coupling (1); cables routed over a moving joint",
     signature: Region::OtherJoint,
     trades_with: &["sensor_drift", "warm_up"],
@@ -20,6 +20,8 @@ static ABOUT: About = About {
         Parameter::strength("coulomb_nm"),
         Parameter::strength("inertia_kg_m2"),
         Parameter::strength("weight_nm"),
+        Parameter::strength("inertia_cos_kg_m2"),
+        Parameter::strength("bending_nm_rad2"),
         Parameter::strength("offset_nm"),
     ],
 };
@@ -33,7 +35,7 @@ impl Effect for JointCoupling {
     }
 
     fn starts(&self, extent: &Extent) -> Vec<Vec<f64>> {
-        (1..=extent.others).map(|joint| vec![joint as f64, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0]).collect()
+        (1..=extent.others).map(|joint| vec![joint as f64, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0]).collect()
     }
 
     fn winch_torque_nm(&self, p: &[f64], sample: &Sample<'_>) -> f64 {
@@ -44,6 +46,8 @@ impl Effect for JointCoupling {
             + p[3] * (other.velocity / RESTING_RAD_S).tanh()
             + p[4] * other.acceleration
             + p[5] * ((q + other.position).sin() - q.sin())
-            + p[6]
+            + p[6] * q.cos() * other.acceleration
+            + p[7] * other.position * other.position
+            + p[8]
     }
 }

@@ -23,7 +23,7 @@ pub const LIBRARY: [&dyn Effect; 20] = [
     &elastic_spring::ElasticSpring,
     &saturation::Saturation,
     &end_stop::EndStop,
-    &presliding::Presliding,
+    &presliding::Bristles,
 ];
 
 /// The effect called `id`.

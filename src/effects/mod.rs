@@ -1,14 +1,14 @@
 //! What a joint, or the sensors that record it, may have beyond the paper's formula.
 //!
-//! One effect, one file, one entry in [`LIBRARY`]. An effect is a set of hooks into the formula, each a line of physics for
+//! One effect, one file, one entry in `LIBRARY`. An effect is a set of hooks into the formula, each a line of physics for
 //! one sample; the model, the simulator and the diagnosis all go through them. With u and d the two branches of friction,
 //!
 //! y = w + [ (r1/r2) (G + I a + j) + K~ (u + fu) h + (1 - K~) (d + fd) h ] / (1 - mu)
 //!
-//! where j is [`Effect::joint_torque_nm`], fu and fd [`Effect::friction_nm`], h [`Effect::friction_factor`] and w
-//! [`Effect::winch_torque_nm`]; G is taken where [`Effect::position_lag_rad`] says the joint is; K~ changes over by
-//! [`Effect::curve`] and is smoothed over [`Effect::presliding_rad`]. What the sensor makes of y comes last:
-//! [`Effect::delay_s`], then [`Effect::reading_nm`], last of those that [clip](Effect::clips).
+//! where j is `Effect::joint_torque_nm`, fu and fd `Effect::friction_nm`, h `Effect::friction_factor` and w
+//! `Effect::winch_torque_nm`; G is taken where `Effect::position_lag_rad` says the joint is; K~ changes over by
+//! `Effect::curve` and builds up elastically by `Effect::presliding`. What the sensor makes of y comes last: `Effect::delay_s`,
+//! then `Effect::reading_nm`, last of those that say `Effect::clips`.
 
 mod cable_elasticity;
 mod contact;
@@ -67,6 +67,8 @@ pub struct Extent {
     pub torque_nm: (f64, f64),
     /// How many other joints are recorded moving.
     pub others: usize,
+    /// X_cl of the model, m on the cable.
+    pub backlash_m: f64,
     /// r2, m.
     pub pulley_radius_m: f64,
     /// Whether the joint turns rather than slides.
@@ -78,8 +80,12 @@ pub struct Extent {
 pub enum Role {
     /// In proportion, or nearly so; at 0 the effect is absent.
     Strength,
-    /// It decides where or how the effect acts, and is searched.
+    /// Above 0, it decides how the effect acts: searched in its logarithm.
     Shape,
+    /// A position at which the effect acts: searched along the joint's range.
+    Position,
+    /// A torque at which the effect acts: searched along the reading's range.
+    Level,
     /// It selects, and is neither fitted nor has it an interval: which joint, which clock.
     Choice,
 }
@@ -107,6 +113,10 @@ impl Parameter {
 
     const fn shape(name: &'static str, low: f64, high: f64) -> Self {
         Self { name, role: Role::Shape, bounds: (low, high) }
+    }
+
+    const fn placed(name: &'static str, role: Role, limit: f64) -> Self {
+        Self { name, role, bounds: (-limit, limit) }
     }
 
     const fn choice(name: &'static str, low: f64, high: f64) -> Self {
@@ -253,8 +263,9 @@ pub trait Effect: Sync + std::fmt::Debug {
         0.0
     }
 
-    /// How far the joint is behind the measured position under `torque_nm` at the joint, rad.
-    fn position_lag_rad(&self, _p: &[f64], _torque_nm: f64) -> f64 {
+    /// How far the joint is behind the measured position, rad: under a load of `load_nm` at the joint, the cable pulling with
+    /// `pull_nm` there, friction and all.
+    fn position_lag_rad(&self, _p: &[f64], _load_nm: f64, _pull_nm: f64) -> f64 {
         0.0
     }
 
@@ -263,9 +274,9 @@ pub trait Effect: Sync + std::fmt::Debug {
         None
     }
 
-    /// Travel over which friction builds up elastically, rad.
-    fn presliding_rad(&self, _p: &[f64]) -> f64 {
-        0.0
+    /// How friction builds up elastically.
+    fn presliding(&self, _p: &[f64]) -> Option<Presliding> {
+        None
     }
 
     /// How late the torque is recorded, s.
@@ -289,13 +300,43 @@ pub trait Effect: Sync + std::fmt::Debug {
     }
 }
 
-/// A change-over of friction: K~ = atan(2 p u) / atan(2 p) over the share u of the clearance.
+/// Friction as bristles that bend before they slide: dk = sgn(K~ - k) |K~ - k|^exponent |dx| / travel.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Presliding {
+    /// Travel in which a bristle bends, rad.
+    pub travel_rad: f64,
+    /// Dahl's exponent, dimensionless: 1 is exponential.
+    pub exponent: f64,
+}
+
+impl Presliding {
+    /// What is left of a distance `left` in [0, 1] to the branch after `travel_rad` more: the equation integrated.
+    pub fn left(&self, left: f64, travel_rad: f64) -> f64 {
+        let share = travel_rad / self.travel_rad;
+        if left <= 0.0 || (self.exponent - 1.0).abs() < 1e-6 {
+            return left * (-share).exp();
+        }
+        let power = 1.0 - self.exponent;
+        (left.powf(power) - power * share).max(0.0).powf(1.0 / power)
+    }
+}
+
+/// A change-over of friction: K~ = ( atan(2 p u) / atan(2 p) )^n over the share u of the clearance.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Curve {
     /// X_cl, m on the cable.
     pub backlash_m: f64,
-    /// Steepness, dimensionless.
+    /// Steepness at its start, dimensionless.
     pub p: f64,
+    /// Exponent, dimensionless: above 1 the change begins slowly.
+    pub n: f64,
+}
+
+impl Curve {
+    /// How much of the change is done at the share `u` of the clearance.
+    pub fn share(&self, u: f64) -> f64 {
+        ((2.0 * self.p * u).atan() / (2.0 * self.p).atan()).powf(self.n)
+    }
 }
 
 /// Values from `low` to `high`, evenly spaced in their logarithm.

@@ -7,11 +7,11 @@ static ABOUT: About = About {
     id: "quadratic_viscous",
     family: Family::Physics,
     means: "drag grows with the square of speed",
-    formula: "drag_nm_s2_rad2 v |v|",
+    formula: "up_nm_s2_rad2 v^2 moving up, -down_nm_s2_rad2 v^2 moving down",
     source: "turbulent drag; churning of grease",
     signature: Region::HighSpeed,
     trades_with: &["viscous", "inertia", "time_delay"],
-    parameters: &[Parameter::strength("drag_nm_s2_rad2")],
+    parameters: &[Parameter::strength("up_nm_s2_rad2"), Parameter::strength("down_nm_s2_rad2")],
 };
 
 #[derive(Debug)]
@@ -23,11 +23,11 @@ impl Effect for QuadraticViscous {
     }
 
     fn starts(&self, _extent: &Extent) -> Vec<Vec<f64>> {
-        vec![vec![0.0]]
+        vec![vec![0.0, 0.0]]
     }
 
     fn friction_nm(&self, p: &[f64], sample: &Sample<'_>, _load_nm: f64) -> Both<f64> {
-        let drag_nm = p[0] * sample.own.velocity * sample.own.velocity;
-        Both { up: drag_nm, down: -drag_nm }
+        let square = sample.own.velocity * sample.own.velocity;
+        Both { up: p[0] * square, down: -p[1] * square }
     }
 }

@@ -9,11 +9,15 @@ static ABOUT: About = About {
     id: "reversal_transition",
     family: Family::Physics,
     means: "friction passes gradually from one branch to the other after a reversal",
-    formula: "K~ = atan(2 p u) / atan(2 p), u = travel since the reversal over backlash_rad",
+    formula: "K~ = (atan(2 p u) / atan(2 p))^n, u = travel since the reversal over backlash_rad",
     source: "paper (21) to (30); Nordin, Galic and Gutman 1997",
     signature: Region::AfterReversal,
     trades_with: &["presliding", "time_delay", "backlash_width"],
-    parameters: &[Parameter::shape("backlash_m", 1e-7, 1.0), Parameter::shape("p", 0.05, 50.0)],
+    parameters: &[
+        Parameter::shape("backlash_m", 1e-7, 1.0),
+        Parameter::shape("p", 0.05, 50.0),
+        Parameter::shape("n", 0.2, 5.0),
+    ],
 };
 
 #[derive(Debug)]
@@ -26,12 +30,14 @@ impl Effect for ReversalTransition {
 
     fn starts(&self, extent: &Extent) -> Vec<Vec<f64>> {
         let range_m = (extent.position_rad.1 - extent.position_rad.0) * extent.pulley_radius_m;
+        let own_m = (extent.backlash_m > 0.0).then_some(extent.backlash_m);
         spaced(WIDTHS.0 * range_m, WIDTHS.1 * range_m, 8)
-            .flat_map(|width| [0.3, 2.0, 8.0].map(|p| vec![width, p]))
+            .chain(own_m)
+            .flat_map(|width_m| [(0.3, 1.0), (3.0, 1.0), (0.3, 2.0)].map(|(p, n)| vec![width_m, p, n]))
             .collect()
     }
 
     fn curve(&self, p: &[f64]) -> Option<Curve> {
-        Some(Curve { backlash_m: p[0], p: p[1] })
+        Some(Curve { backlash_m: p[0], p: p[1], n: p[2] })
     }
 }

@@ -1,6 +1,6 @@
 //! The torque sensor clips at the ends of its range.
 
-use super::{About, Effect, Extent, Family, Parameter, Region, Sample};
+use super::{About, Effect, Extent, Family, Parameter, Region, Role, Sample};
 
 /// Shares of the reading's range at which it is tried to clip.
 const LEVELS: [f64; 4] = [0.0, 0.05, 0.15, 0.3];
@@ -13,7 +13,7 @@ static ABOUT: About = About {
     source: "end of the amplifier's or converter's range",
     signature: Region::Clipped,
     trades_with: &["end_stop"],
-    parameters: &[Parameter::shape("low_nm", -1e9, 1e9), Parameter::shape("high_nm", -1e9, 1e9)],
+    parameters: &[Parameter::placed("low_nm", Role::Level, 1e9), Parameter::placed("high_nm", Role::Level, 1e9)],
 };
 
 #[derive(Debug)]

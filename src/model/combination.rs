@@ -86,6 +86,17 @@ impl Transition {
     /// `backlash_rad` is X_cl / r2. A reversal counts once the joint has come back by more than `deadband_rad`, so that
     /// encoder noise at rest does not restart the curve; the travel inside the deadband is not lost but made up for then.
     pub fn step(&mut self, position_rad: f64, curve: &Combination, backlash_rad: f64, deadband_rad: f64) -> f64 {
+        self.step_by(position_rad, |u| curve.share(u), backlash_rad, deadband_rad)
+    }
+
+    /// The same along a curve of which `share` says how much is done at u, as [`Combination::share`] does.
+    pub fn step_by(
+        &mut self,
+        position_rad: f64,
+        share: impl Fn(f64) -> f64,
+        backlash_rad: f64,
+        deadband_rad: f64,
+    ) -> f64 {
         let travel_rad = position_rad - self.at_rad;
         let onward = travel_rad * self.direction.sign();
         if onward < -deadband_rad {
@@ -101,7 +112,7 @@ impl Transition {
         self.k_f = (self.k_f + change).clamp(-1.0, 1.0);
         let whole = end - self.start_k_f;
         let u = if whole == 0.0 { 1.0 } else { (self.k_f - self.start_k_f) / whole };
-        self.k_tilde = self.start_k_tilde + curve.share(u) * ((end + 1.0) / 2.0 - self.start_k_tilde);
+        self.k_tilde = self.start_k_tilde + share(u) * ((end + 1.0) / 2.0 - self.start_k_tilde);
         self.k_tilde
     }
 

@@ -1,15 +1,18 @@
 //! Where friction stands between its branches as the joint moves on: one sample at a time, the memory explicit.
 
 use super::{Combination, Direction, Model, Transition};
+use crate::effects::{Curve, Presliding};
 
 /// K~ of a model along a motion: the clearance's transition, then what presliding makes of it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Passage {
     transition: Transition,
     curve: Combination,
+    /// In the place of `curve`.
+    added: Option<Curve>,
     backlash_rad: f64,
     deadband_rad: f64,
-    presliding_rad: f64,
+    presliding: Option<Presliding>,
     /// K~ after presliding, and where it was last brought up to date, rad.
     k_tilde: f64,
     at_rad: f64,
@@ -21,10 +24,11 @@ impl Passage {
         let transition = Transition::after(direction, position_rad);
         Self {
             transition,
-            curve: model.curve(),
+            curve: model.combination,
+            added: model.added_curve(),
             backlash_rad: model.backlash_m() / model.joint.pulley_radius_m,
             deadband_rad,
-            presliding_rad: model.effects.iter().map(|e| e.effect.presliding_rad(&e.parameters)).sum(),
+            presliding: model.presliding(),
             k_tilde: transition.k_tilde,
             at_rad: position_rad,
         }
@@ -34,21 +38,20 @@ impl Passage {
     ///
     /// With `Sign` and no presliding K~ follows the sign of the speed alone, as (20) has it: K = 1 for v >= 0.
     pub fn step(&mut self, position_rad: f64, velocity_rad_s: f64) -> f64 {
-        let through_clearance = self.transition.step(position_rad, &self.curve, self.backlash_rad, self.deadband_rad);
-        if self.presliding_rad <= 0.0 {
-            return match self.curve {
-                Combination::Sign => f64::from(u8::from(velocity_rad_s >= 0.0)),
-                _ => through_clearance,
-            };
-        }
-        let target = match self.curve {
-            Combination::Sign => (self.transition.direction().sign() + 1.0) / 2.0,
-            _ => through_clearance,
+        let (backlash_rad, deadband_rad) = (self.backlash_rad, self.deadband_rad);
+        let through_clearance = match &self.added {
+            Some(added) => self.transition.step_by(position_rad, |u| added.share(u), backlash_rad, deadband_rad),
+            None => self.transition.step(position_rad, &self.curve, backlash_rad, deadband_rad),
         };
-        // ds = (K - s) |dx| / travel over one sample, K held: an exponential in the travel.
-        let left = (-(position_rad - self.at_rad).abs() / self.presliding_rad).exp();
+        let jumps = self.added.is_none() && self.curve == Combination::Sign;
+        let Some(presliding) = self.presliding else {
+            return if jumps { f64::from(u8::from(velocity_rad_s >= 0.0)) } else { through_clearance };
+        };
+        let target = if jumps { (self.direction().sign() + 1.0) / 2.0 } else { through_clearance };
+        let behind = self.k_tilde - target;
+        let left = presliding.left(behind.abs(), (position_rad - self.at_rad).abs());
         self.at_rad = position_rad;
-        self.k_tilde = target + (self.k_tilde - target) * left;
+        self.k_tilde = target + left.copysign(behind);
         self.k_tilde
     }
 
@@ -69,17 +72,18 @@ impl Passage {
 }
 
 impl Model {
-    /// How friction changes over: the model's own curve, or that of an effect in its place.
-    pub fn curve(&self) -> Combination {
-        self.added_curve().map_or(self.combination, |curve| Combination::arctan(curve.p))
-    }
-
     /// X_cl, m: the joint's own, or that of an effect in its place.
     pub fn backlash_m(&self) -> f64 {
         self.added_curve().map_or(self.joint.backlash_m, |curve| curve.backlash_m)
     }
 
-    fn added_curve(&self) -> Option<crate::effects::Curve> {
+    /// How friction builds up elastically, where an effect says so.
+    pub fn presliding(&self) -> Option<Presliding> {
+        self.effects.iter().rev().find_map(|e| e.effect.presliding(&e.parameters))
+    }
+
+    /// The change-over that an effect puts in the place of the model's own.
+    pub fn added_curve(&self) -> Option<Curve> {
         self.effects.iter().rev().find_map(|e| e.effect.curve(&e.parameters))
     }
 }

@@ -73,7 +73,7 @@ impl Model {
         let torque_nm =
             |lag_rad: f64| (transmission * (joint_nm - asked.slope_nm_rad * lag_rad) + friction_nm) / loss + winch_nm;
         let lag_rad = |y_nm: f64| -> f64 {
-            self.effects.iter().map(|e| e.effect.position_lag_rad(&e.parameters, y_nm / transmission)).sum()
+            self.effects.iter().map(|e| e.effect.position_lag_rad(&e.parameters, joint_nm, y_nm / transmission)).sum()
         };
         let mut y_nm = torque_nm(0.0);
         if lag_rad(y_nm) != 0.0 {

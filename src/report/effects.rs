@@ -47,7 +47,7 @@ fn described(p: &Parameter) -> String {
     let (low, high) = p.bounds;
     match p.role {
         Role::Strength => p.name.to_string(),
-        Role::Shape | Role::Choice => format!("{} ({low} to {high})", p.name),
+        _ => format!("{} ({low} to {high})", p.name),
     }
 }
 
@@ -63,6 +63,8 @@ fn role(role: Role) -> &'static str {
     match role {
         Role::Strength => "strength",
         Role::Shape => "shape",
+        Role::Position => "position",
+        Role::Level => "level",
         Role::Choice => "choice",
     }
 }

@@ -11,6 +11,7 @@
 //! | `evaluation` | an evaluation as JSON, on the terminal, as a page |
 //! | `effects` | the effect library as JSON, on the terminal |
 //! | `comparison` | two models compared as JSON, on the terminal, as a page |
+//! | `diagnosis` | a diagnosis as JSON, on the terminal, as a page |
 //! | `interaction` | an interaction as JSON, tables, on the terminal, as a page |
 //! | `predicted` | a trial's prediction, sample by sample |
 //! | `verdict` | the result in plain words |
@@ -23,6 +24,7 @@
 
 pub mod chart;
 pub mod comparison;
+pub mod diagnosis;
 pub mod effects;
 pub mod evaluation;
 mod forms;

@@ -34,7 +34,7 @@ pub(super) fn asked(model: &Model, chain: Option<&Chain>, own: Motion, others: &
     match chain {
         Some(chain) => {
             // Only a joint that lags its encoder asks for the slope, and a chain's takes as long as its torque.
-            let lags = model.effects.iter().any(|e| e.effect.position_lag_rad(&e.parameters, 1.0) != 0.0);
+            let lags = model.effects.iter().any(|e| e.effect.position_lag_rad(&e.parameters, 1.0, 1.0) != 0.0);
             let slope_nm_rad = if lags { chain.gravity_slope_nm_rad(own.position, others) } else { 0.0 };
             Asked { torque_nm: chain.torque(own, others).total_nm(), slope_nm_rad }
         }

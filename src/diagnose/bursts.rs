@@ -1,0 +1,128 @@
+//! Contacts: stretches in which the torque leaves all that depends on the recorded motion, and that are not there again when the
+//! motion is.
+
+use super::fit::Bench;
+use super::flexible::{self, Flexible};
+use super::record::Record;
+use crate::numerics::statistics::quantile;
+use std::ops::Range;
+
+/// Rounds of fitting without what the last round found.
+const ROUNDS: usize = 3;
+/// A burst reaches so many times the usual level ...
+const PEAK: f64 = 4.5;
+/// ... and lasts as long as it stays above so many.
+const EDGE: f64 = 1.8;
+/// The level is taken over so many independent samples.
+const WINDOW: f64 = 2.0;
+/// Above this share of the rows bursts are no bursts.
+const SHARE_MAX: f64 = 0.35;
+/// What is there again elsewhere at this share of its size is repeated.
+const REPEATED: f64 = 0.4;
+/// The same place: position within this share of the range, ...
+const NEAR: f64 = 0.03;
+/// ... speed within this factor, so many rows at least.
+const FASTER: f64 = 1.5;
+const ROWS_MIN: usize = 12;
+
+/// One burst: rows of the series over all records.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Burst {
+    /// Its rows.
+    pub rows: Range<usize>,
+    /// The record that it is in.
+    pub record: usize,
+    /// Its largest excursion, N m.
+    pub peak_nm: f64,
+}
+
+/// The bursts in `target_nm`, and the flexible fit without them.
+pub fn find(bench: &Bench<'_>, columns: &[Vec<f64>], target_nm: &[f64]) -> (Vec<Burst>, Flexible) {
+    let mut used = bench.used.clone();
+    let mut fitted = flexible::fit(bench, columns, target_nm, &used);
+    let mut bursts = Vec::new();
+    for _ in 0..ROUNDS {
+        let found = stretches(bench, &fitted.residual_nm);
+        let rows: usize = found.iter().map(|burst| burst.rows.len()).sum();
+        if found == bursts || rows as f64 > SHARE_MAX * bench.rows() as f64 {
+            break;
+        }
+        bursts = found;
+        used.clone_from(&bench.used);
+        bursts.iter().for_each(|burst| used[burst.rows.clone()].fill(false));
+        fitted = flexible::fit(bench, columns, target_nm, &used);
+    }
+    let states = states(bench);
+    bursts.retain(|burst| !is_repeated(bench, &states, &fitted.residual_nm, burst));
+    (bursts, fitted)
+}
+
+/// Where the residual's level rises far above what is usual.
+fn stretches(bench: &Bench<'_>, residual_nm: &[f64]) -> Vec<Burst> {
+    let reach = ((WINDOW * bench.records.rows_per_independent / 2.0).round() as usize).max(1);
+    let mut found = Vec::new();
+    let levels: Vec<Vec<f64>> =
+        bench.records.ranges.iter().map(|range| level(&residual_nm[range.clone()], reach)).collect();
+    let mut all: Vec<f64> = levels.concat();
+    let usual = (quantile(&mut all, 0.5)).max(bench.floor_nm);
+    for (record, (range, level)) in bench.records.ranges.iter().zip(&levels).enumerate() {
+        let mut at = 0;
+        while at < level.len() {
+            if level[at] <= EDGE * usual {
+                at += 1;
+                continue;
+            }
+            let end = level[at..].iter().position(|l| *l <= EDGE * usual).map_or(level.len(), |n| at + n);
+            if level[at..end].iter().any(|l| *l > PEAK * usual) {
+                let rows = range.start + at.saturating_sub(reach)..range.start + (end + reach).min(level.len());
+                let peak_nm =
+                    residual_nm[rows.clone()].iter().fold(0.0, |p: f64, r| if r.abs() > p.abs() { *r } else { p });
+                found.push(Burst { rows, record, peak_nm });
+            }
+            at = end;
+        }
+    }
+    found
+}
+
+/// Root mean square over `reach` rows to either side.
+fn level(values: &[f64], reach: usize) -> Vec<f64> {
+    let mut sums = vec![0.0];
+    values.iter().for_each(|v| sums.push(sums[sums.len() - 1] + v * v));
+    (0..values.len())
+        .map(|i| {
+            let (from, to) = (i.saturating_sub(reach), (i + reach + 1).min(values.len()));
+            ((sums[to] - sums[from]) / (to - from) as f64).max(0.0).sqrt()
+        })
+        .collect()
+}
+
+/// Position, velocity and travel since the last reversal at each row.
+fn states(bench: &Bench<'_>) -> Vec<[f64; 3]> {
+    let of = |record: &Record| {
+        let travel = record.travel_rad();
+        record.rows.iter().map(|i| [record.own[*i].position, record.own[*i].velocity, travel[*i]]).collect::<Vec<_>>()
+    };
+    bench.records.all.iter().flat_map(of).collect()
+}
+
+/// Whether the joint, when it is there again in the same motion, shows the like.
+fn is_repeated(bench: &Bench<'_>, states: &[[f64; 3]], residual_nm: &[f64], burst: &Burst) -> bool {
+    let range = bench.extent.position_rad.1 - bench.extent.position_rad.0;
+    let peak = burst.rows.clone().max_by(|a, b| residual_nm[*a].abs().total_cmp(&residual_nm[*b].abs())).unwrap_or(0);
+    let [q, v, travel] = states[peak];
+    let same = |i: &usize| {
+        let [other_q, other_v, other_travel] = states[*i];
+        let speeds = other_v / if v == 0.0 { f64::MIN_POSITIVE } else { v };
+        (other_q - q).abs() < NEAR * range
+            && (1.0 / FASTER..FASTER).contains(&speeds)
+            && ((other_travel - travel).abs() < NEAR * range || (other_travel > 0.2 * range && travel > 0.2 * range))
+    };
+    let far = |i: &usize| *i + 10 < burst.rows.start || *i > burst.rows.end + 10;
+    let others: Vec<f64> = (0..states.len()).filter(far).filter(same).map(|i| residual_nm[i]).collect();
+    if others.len() < ROWS_MIN {
+        return false;
+    }
+    let middle = quantile(&mut others.clone(), 0.5);
+    middle * burst.peak_nm.signum() > REPEATED * burst.peak_nm.abs()
+}

@@ -1,0 +1,156 @@
+//! Every cause that the library and the model offer, fitted on one ground.
+
+use super::fit::{Bench, Fit, Ground};
+use super::moves::{Move, Stale, of_effect, stale};
+use super::ripple;
+use crate::effects::{Added, Effect, LIBRARY};
+use crate::model::{Combination, Model};
+use rayon::prelude::*;
+
+/// Starts of one effect that are fitted in full, the most promising first.
+const STARTS: usize = 2;
+/// Effects that are fitted in full: those that do best at their starts.
+const FITTED: usize = 7;
+
+/// Why a model differs from the joint.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub enum Cause {
+    /// An effect of the library, by its id.
+    Effect(&'static str),
+    /// A group of the model's own parameters, by name.
+    Stale(&'static str),
+}
+
+impl Cause {
+    /// Its name in a verdict.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Effect(name) | Self::Stale(name) => name,
+        }
+    }
+}
+
+/// A cause fitted.
+#[derive(Debug, Clone)]
+pub struct Tried {
+    /// Which.
+    pub cause: Cause,
+    /// In which way, where a group of parameters can move in several.
+    pub how: &'static str,
+    /// The fit.
+    pub fit: Fit,
+}
+
+impl Tried {
+    /// Numbers that were fitted.
+    pub fn count(&self) -> usize {
+        self.fit.moves.len()
+    }
+
+    /// Mean square left on units that were held out, with what the base's moves cost, (N m)^2.
+    pub fn score(&self, bench: &Bench<'_>) -> f64 {
+        score(bench, &self.fit)
+    }
+}
+
+/// Mean square left on held-out units plus the cost of the base's moves, (N m)^2.
+pub fn score(bench: &Bench<'_>, fit: &Fit) -> f64 {
+    bench.surprise_factor(fit) * fit.held_out.iter().sum::<f64>() / bench.rows().max(1) as f64
+}
+
+/// All causes but those that `ground` has already, each at its best; effects without promise are left out.
+pub fn try_all(bench: &Bench<'_>, ground: &Ground, known: &[Cause]) -> Vec<Tried> {
+    let residual_nm = bench.rest_residual_nm(ground);
+    let effects = LIBRARY.into_par_iter().filter(|effect| !known.contains(&Cause::Effect(effect.about().id)));
+    let mut begun: Vec<Begun> = effects.filter_map(|effect| begin(bench, ground, effect, &residual_nm)).collect();
+    begun.sort_by(|a, b| a.cost().total_cmp(&b.cost()));
+    let mut place = 0..;
+    begun.retain(|begun| place.next() < Some(FITTED) || begun.is_shape());
+    let groups: Vec<Stale> =
+        stale(&ground.model).into_iter().filter(|group| !known.contains(&Cause::Stale(group.name))).collect();
+    let of_groups = groups.into_par_iter().map(|group| Tried {
+        cause: Cause::Stale(group.name),
+        how: group.how,
+        fit: bench.fit(ground, ground.model.clone(), group.moves),
+    });
+    let of_effects = begun.into_par_iter().filter_map(|begun| begun.fit(bench, ground));
+    of_effects.chain(of_groups).collect()
+}
+
+/// Whether `effect` is one that `model` could lack.
+fn can_be(model: &Model, effect: &dyn Effect) -> bool {
+    match effect.about().id {
+        "reversal_transition" => matches!(model.combination, Combination::Sign | Combination::Linear),
+        "inertia" => model.chain.is_none() && model.dynamics.inertia_kg_m2 == 0.0,
+        _ => true,
+    }
+}
+
+/// An effect at the starts from which it is to be fitted, the most promising first; never empty.
+struct Begun {
+    effect: &'static dyn Effect,
+    starts: Vec<(f64, Model, Vec<Move>)>,
+}
+
+impl Begun {
+    fn cost(&self) -> f64 {
+        self.starts[0].0
+    }
+
+    /// Whether it has no strength that a start could find at once.
+    fn is_shape(&self) -> bool {
+        self.starts[0].2.iter().all(|way| !way.is_linear)
+    }
+
+    fn fit(self, bench: &Bench<'_>, ground: &Ground) -> Option<Tried> {
+        let fits = self.starts.into_par_iter().map(|(_, model, moves)| bench.fit(ground, model, moves));
+        let fit =
+            fits.collect::<Vec<Fit>>().into_iter().min_by(|a, b| a.cost.mean_square.total_cmp(&b.cost.mean_square))?;
+        Some(Tried { cause: Cause::Effect(self.effect.about().id), how: "", fit })
+    }
+}
+
+/// `effect` at its most promising starts beside the ground.
+fn begin(bench: &Bench<'_>, ground: &Ground, effect: &'static dyn Effect, residual_nm: &[f64]) -> Option<Begun> {
+    if !can_be(&ground.model, effect) {
+        return None;
+    }
+    let at = ground.model.effects.len();
+    let starts = match effect.about().id {
+        id @ ("friction_ripple" | "torque_ripple") => {
+            ripple::starts(bench, ground, residual_nm, id == "friction_ripple")
+        }
+        "saturation" => saturation_starts(bench, effect),
+        _ => effect.starts(&bench.extent),
+    };
+    let glance = |parameters: Vec<f64>| {
+        let mut model = ground.model.clone();
+        model.effects.push(Added { effect, parameters });
+        let moves = of_effect(&model, at, &bench.extent);
+        let linear: Vec<Move> = moves.iter().filter(|way| way.is_linear).cloned().collect();
+        let (cost, x) = bench.glance(ground, &model, &linear);
+        linear.iter().zip(&x).for_each(|(way, x)| way.apply(&mut model, *x));
+        (cost, model, moves)
+    };
+    let mut starts: Vec<(f64, Model, Vec<Move>)> = starts.into_par_iter().map(glance).collect();
+    starts.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let is_linear = starts.first()?.2.iter().all(|way| way.is_linear) && effect.about().id != "sensor_drift";
+    starts.truncate(if is_linear { 1 } else { STARTS });
+    Some(Begun { effect, starts })
+}
+
+/// The levels at which readings pile up, where they do, beside those that are always tried.
+fn saturation_starts(bench: &Bench<'_>, effect: &dyn Effect) -> Vec<Vec<f64>> {
+    let mut starts = effect.starts(&bench.extent);
+    let levels = bench.records.all.iter().filter_map(|record| record.clip_levels_nm);
+    if let Some((low, high)) = levels.reduce(|a, b| (a.0.min(b.0), a.1.max(b.1))) {
+        let (least, most) = bench.extent.torque_nm;
+        // One level: it is the end of the range that is nearer.
+        starts.push(match low == high {
+            true if (high - most).abs() < (low - least).abs() => vec![2.0 * least - most, high],
+            true => vec![low, 2.0 * most - least],
+            false => vec![low, high],
+        });
+    }
+    starts
+}

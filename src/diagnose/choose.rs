@@ -1,0 +1,253 @@
+//! Which causes explain a gap: one after the other, each held against all rivals, earlier ones tried again once later ones are in.
+
+use super::candidates::{Cause, Tried, score, try_all};
+use super::fit::{Bench, Fit, Ground};
+use super::moves::{Move, within_confidence};
+use crate::model::Model;
+use crate::numerics::statistics::standard_deviation;
+
+/// Most causes that are looked for.
+const CAUSES_MAX: usize = 3;
+/// A cause must change the prediction by this share of the floor at least, RMS ...
+const FLOOR_SHARE: f64 = 0.6;
+/// ... the first by this share of the gap's square, any other by this share of what is left ...
+const GAP_SHARE_FIRST: f64 = 0.15;
+const GAP_SHARE_MORE: f64 = 0.30;
+/// ... and of the whole gap's square.
+const WHOLE_SHARE_MORE: f64 = 0.02;
+/// Its gain must exceed so many standard errors over clusters.
+const ERRORS: f64 = 2.0;
+/// What clusters lose by it is little, as a share of what others win.
+const LOST_SHARE: f64 = 0.2;
+/// A simpler cause is taken, and an equal one is a rival, within so many standard errors over clusters ...
+const TIE_ERRORS: f64 = 1.5;
+/// ... or this share of the gap's square, or of the floor's.
+const TIE_SHARE: f64 = 0.001;
+const TIE_FLOOR_SHARE: f64 = 0.01;
+
+/// A cause that moves the base by so much more, in squared standard deviations, does not do as well: e^-5 as likely.
+const SURPRISE_APART: f64 = 10.0;
+
+/// Causes found, and all that was tried in the place of each.
+#[derive(Debug)]
+pub struct Choice {
+    /// The base within its confidence alone.
+    pub rest: Fit,
+    /// The causes, in the order in which they were found, with what else was tried in their places, best first.
+    pub found: Vec<Found>,
+    /// What was tried last, and gained too little.
+    pub refused: Vec<Tried>,
+    /// The final fit; `rest` if nothing was found.
+    pub last: Fit,
+}
+
+/// One cause with its rivals.
+#[derive(Debug)]
+pub struct Found {
+    /// The cause.
+    pub cause: Cause,
+    /// In which way.
+    pub how: &'static str,
+    /// Score without it, the others in, (N m)^2.
+    pub without: f64,
+    /// Everything tried in its place, best first.
+    pub tried: Vec<Tried>,
+    /// Causes that do as well with no more numbers.
+    pub rivals: Vec<Cause>,
+}
+
+/// Looks for the causes of what `model` leaves.
+pub fn choose(bench: &Bench<'_>, model: &Model, progress: &(dyn Fn() + Sync)) -> Choice {
+    let base = within_confidence(model);
+    let first = bench.ground(model, base.clone());
+    let rest = bench.rest(&first);
+    let start = score(bench, &rest);
+    let mut chosen: Vec<Tried> = Vec::new();
+    let mut tried_in: Vec<(f64, Vec<Tried>)> = Vec::new();
+    let mut refused = Vec::new();
+    let (mut ground, mut fit, mut now) = (first.clone(), rest.clone(), start);
+    let is_gap = |now: f64| now - bench.floor_nm.powi(2) > (FLOOR_SHARE * bench.floor_nm).powi(2);
+    while chosen.len() < CAUSES_MAX && is_gap(now) {
+        let known: Vec<Cause> = chosen.iter().map(|t| t.cause).collect();
+        let tried = ranked(bench, try_all(bench, &ground, &known));
+        progress();
+        let Some(best) = simplest(bench, &tried, start) else { break };
+        if !is_material(bench, &tried[best], &fit, now, start, chosen.is_empty()) {
+            refused = tried;
+            break;
+        }
+        let before = now;
+        chosen.push(tried[best].clone());
+        (ground, fit) = together(bench, &first, &base, &chosen);
+        now = score(bench, &fit);
+        tried_in.push((before, tried));
+    }
+    let single = chosen.len() == 1;
+    for at in 0..chosen.len() {
+        if single {
+            break;
+        }
+        let others: Vec<Tried> = chosen.iter().enumerate().filter(|(i, _)| *i != at).map(|(_, t)| t.clone()).collect();
+        let (without, left) = together(bench, &first, &base, &others);
+        let known: Vec<Cause> = others.iter().map(|t| t.cause).collect();
+        let tried = ranked(bench, try_all(bench, &without, &known));
+        progress();
+        if let Some(best) = simplest(bench, &tried, start) {
+            chosen[at] = tried[best].clone();
+        }
+        tried_in[at] = (score(bench, &left), tried);
+    }
+    if !single && !chosen.is_empty() {
+        // Once its company has changed, an early compromise may have become idle.
+        drop_idle(bench, &first, &base, &mut chosen, &mut tried_in, start);
+        fit = together(bench, &first, &base, &chosen).1;
+    }
+    let found = chosen
+        .iter()
+        .zip(tried_in)
+        .map(|(t, (without, tried))| Found {
+            cause: t.cause,
+            how: t.how,
+            rivals: rivals(bench, t, &tried, start),
+            without,
+            tried,
+        })
+        .collect();
+    Choice { rest, found, refused, last: fit }
+}
+
+/// Best first by what is left on held-out units.
+fn ranked(bench: &Bench<'_>, mut tried: Vec<Tried>) -> Vec<Tried> {
+    tried.sort_by(|a, b| a.score(bench).total_cmp(&b.score(bench)));
+    tried
+}
+
+/// The simplest of those that do as well as the best.
+fn simplest(bench: &Bench<'_>, tried: &[Tried], start: f64) -> Option<usize> {
+    let best = tried.first()?;
+    let equals = tried.iter().enumerate().filter(|(_, t)| is_tie(bench, best, t, start));
+    equals.min_by_key(|(_, t)| t.count()).map(|(at, _)| at)
+}
+
+/// Whether `other` does as well as `best` on held-out units, as far as they can tell.
+fn is_tie(bench: &Bench<'_>, best: &Tried, other: &Tried, start: f64) -> bool {
+    let floor_square = bench.floor_nm * bench.floor_nm;
+    let behind = other.score(bench) - best.score(bench);
+    let negligible = (TIE_SHARE * (start - floor_square)).max(TIE_FLOOR_SHARE * floor_square);
+    let weigh = |t: &Tried| bench.surprise_factor(&t.fit);
+    let (a, b) = (weigh(best), weigh(other));
+    if other.fit.cost.surprise > best.fit.cost.surprise + SURPRISE_APART {
+        return false;
+    }
+    let differences = clusters(bench, best.fit.held_out.iter().zip(&other.fit.held_out).map(|(x, y)| b * y - a * x));
+    behind <= negligible || behind * bench.rows() as f64 <= TIE_ERRORS * error_of_sum(&differences)
+}
+
+/// Sums of `of_units` over each cluster.
+fn clusters(bench: &Bench<'_>, of_units: impl Iterator<Item = f64>) -> Vec<f64> {
+    let mut sums = vec![0.0; bench.parts.cluster.iter().max().map_or(0, |last| last + 1)];
+    bench.parts.cluster.iter().zip(of_units).for_each(|(cluster, x)| sums[*cluster] += x);
+    sums
+}
+
+/// Standard error of the sum of `values`.
+fn error_of_sum(values: &[f64]) -> f64 {
+    let sd = standard_deviation(values);
+    if sd.is_finite() { sd * (values.len() as f64).sqrt() } else { 0.0 }
+}
+
+/// Whether a cause changes enough, and surely enough, to be named.
+fn is_material(bench: &Bench<'_>, tried: &Tried, before: &Fit, now: f64, start: f64, is_first: bool) -> bool {
+    let floor_square = bench.floor_nm * bench.floor_nm;
+    let gain = now - tried.score(bench);
+    let gap = (now - floor_square).max(0.0);
+    let enough = match is_first {
+        true => gain >= GAP_SHARE_FIRST * gap,
+        false => gain >= GAP_SHARE_MORE * gap && gain >= WHOLE_SHARE_MORE * (start - floor_square),
+    };
+    enough && gain >= FLOOR_SHARE * FLOOR_SHARE * floor_square && is_sure(bench, &before.held_out, &tried.fit.held_out)
+}
+
+/// Whether the squares left fall from `before` to `after` by more than chance between clusters: by several standard errors, or,
+/// where only a few clusters show the cause, with hardly any that it harms.
+fn is_sure(bench: &Bench<'_>, before: &[f64], after: &[f64]) -> bool {
+    let gains = clusters(bench, before.iter().zip(after).map(|(b, a)| b - a));
+    let won: f64 = gains.iter().filter(|g| **g > 0.0).sum();
+    let lost: f64 = -gains.iter().filter(|g| **g < 0.0).sum::<f64>();
+    won - lost > ERRORS * error_of_sum(&gains) || lost < LOST_SHARE * won
+}
+
+/// `chosen` fitted together on `first`'s model, and the ground that they make.
+fn together(bench: &Bench<'_>, first: &Ground, base: &[Move], chosen: &[Tried]) -> (Ground, Fit) {
+    let mut model = first.model.clone();
+    let mut moves: Vec<Move> = Vec::new();
+    for tried in chosen {
+        match tried.cause {
+            Cause::Effect(_) => {
+                let Some(added) = tried.fit.model.effects.last() else { continue };
+                model.effects.push(added.clone());
+                let at = model.effects.len() - 1;
+                moves.extend(super::moves::of_effect(&model, at, &bench.extent));
+            }
+            Cause::Stale(_) => {
+                for way in &tried.fit.moves {
+                    for knob in way.knobs() {
+                        knob.set(&mut model, knob.value(&tried.fit.model));
+                    }
+                }
+                moves.extend(tried.fit.moves.iter().cloned());
+            }
+        }
+    }
+    let fit = bench.fit(first, model, moves.clone());
+    let free = fit.moves.iter().map(|way| way.clone().believed_within(way.stride));
+    let ground = bench.ground(&fit.model, base.iter().cloned().chain(free).collect());
+    (ground, fit)
+}
+
+/// Leaves out what the others explain as well without it.
+fn drop_idle(
+    bench: &Bench<'_>,
+    first: &Ground,
+    base: &[Move],
+    chosen: &mut Vec<Tried>,
+    tried_in: &mut Vec<(f64, Vec<Tried>)>,
+    start: f64,
+) {
+    let mut at = 0;
+    while at < chosen.len() && chosen.len() > 1 {
+        let (_, all) = together(bench, first, base, chosen);
+        let mut others = chosen.clone();
+        others.remove(at);
+        let (_, without) = together(bench, first, base, &others);
+        let idle = Tried { fit: all, ..chosen[at].clone() };
+        if is_material(bench, &idle, &without, score(bench, &without), start, false) {
+            at += 1;
+        } else {
+            chosen.remove(at);
+            tried_in.remove(at);
+        }
+    }
+}
+
+/// Causes other than `taken` that do as well with no more numbers.
+fn rivals(bench: &Bench<'_>, taken: &Tried, tried: &[Tried], start: f64) -> Vec<Cause> {
+    let mut found: Vec<Cause> = Vec::new();
+    for other in tried.iter().filter(|other| other.cause != taken.cause && is_tie(bench, taken, other, start)) {
+        let trades = trades(taken.cause, other.cause);
+        let simple = other.count() <= taken.count() || (trades && other.count() <= taken.count() + 1);
+        if simple && !found.contains(&other.cause) {
+            found.push(other.cause);
+        }
+    }
+    found
+}
+
+/// Whether either is known to be mistaken for the other.
+fn trades(a: Cause, b: Cause) -> bool {
+    let says = |x: Cause, y: Cause| match x {
+        Cause::Effect(id) => crate::effects::find(id).is_some_and(|e| e.about().trades_with.contains(&y.name())),
+        Cause::Stale(_) => false,
+    };
+    says(a, b) || says(b, a)
+}

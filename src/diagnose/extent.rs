@@ -1,0 +1,33 @@
+//! Over what range a campaign moves.
+
+use super::record::Records;
+use crate::dynamics::JointKind;
+use crate::effects::Extent;
+use crate::model::Model;
+use crate::numerics::statistics::{extent, quantile};
+
+/// Slower than this share of the fastest, the joint does not move.
+const MOVING: f64 = 1e-3;
+
+/// Of `records`, for a joint like `model`'s.
+pub fn of(records: &Records, model: &Model) -> Extent {
+    let mut speeds: Vec<f64> = records.rows(|record, i| record.own[i].velocity.abs());
+    let fastest = quantile(&mut speeds, 0.999);
+    let mut moving: Vec<f64> = speeds.into_iter().filter(|v| *v > MOVING * fastest).collect();
+    let slow = quantile(&mut moving, 0.05);
+    let end = |of: &dyn Fn(&super::record::Record, usize) -> f64| {
+        let last = |record: &super::record::Record| record.time_s.len().checked_sub(1).map_or(0.0, |i| of(record, i));
+        records.all.iter().map(last).fold(0.0, f64::max)
+    };
+    Extent {
+        position_rad: extent(&records.rows(|record, i| record.own[i].position)),
+        speed_rad_s: (slow, fastest),
+        trial_s: end(&|record, i| record.time_s[i]),
+        campaign_s: end(&|record, i| record.elapsed_s(i)),
+        torque_nm: extent(&records.measured_nm()),
+        others: records.others(),
+        backlash_m: model.joint.backlash_m,
+        pulley_radius_m: model.joint.pulley_radius_m,
+        turns: model.joint.kind == JointKind::Revolute,
+    }
+}

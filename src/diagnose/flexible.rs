@@ -1,0 +1,172 @@
+//! The ceiling: what a fit without any physics recovers of a gap from the recorded quantities alone.
+//!
+//! Sums of broken lines over position, speed, travel since a reversal, time, load and other joints, each alone and with the sign
+//! of the motion, low-passed like the torque. What it leaves on held-out units depends on nothing that was recorded, or on too
+//! much of it at once.
+
+use super::fit::{Bench, Ground};
+use super::gram::{Gram, Prior};
+use crate::numerics::statistics::{extent, root_mean_square};
+use rayon::prelude::*;
+use std::f64::consts::TAU;
+
+/// Corners of the broken lines over position, time, and the others.
+const CORNERS: usize = 9;
+const CORNERS_FEW: usize = 6;
+/// Travels since a reversal, as shares of the range, over which something may have decayed.
+const TRAVELS: [f64; 4] = [0.005, 0.02, 0.06, 0.15];
+/// Other joints looked at.
+const OTHERS: usize = 3;
+/// A column may account for so many times what is to be explained.
+const WIDE: f64 = 3.0;
+
+/// What depends on recorded quantities.
+#[derive(Debug)]
+pub struct Flexible {
+    /// Mean square left on held-out units, (N m)^2.
+    pub held_out: f64,
+    /// What it leaves at every row, N m.
+    pub residual_nm: Vec<f64>,
+}
+
+/// What a row's features are made of.
+struct State {
+    /// -1 to 1, with the motion.
+    sign: f64,
+    position: f64,
+    velocity: f64,
+    acceleration: f64,
+    /// Rad since the last reversal.
+    travel: f64,
+    time_s: f64,
+    elapsed_s: f64,
+}
+
+/// Columns of the flexible fit at all rows, low-passed.
+pub fn columns(bench: &Bench<'_>, ground: &Ground, lines: &[Vec<f64>]) -> Vec<Vec<f64>> {
+    let states = states(bench, ground);
+    let at = |of: &dyn Fn(&State) -> f64| extent(&states.iter().flatten().map(of).collect::<Vec<f64>>());
+    let (low, high) = at(&|s| s.position);
+    let range = high - low;
+    let speed = bench.extent.speed_rad_s;
+    let log_speed = |s: &State| (s.velocity.abs().max(speed.0)).ln();
+    let speeds = (speed.0.ln(), speed.1.ln());
+    type Feature<'f> = Box<dyn Fn(&State) -> f64 + Send + Sync + 'f>;
+    let mut features: Vec<Feature<'_>> = Vec::new();
+    let mut both = |f: Feature<'static>| {
+        let f = std::sync::Arc::new(f);
+        let g = f.clone();
+        features.push(Box::new(move |s| f(s)));
+        features.push(Box::new(move |s| s.sign * g(s)));
+    };
+    for k in 0..CORNERS {
+        both(Box::new(move |s| hat(s.position, (low, high), k, CORNERS)));
+    }
+    for travel in TRAVELS {
+        both(Box::new(move |s| (-s.travel / (travel * range)).exp()));
+    }
+    let (trial_s, campaign_s) = (bench.extent.trial_s, bench.extent.campaign_s);
+    for k in 1..CORNERS_FEW {
+        both(Box::new(move |s| hat(s.time_s, (0.0, trial_s), k, CORNERS_FEW)));
+        both(Box::new(move |s| hat(s.elapsed_s, (0.0, campaign_s), k, CORNERS_FEW)));
+        both(Box::new(move |s| s.velocity * hat(s.position, (low, high), k, CORNERS_FEW)));
+    }
+    both(Box::new(|s| s.acceleration));
+    both(Box::new(|s| s.velocity * s.velocity));
+    for k in 1..CORNERS_FEW {
+        features.push(Box::new(move |s| s.sign * hat(log_speed(s), speeds, k, CORNERS_FEW)));
+    }
+    for periods in lines.iter().map(|line| line[0]) {
+        for harmonic in [1.0, 2.0] {
+            let angle = move |s: &State| TAU * harmonic * periods * s.position;
+            features.push(Box::new(move |s| angle(s).sin()));
+            features.push(Box::new(move |s| angle(s).cos()));
+            features.push(Box::new(move |s| s.sign * angle(s).sin()));
+            features.push(Box::new(move |s| s.sign * angle(s).cos()));
+        }
+    }
+    let column = |feature: &Feature<'_>| bench.records.low_passed(|at, _, i| feature(&states[at][i]));
+    let mut columns: Vec<Vec<f64>> = features.par_iter().map(column).collect();
+    columns.extend(of_others(bench));
+    columns.extend(of_torque(bench, ground));
+    columns
+}
+
+/// Other joints: position, speed, acceleration, direction.
+fn of_others(bench: &Bench<'_>) -> Vec<Vec<f64>> {
+    let joint = |joint: usize| {
+        let reach = |of: &dyn Fn(crate::dynamics::Motion) -> f64| {
+            extent(&bench.records.rows(|record, i| record.other(joint, i)).into_iter().map(of).collect::<Vec<f64>>())
+        };
+        let span = reach(&|m| m.position);
+        let soft = 0.1 * reach(&|m| m.velocity).1.max(1e-9);
+        let hats = (1..CORNERS_FEW)
+            .map(|k| bench.records.low_passed(move |_, r, i| hat(r.other(joint, i).position, span, k, CORNERS_FEW)));
+        let mut columns: Vec<Vec<f64>> = hats.collect();
+        columns.push(bench.records.low_passed(|_, r, i| r.other(joint, i).velocity));
+        columns.push(bench.records.low_passed(|_, r, i| (r.other(joint, i).velocity / soft).tanh()));
+        columns.push(bench.records.low_passed(|_, r, i| r.other(joint, i).acceleration));
+        columns.push(bench.records.low_passed(|_, r, i| r.other(joint, i).acceleration * r.own[i].position.cos()));
+        columns.push(bench.records.low_passed(|_, r, i| r.other(joint, i).position * r.own[i].position));
+        columns
+    };
+    (0..bench.extent.others.min(OTHERS)).flat_map(joint).collect()
+}
+
+/// The predicted torque itself, its slope in time, and its ends.
+fn of_torque(bench: &Bench<'_>, ground: &Ground) -> Vec<Vec<f64>> {
+    let predicted_nm = &ground.predicted_nm;
+    let span = extent(predicted_nm);
+    let slope = |i: usize| match (i.checked_sub(1), predicted_nm.get(i + 1)) {
+        (Some(before), Some(after)) => after - predicted_nm[before],
+        _ => 0.0,
+    };
+    let hats = (0..CORNERS_FEW).map(|k| predicted_nm.iter().map(|y| hat(*y, span, k, CORNERS_FEW)).collect());
+    hats.chain([(0..bench.measured_nm.len()).map(slope).collect()]).collect()
+}
+
+/// The states of every record's thinned samples.
+fn states(bench: &Bench<'_>, ground: &Ground) -> Vec<Vec<State>> {
+    let of = |(record, k_tilde): (&super::record::Record, &Vec<f64>)| {
+        let travel = record.travel_rad();
+        (0..record.own.len())
+            .map(|i| State {
+                sign: 2.0 * k_tilde[i] - 1.0,
+                position: record.own[i].position,
+                velocity: record.own[i].velocity,
+                acceleration: record.own[i].acceleration,
+                travel: travel[i],
+                time_s: record.time_s[i],
+                elapsed_s: record.elapsed_s(i),
+            })
+            .collect()
+    };
+    bench.records.all.iter().zip(&ground.passages).map(of).collect()
+}
+
+/// The `k`th of `count` tents that stand side by side over a range: 1 at its own corner, 0 at the next ones.
+fn hat(x: f64, (low, high): (f64, f64), k: usize, count: usize) -> f64 {
+    let at = if high > low { (x - low) / (high - low) * (count - 1) as f64 } else { 0.0 };
+    (1.0 - (at - k as f64).abs()).max(0.0)
+}
+
+/// Fits `columns` to `target_nm` over the rows that count.
+pub fn fit(bench: &Bench<'_>, columns: &[Vec<f64>], target_nm: &[f64], used: &[bool]) -> Flexible {
+    let size = root_mean_square(target_nm);
+    let all: Vec<&[f64]> = columns.iter().map(Vec::as_slice).collect();
+    let deviations: Vec<f64> =
+        columns.iter().map(|column| WIDE * size / root_mean_square(column).max(f64::MIN_POSITIVE)).collect();
+    let prior = Prior {
+        deviations: &deviations,
+        floor_square: bench.floor_nm * bench.floor_nm,
+        rows_per_independent: bench.records.rows_per_independent,
+    };
+    let gram = Gram::new(bench.parts, used, &all, target_nm);
+    let x = gram.solve(prior).x;
+    let mut residual_nm = target_nm.to_vec();
+    for (column, x) in columns.iter().zip(x.iter()) {
+        residual_nm.iter_mut().zip(column).for_each(|(r, c)| *r -= x * c);
+    }
+    let rows = used.iter().filter(|used| **used).count().max(1) as f64;
+    Flexible { held_out: gram.held_out(bench.parts, prior).iter().sum::<f64>() / rows, residual_nm }
+}

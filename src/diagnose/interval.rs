@@ -1,0 +1,96 @@
+//! Intervals by resampling whole clusters: what another campaign like this one might have said.
+
+use super::floor::Floor;
+use super::parts::Parts;
+use crate::numerics::statistics::quantile;
+use rand::{RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+use rand_distr::{Distribution, Normal};
+
+/// Resamplings.
+const DRAWS: usize = 1000;
+/// Their seed: the same campaign gives the same intervals.
+const SEED: u64 = 0x5155_4152;
+
+/// How often each cluster is drawn, resampling by resampling, and the floor's square that goes with it as a share of its own.
+#[derive(Debug)]
+pub struct Draws {
+    weights: Vec<Vec<f64>>,
+    floor_factor: Vec<f64>,
+    cluster: Vec<usize>,
+}
+
+/// A gap and what is left of it: both above the floor.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Shrink {
+    /// 1 - after / before.
+    pub value: f64,
+    /// Lower end of the 95 % interval.
+    pub low: f64,
+    /// Upper end.
+    pub high: f64,
+}
+
+impl Draws {
+    /// For the clusters of `parts`.
+    pub fn new(parts: &Parts, floor: &Floor) -> Self {
+        let mut random = ChaCha8Rng::seed_from_u64(SEED);
+        let count = parts.cluster.iter().max().map_or(0, |last| last + 1);
+        let normal = Normal::new(1.0, floor.relative_error).ok();
+        let mut weights = Vec::with_capacity(DRAWS);
+        let mut floor_factor = Vec::with_capacity(DRAWS);
+        for _ in 0..DRAWS {
+            let mut drawn = vec![0.0; count];
+            (0..count).for_each(|_| drawn[random.random_range(0..count)] += 1.0);
+            weights.push(drawn);
+            floor_factor.push(normal.map_or(1.0, |normal| normal.sample(&mut random)).max(0.0));
+        }
+        Self { weights, floor_factor, cluster: parts.cluster.clone() }
+    }
+
+    /// Mean square in each resampling of what has `squares` in each unit, over `rows` of them.
+    pub fn mean_squares(&self, squares: &[f64], rows: &[f64]) -> Vec<f64> {
+        let count = self.weights.first().map_or(0, Vec::len);
+        let (mut s, mut n) = (vec![0.0; count], vec![0.0; count]);
+        for ((cluster, square), row) in self.cluster.iter().zip(squares).zip(rows) {
+            s[*cluster] += square;
+            n[*cluster] += row;
+        }
+        let mean = |weights: &Vec<f64>| {
+            let of = |values: &[f64]| weights.iter().zip(values).map(|(w, x)| w * x).sum::<f64>();
+            of(&s) / of(&n).max(f64::MIN_POSITIVE)
+        };
+        self.weights.iter().map(mean).collect()
+    }
+
+    /// How far the gap shrinks from `before` to `after`, squares left in each unit, over `rows`, above `floor_nm`.
+    pub fn shrink(&self, before: &[f64], after: &[f64], rows: &[f64], floor_nm: f64) -> Shrink {
+        let all = |squares: &[f64]| squares.iter().sum::<f64>() / rows.iter().sum::<f64>().max(1.0);
+        let share = |before: f64, after: f64, floor_square: f64| {
+            let gap = above(before, floor_square);
+            if gap > 0.0 { 1.0 - above(after, floor_square) / gap } else { 0.0 }
+        };
+        let (b, a) = (self.mean_squares(before, rows), self.mean_squares(after, rows));
+        let floor_square = floor_nm * floor_nm;
+        let mut drawn: Vec<f64> =
+            (0..b.len()).map(|i| share(b[i], a[i], self.floor_factor[i] * floor_square)).collect();
+        let value = share(all(before), all(after), floor_square);
+        let low = quantile(&mut drawn, 0.025).min(value);
+        Shrink { value, low, high: quantile(&mut drawn, 0.975).max(value) }
+    }
+
+    /// How often each unit is drawn in resampling `i`.
+    pub fn of_units(&self, i: usize) -> Vec<f64> {
+        self.cluster.iter().map(|cluster| self.weights[i][*cluster]).collect()
+    }
+
+    /// Share of the resamplings in which `holds` does, told the resampling's number.
+    pub fn share(&self, holds: impl Fn(usize) -> bool) -> f64 {
+        (0..self.weights.len()).filter(|i| holds(*i)).count() as f64 / self.weights.len().max(1) as f64
+    }
+}
+
+/// What lies above the floor, as a root.
+pub fn above(square: f64, floor_square: f64) -> f64 {
+    (square - floor_square).max(0.0).sqrt()
+}

@@ -1,0 +1,304 @@
+//! Ways in which a model may be changed: each a number that is 0 where the model stays as it is.
+//!
+//! Base parameters move in units of their confidence; groups of them move together, as a stale calibration would; effects move
+//! by their strengths and shapes.
+
+use crate::dynamics::Direction;
+use crate::effects::{Extent, Role};
+use crate::model::{Combination, Friction, Model};
+
+/// Confidence of a parameter for which none is given, as a share of it: the 95 % interval reaches so far to either side.
+const UNKNOWN_SHARE: f64 = 0.05;
+/// Half a 95 % interval in standard deviations.
+const HALF_WIDTH: f64 = 1.96;
+
+/// One number of a model.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Knob {
+    Gravity,
+    Inertia,
+    Backlash,
+    Curve,
+    Friction(Direction, usize),
+    Effect(usize, usize),
+}
+
+impl Knob {
+    fn slot(self, model: &mut Model) -> Option<&mut f64> {
+        match self {
+            Self::Gravity => Some(&mut model.dynamics.gravity_nm),
+            Self::Inertia => Some(&mut model.dynamics.inertia_kg_m2),
+            Self::Backlash => Some(&mut model.joint.backlash_m),
+            Self::Curve => match &mut model.combination {
+                Combination::Arctan { p, .. } => Some(p),
+                Combination::Power { n } => Some(n),
+                Combination::Sign | Combination::Linear => None,
+            },
+            Self::Friction(direction, at) => {
+                let f = model.friction.of_mut(direction);
+                Some(
+                    [&mut f.mu_c, &mut f.a_j, &mut f.b_c, &mut f.c_c, &mut f.b_j, &mut f.c_j, &mut f.d]
+                        .into_iter()
+                        .nth(at)?,
+                )
+            }
+            Self::Effect(effect, at) => model.effects.get_mut(effect)?.parameters.get_mut(at),
+        }
+    }
+
+    /// Sets it in `model`.
+    pub fn set(self, model: &mut Model, value: f64) {
+        if let Some(slot) = self.slot(model) {
+            *slot = value;
+        }
+    }
+
+    /// Its value in `model`; 0 where it has none.
+    pub fn value(self, model: &Model) -> f64 {
+        self.slot(&mut model.clone()).map_or(0.0, |slot| *slot)
+    }
+
+    /// Its dotted name, as in a model's confidence.
+    pub fn name(self, model: &Model) -> String {
+        match self {
+            Self::Gravity => "dynamics.gravity_nm".to_string(),
+            Self::Inertia => "dynamics.inertia_kg_m2".to_string(),
+            Self::Backlash => "joint.backlash_m".to_string(),
+            Self::Curve if matches!(model.combination, Combination::Power { .. }) => "combination.n".to_string(),
+            Self::Curve => "combination.p".to_string(),
+            Self::Friction(direction, at) => format!("friction.{}.{}", direction.name(), Friction::NAMES[at]),
+            Self::Effect(effect, at) => {
+                let added = &model.effects[effect];
+                format!("effects.{}.{}", added.id(), added.effect.about().parameters[at].name)
+            }
+        }
+    }
+}
+
+/// How a knob turns with its move's number.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Turn {
+    /// value + x step
+    Add(f64),
+    /// value exp(x)
+    Scale,
+}
+
+/// One way to change a model: knobs that turn together.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Move {
+    turns: Vec<(Knob, Turn)>,
+    /// Standard deviation of the number before any data are seen; infinite where only data decide.
+    pub prior: f64,
+    /// The number's size for a difference quotient.
+    pub probe: f64,
+    /// The largest step of the number that is believed at once.
+    pub stride: f64,
+    /// Whether the prediction is in proportion to it, or nearly so.
+    pub is_linear: bool,
+}
+
+impl Move {
+    fn of(turns: Vec<(Knob, Turn)>, prior: f64, probe: f64) -> Self {
+        Self { turns, prior, probe, stride: f64::INFINITY, is_linear: true }
+    }
+
+    /// The same, its number known to be within about `deviation` before any data are seen.
+    pub fn believed_within(self, deviation: f64) -> Self {
+        Self { prior: deviation, ..self }
+    }
+
+    /// Changes `model` by `x`.
+    pub fn apply(&self, model: &mut Model, x: f64) {
+        for (knob, turn) in &self.turns {
+            let bounds = knob.bounds(model);
+            if let Some(slot) = knob.slot(model) {
+                *slot = match turn {
+                    Turn::Add(step) => *slot + x * step,
+                    Turn::Scale => *slot * x.exp(),
+                }
+                .clamp(bounds.0, bounds.1);
+            }
+        }
+    }
+
+    /// The knobs that it turns.
+    pub fn knobs(&self) -> impl Iterator<Item = Knob> {
+        self.turns.iter().map(|(knob, _)| *knob)
+    }
+
+    /// Whether it changes where friction stands between its branches.
+    pub fn changes_passage(&self, model: &Model) -> bool {
+        self.knobs().any(|knob| match knob {
+            Knob::Backlash | Knob::Curve => true,
+            Knob::Effect(at, _) => {
+                let added = &model.effects[at];
+                added.effect.curve(&added.parameters).is_some() || added.effect.presliding(&added.parameters).is_some()
+            }
+            _ => false,
+        })
+    }
+}
+
+impl Knob {
+    /// Its name where its owner is known: an effect's parameter by itself.
+    pub fn own_name(self, model: &Model) -> String {
+        match self {
+            Self::Effect(effect, at) => model.effects[effect].effect.about().parameters[at].name.to_string(),
+            _ => self.name(model),
+        }
+    }
+
+    /// The range beyond which it makes no sense.
+    pub fn bounds(self, model: &Model) -> (f64, f64) {
+        match self {
+            Self::Friction(_, 0) => (-5.0, 0.95),
+            Self::Backlash => (1e-9, 1e3),
+            Self::Curve => (0.02, 100.0),
+            Self::Effect(effect, at) => model.effects[effect].effect.about().parameters[at].bounds,
+            _ => (f64::NEG_INFINITY, f64::INFINITY),
+        }
+    }
+}
+
+/// Every base parameter that `model` has, free within its confidence: one move each, in standard deviations.
+pub fn within_confidence(model: &Model) -> Vec<Move> {
+    let friction = Direction::BOTH.into_iter().flat_map(|d| (0..7).map(move |at| Knob::Friction(d, at)));
+    [Knob::Gravity, Knob::Inertia, Knob::Backlash, Knob::Curve]
+        .into_iter()
+        .chain(friction)
+        .filter(|knob| matters(model, *knob))
+        .filter_map(|knob| {
+            let sd = deviation(model, knob);
+            (sd > 0.0).then(|| Move::of(vec![(knob, Turn::Add(sd))], 1.0, 0.1))
+        })
+        .collect()
+}
+
+/// Whether `knob` is one that `model` has and that moves its prediction.
+fn matters(model: &Model, knob: Knob) -> bool {
+    match knob {
+        Knob::Gravity | Knob::Inertia => model.chain.is_none() && knob.value(model) != 0.0,
+        Knob::Backlash => model.combination != Combination::Sign && model.joint.backlash_m > 0.0,
+        // A rate without its amplitude does nothing.
+        Knob::Friction(direction, 3) => model.friction.of(direction).b_c != 0.0,
+        Knob::Friction(direction, 5) => model.friction.of(direction).b_j != 0.0,
+        _ => knob.value(model) != 0.0,
+    }
+}
+
+/// Standard deviation of a base parameter. Where only a combination with others is known, its own wide interval would let it
+/// wander with theirs held: it is then as if nobody had said.
+fn deviation(model: &Model, knob: Knob) -> f64 {
+    let unknown = UNKNOWN_SHARE * knob.value(model).abs() / HALF_WIDTH;
+    match model.confidence.get(&knob.name(model)) {
+        Some(c) if c.low.is_finite() && c.high.is_finite() => {
+            let own = (c.high - c.low) / (2.0 * HALF_WIDTH);
+            if c.status == crate::model::Status::Pinned { own } else { own.min(unknown) }
+        }
+        _ => unknown,
+    }
+}
+
+/// The group that a base parameter goes stale with.
+pub fn group_of(knob: Knob) -> &'static str {
+    match knob {
+        Knob::Gravity => "gravity",
+        Knob::Inertia => "inertia",
+        Knob::Backlash => "backlash_width",
+        Knob::Friction(_, 0) => "load_coefficient",
+        Knob::Friction(_, 1) => "coulomb",
+        Knob::Friction(_, 6) => "viscous",
+        Knob::Friction(..) => "stribeck_level",
+        Knob::Curve | Knob::Effect(..) => "",
+    }
+}
+
+/// A group of the model's own parameters that may have gone stale, in one of the ways in which that happens.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Stale {
+    /// The group's name in a verdict.
+    pub name: &'static str,
+    /// How: "both directions alike", "up only" ...
+    pub how: &'static str,
+    /// What moves.
+    pub moves: Vec<Move>,
+}
+
+/// The groups that `model` has.
+pub fn stale(model: &Model) -> Vec<Stale> {
+    let mut found = Vec::new();
+    let mut add = |name, how, moves: Vec<Move>| found.push(Stale { name, how, moves });
+    let free = |turns: Vec<(Knob, Turn)>| Move { stride: 0.5, ..Move::of(turns, f64::INFINITY, 1e-3) };
+    let curved = |knob: Knob| Move { is_linear: false, ..free(vec![(knob, Turn::Scale)]) };
+    let scaled = |knob: Knob| free(vec![(knob, Turn::Add(knob.value(model)))]);
+    if matters(model, Knob::Gravity) {
+        add("gravity", "", vec![scaled(Knob::Gravity)]);
+    }
+    if matters(model, Knob::Inertia) {
+        add("inertia", "", vec![scaled(Knob::Inertia)]);
+    }
+    if matters(model, Knob::Backlash) {
+        add("backlash_width", "", vec![curved(Knob::Backlash)]);
+    }
+    let both = |at: usize| Direction::BOTH.map(|d| Knob::Friction(d, at));
+    let size = |at: usize| both(at).iter().map(|knob| knob.value(model).abs()).sum::<f64>() / 2.0;
+    for (name, at) in [("coulomb", 1), ("viscous", 6), ("load_coefficient", 0)] {
+        let [up, down] = both(at);
+        let unit = if size(at) > 0.0 { size(at) } else { 0.1 };
+        let present = |knob: Knob| knob.value(model) != 0.0;
+        if present(up) && present(down) {
+            let turn = |knob: Knob| (knob, Turn::Add(knob.value(model)));
+            add(name, "both directions alike", vec![free(vec![turn(up), turn(down)])]);
+        }
+        for (knob, how) in [(up, "up only"), (down, "down only")] {
+            if present(knob) {
+                add(name, how, vec![scaled(knob)]);
+            }
+        }
+        if name == "coulomb" && present(up) && present(down) {
+            add(
+                name,
+                "up and down by the same torque",
+                vec![free(vec![(up, Turn::Add(unit)), (down, Turn::Add(unit))])],
+            );
+        }
+        if (present(up) || present(down)) && name != "load_coefficient" || name == "load_coefficient" && size(at) == 0.0
+        {
+            add(
+                name,
+                "each direction by itself",
+                vec![free(vec![(up, Turn::Add(unit))]), free(vec![(down, Turn::Add(unit))])],
+            );
+        }
+    }
+    let amplitudes: Vec<Vec<(Knob, Turn)>> = Direction::BOTH
+        .map(|d| [2, 4].map(|at| Knob::Friction(d, at)).into_iter().map(|k| (k, Turn::Add(k.value(model)))).collect())
+        .to_vec();
+    if amplitudes.iter().flatten().any(|(knob, _)| knob.value(model) != 0.0) {
+        add("stribeck_level", "both directions alike", vec![free(amplitudes.concat())]);
+        add("stribeck_level", "each direction by itself", amplitudes.into_iter().map(free).collect());
+    }
+    found
+}
+
+/// What may be fitted of effect number `at` of `model`: its strengths and shapes.
+pub fn of_effect(model: &Model, at: usize, extent: &Extent) -> Vec<Move> {
+    let span = |(low, high): (f64, f64)| (high - low).abs().max(f64::MIN_POSITIVE);
+    let one = |(index, parameter): (usize, &crate::effects::Parameter)| {
+        let knob = Knob::Effect(at, index);
+        let move_of = |turn, is_linear, stride| Move {
+            is_linear,
+            stride,
+            ..Move::of(vec![(knob, turn)], f64::INFINITY, if is_linear { 1e-3 } else { 1e-4 })
+        };
+        match parameter.role {
+            Role::Choice => None,
+            Role::Strength => Some(move_of(Turn::Add(1.0), true, f64::INFINITY)),
+            Role::Shape => Some(move_of(Turn::Scale, false, 0.7)),
+            Role::Position => Some(move_of(Turn::Add(span(extent.position_rad)), false, 0.1)),
+            Role::Level => Some(move_of(Turn::Add(span(extent.torque_nm)), false, 0.1)),
+        }
+    };
+    model.effects[at].effect.about().parameters.iter().enumerate().filter_map(one).collect()
+}

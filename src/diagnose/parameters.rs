@@ -1,0 +1,99 @@
+//! What a fit says of parameters: their values, intervals by resampling, and whether the data pin them down.
+
+use super::candidates::Cause;
+use super::choose::Choice;
+use super::fit::{Bench, Fit, Ground};
+use super::interval::Draws;
+use super::moves::Knob;
+use crate::model::Model;
+use crate::numerics::statistics::standard_deviation;
+
+/// Resamplings for a parameter's error.
+const DRAWS: usize = 100;
+/// Half a 95 % interval in standard errors.
+const HALF_WIDTH: f64 = 1.96;
+/// A value within this share of its range from a bound is at it.
+const AT_BOUND: f64 = 1e-4;
+
+/// One parameter fitted.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Fitted {
+    /// Its name: of an effect its own, of the model's own a dotted one.
+    pub name: String,
+    /// In SI.
+    pub value: f64,
+    /// The 95 % interval; nothing for what was chosen rather than fitted.
+    pub interval: Option<(f64, f64)>,
+    /// What is wrong with it: "at its bound".
+    pub doubt: Option<&'static str>,
+}
+
+/// The model with all causes at their best, and its base where the last fit left it.
+pub fn settled(choice: &Choice, ground: &Ground) -> Model {
+    let mut model = choice.last.model.clone();
+    for (way, x) in ground.moves.iter().zip(&choice.last.ground_x) {
+        way.apply(&mut model, *x);
+    }
+    model
+}
+
+/// The parameters of `cause` in `fit`, whose last effect it is if it is one alone.
+pub fn of_cause(bench: &Bench<'_>, draws: &Draws, fit: &Fit, cause: Cause) -> Vec<Fitted> {
+    let deviations = bench.deviations(draws, fit, DRAWS);
+    let mut found = Vec::new();
+    for (way, deviation) in fit.moves.iter().zip(&deviations) {
+        for knob in way.knobs() {
+            let belongs = match (knob, cause) {
+                (Knob::Effect(at, _), Cause::Effect(id)) => fit.model.effects[at].id() == id,
+                (Knob::Effect(..), Cause::Stale(_)) | (_, Cause::Effect(_)) => false,
+                (_, Cause::Stale(name)) => super::moves::group_of(knob) == name,
+            };
+            if belongs && deviation.is_finite() {
+                let at = |x: f64| {
+                    let mut model = fit.model.clone();
+                    way.apply(&mut model, x);
+                    knob.value(&model)
+                };
+                let (a, b) = (at(-HALF_WIDTH * deviation), at(HALF_WIDTH * deviation));
+                let value = knob.value(&fit.model);
+                found.push(Fitted {
+                    name: knob.own_name(&fit.model),
+                    value,
+                    interval: Some((a.min(b), a.max(b))),
+                    doubt: doubt(knob, &fit.model),
+                });
+            }
+        }
+    }
+    if let Cause::Effect(id) = cause
+        && let Some(added) = fit.model.effects.iter().find(|added| added.id() == id)
+    {
+        let chosen = added.named().filter(|(parameter, _)| found.iter().all(|known| known.name != parameter.name));
+        let chosen: Vec<Fitted> =
+            chosen.map(|(p, value)| Fitted { name: p.name.to_string(), value, interval: None, doubt: None }).collect();
+        found.extend(chosen);
+    }
+    found
+}
+
+fn doubt(knob: Knob, model: &Model) -> Option<&'static str> {
+    let (low, high) = knob.bounds(model);
+    let (value, range) = (knob.value(model), (high - low).min(1e6));
+    ((value - low).abs() < AT_BOUND * range.abs() || (high - value).abs() < AT_BOUND * range.abs())
+        .then_some("at its bound")
+}
+
+impl Bench<'_> {
+    /// Standard deviations of the causes' numbers over resamplings.
+    fn deviations(&self, draws: &Draws, fit: &Fit, count: usize) -> Vec<f64> {
+        let from = fit.ground_x.len();
+        let mut numbers: Vec<Vec<f64>> = vec![Vec::with_capacity(count); fit.moves.len()];
+        for i in 0..count {
+            let solution = fit.gram.solve_weighted(&draws.of_units(i), self.prior(&fit.deviations));
+            for (at, slot) in numbers.iter_mut().enumerate() {
+                slot.push(solution.x[from + at]);
+            }
+        }
+        numbers.iter().map(|x| standard_deviation(x)).collect()
+    }
+}

@@ -1,0 +1,93 @@
+//! What may be counted as one observation: motion cycles, and the folds that are held out in turn.
+//!
+//! Samples of a filtered signal are no independent observations, cycles nearly are. Whole trials are held out where there are
+//! enough of them, else cycles.
+
+use super::record::{Record, Records};
+use crate::numerics::statistics::extent;
+use std::ops::Range;
+
+/// Parts held out in turn.
+pub const FOLDS: usize = 4;
+/// From so many trials on, trials are held out and resampled; with fewer, cycles.
+const TRIALS_MIN: usize = 4;
+/// A reversal is one after travel back of this share of the range.
+const REVERSAL: f64 = 0.05;
+/// Cycles are joined until they have so many rows: two tens of independent samples.
+const ROWS_MIN: usize = 50;
+/// A campaign with fewer cycles is cut into so many pieces of time.
+const PIECES: usize = 8;
+
+/// The rows cut into units.
+#[derive(Debug)]
+pub struct Parts {
+    /// Rows of each unit.
+    pub units: Vec<Range<usize>>,
+    /// The fold in which each unit is held out.
+    pub fold: Vec<usize>,
+    /// The record that each unit is of.
+    pub record: Vec<usize>,
+    /// What is resampled as a whole, for each unit: its trial, or itself.
+    pub cluster: Vec<usize>,
+    /// What is held out, for people: "trials" or "motion cycles".
+    pub held_out: &'static str,
+}
+
+impl Parts {
+    /// Of `records`.
+    pub fn new(records: &Records) -> Self {
+        let by_trial = records.all.iter().filter(|record| !record.rows.is_empty()).count() >= TRIALS_MIN;
+        let (mut units, mut record_of) = (Vec::new(), Vec::new());
+        for (at, (record, range)) in records.all.iter().zip(&records.ranges).enumerate() {
+            let mut cuts = cycles(record);
+            if !by_trial && cuts.len() * records.all.len() < PIECES {
+                cuts = pieces(record.rows.len(), PIECES.div_ceil(records.all.len()));
+            }
+            for cut in cuts.into_iter().filter(|cut| !cut.is_empty()) {
+                units.push(range.start + cut.start..range.start + cut.end);
+                record_of.push(at);
+            }
+        }
+        let fold = match by_trial {
+            true => record_of.iter().map(|at| at % FOLDS).collect(),
+            false => (0..units.len()).map(|at| at % FOLDS).collect(),
+        };
+        let cluster = if by_trial && records.all.len() >= 2 * TRIALS_MIN {
+            record_of.clone()
+        } else {
+            (0..units.len()).collect()
+        };
+        let held_out = if by_trial { "trials" } else { "motion cycles" };
+        Self { units, fold, record: record_of, cluster, held_out }
+    }
+}
+
+/// The rows of each cycle of `record`: from one lower reversal to the next.
+fn cycles(record: &Record) -> Vec<Range<usize>> {
+    let positions: Vec<f64> = record.rows.iter().map(|i| record.own[*i].position).collect();
+    let (low, high) = extent(&positions);
+    let back = REVERSAL * (high - low);
+    let (mut cuts, mut start, mut crest, mut rising, mut turn) = (Vec::new(), 0, low, true, 0);
+    for (i, q) in positions.iter().enumerate() {
+        let ahead = if rising { q - crest } else { crest - q };
+        if ahead >= 0.0 {
+            (crest, turn) = (*q, i);
+        } else if -ahead > back {
+            rising = !rising;
+            if rising && turn - start >= ROWS_MIN {
+                cuts.push(start..turn);
+                start = turn;
+            }
+            (crest, turn) = (*q, i);
+        }
+    }
+    match cuts.last_mut() {
+        Some(last) if positions.len() - start < ROWS_MIN => last.end = positions.len(),
+        _ => cuts.push(start..positions.len()),
+    }
+    cuts
+}
+
+fn pieces(rows: usize, count: usize) -> Vec<Range<usize>> {
+    (0..count).map(|i| rows * i / count..rows * (i + 1) / count).collect()
+}

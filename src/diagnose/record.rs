@@ -1,0 +1,333 @@
+//! A campaign thinned to what its low-pass leaves, and what any model makes of it: the form in which hundreds of models are
+//! held against the same recordings.
+
+use crate::dynamics::{JointKind, Motion, RigidTorque};
+use crate::effects::Sample;
+use crate::log::{Campaign, clock_s, read_trial, span_s};
+use crate::model::{Asked, Model, Passage, settle};
+use crate::numerics::filter::LowPass;
+use crate::numerics::resample::shifted;
+use crate::predict::forgotten;
+use crate::prepare::{Trial, prepare};
+use crate::problem::{Problem, Problems, Result};
+use rayon::prelude::*;
+use std::ops::Range;
+
+/// Samples kept per period of the low-pass: the filter redesigned for the thinned rate then differs from the declared one by
+/// less than 1 % up to 1.2 times its cut-off.
+const SAMPLES_PER_PERIOD: f64 = 10.0;
+/// Rows compared per period of the low-pass, beyond which hardly anything passes.
+const ROWS_PER_PERIOD: f64 = 4.0;
+/// A joint that stays within this travel for [`REST_S`] to either side rests, rad: far below any sweep, above an encoder's noise.
+const REST_RAD: f64 = 2e-4;
+/// See [`REST_RAD`], s.
+const REST_S: f64 = 0.1;
+
+/// One trial thinned.
+#[derive(Debug)]
+pub struct Record {
+    /// Position in the campaign's list.
+    pub trial: usize,
+    /// Its log's name.
+    pub file: String,
+    /// What it repeats: trials of one protocol, speed and trajectory share it.
+    pub repeats: Option<String>,
+    /// Thinned rate, Hz.
+    pub rate_hz: f64,
+    /// The joint at each thinned sample.
+    pub own: Vec<Motion>,
+    /// Since the trial began, s.
+    pub time_s: Vec<f64>,
+    /// y after the low-pass, N m.
+    pub torque_nm: Vec<f64>,
+    /// Which thinned samples are compared, in order.
+    pub rows: Vec<usize>,
+    /// Whether the joint rests there.
+    pub rests: Vec<bool>,
+    /// Torque noise beyond the low-pass, as a white density would show within it, N m; NaN where the rate leaves no room.
+    pub spectral_floor_nm: f64,
+    /// Whether the sensor clips at each thinned sample or beside it.
+    pub clipped: Vec<bool>,
+    /// The readings at which it clips, N m.
+    pub clip_levels_nm: Option<(f64, f64)>,
+    /// Problems that do not stop us.
+    pub warnings: Vec<String>,
+    began_s: f64,
+    others: Vec<Vec<Motion>>,
+    load_nm: Vec<f64>,
+    chain: Option<Vec<(RigidTorque, f64)>>,
+    step: usize,
+    followed_rad: Vec<f64>,
+    forward: Vec<bool>,
+    deadband_rad: f64,
+    lowpass: LowPass,
+}
+
+/// Where friction stands at each thinned sample of each record.
+pub type Passages = Vec<Vec<f64>>;
+
+/// All records, and how their rows lie one after the other.
+#[derive(Debug)]
+pub struct Records {
+    /// The trials, in the campaign's order.
+    pub all: Vec<Record>,
+    /// The rows of each record in the series over all.
+    pub ranges: Vec<Range<usize>>,
+    /// Compared samples per independent one: a low-pass at f leaves 2 f a second.
+    pub rows_per_independent: f64,
+    /// Cut-off of the low-pass, Hz.
+    pub lowpass_hz: f64,
+    kind: JointKind,
+}
+
+impl Records {
+    /// Reads and thins the trials of `campaign` that a model without a person can be judged on; `progress` hears of each.
+    ///
+    /// Errors: all that is wrong with any trial; no sample is left to judge.
+    pub fn read(campaign: &Campaign, model: &Model, progress: &(dyn Fn() + Sync)) -> Result<Self> {
+        let one = |index: usize| {
+            let trial = read_trial(campaign, index).and_then(|log| prepare(campaign, index, log))?;
+            let span = span_s(&trial.log);
+            progress();
+            Ok((Record::new(campaign, model, &trial)?, span))
+        };
+        let (mut all, mut spans, mut problems) = (Vec::new(), Vec::new(), Vec::new());
+        let found: Vec<Result<(Record, (f64, f64))>> =
+            (0..campaign.trials.len()).into_par_iter().with_max_len(1).map(one).collect();
+        for result in found {
+            match result {
+                Ok((record, span)) => {
+                    all.push(record);
+                    spans.push(span);
+                }
+                Err(Problems(found)) => problems.extend(found),
+            }
+        }
+        if !problems.is_empty() {
+            return Err(Problems(problems));
+        }
+        for (record, began_s) in all.iter_mut().zip(clock_s(&spans)) {
+            record.began_s = began_s;
+        }
+        let mut at = 0;
+        let mut range = |record: &Record| {
+            let range = at..at + record.rows.len();
+            at = range.end;
+            range
+        };
+        let ranges: Vec<Range<usize>> = all.iter().map(&mut range).collect();
+        if at == 0 {
+            let what = "no sample can be judged: the joint never moves through its clearance";
+            return Problem::error(&campaign.file, what, "record motion in both directions").alone();
+        }
+        let lowpass_hz = campaign.signal.lowpass_hz;
+        let row_s = |r: &Record| r.rows.get(1).map_or(0.0, |next| (next - r.rows[0]) as f64 / r.rate_hz);
+        let rows_per_independent = (1.0 / (2.0 * lowpass_hz * row_s(&all[0]).max(1e-9))).max(1.0);
+        Ok(Self { all, ranges, rows_per_independent, lowpass_hz, kind: campaign.joint.kind })
+    }
+
+    /// Rows in all.
+    pub fn count(&self) -> usize {
+        self.ranges.last().map_or(0, |range| range.end)
+    }
+
+    /// What `of` says of each row: of the record and the thinned sample.
+    pub fn rows<T: Send>(&self, of: impl Fn(&Record, usize) -> T + Sync) -> Vec<T> {
+        self.all.iter().flat_map(|record| record.rows.iter().map(|i| of(record, *i)).collect::<Vec<T>>()).collect()
+    }
+
+    /// Measured y at the rows, low-passed, N m.
+    pub fn measured_nm(&self) -> Vec<f64> {
+        self.rows(|record, i| record.torque_nm[i])
+    }
+
+    /// Where friction stands along every record under `model`.
+    pub fn passages(&self, model: &Model) -> Passages {
+        self.all.par_iter().with_max_len(1).map(|record| record.passage(model)).collect()
+    }
+
+    /// Predicted y at the rows, low-passed, N m.
+    pub fn predicted_nm(&self, model: &Model, passages: &Passages) -> Vec<f64> {
+        let one =
+            |(record, k_tilde): (&Record, &Vec<f64>)| record.at_rows(&record.filtered_nm(model, k_tilde, self.kind));
+        self.all.par_iter().zip(passages).with_max_len(1).map(one).collect::<Vec<Vec<f64>>>().concat()
+    }
+
+    /// A signal given at every thinned sample, low-passed like the torque, at the rows.
+    /// `of` is told the record's place in the list, the record, and the sample.
+    pub fn low_passed(&self, of: impl Fn(usize, &Record, usize) -> f64 + Sync) -> Vec<f64> {
+        let one = |(at, record): (usize, &Record)| {
+            let signal: Vec<f64> = (0..record.own.len()).map(|i| of(at, record, i)).collect();
+            record.at_rows(&record.lowpass.zero_phase(&signal))
+        };
+        self.all.par_iter().enumerate().with_max_len(1).map(one).collect::<Vec<Vec<f64>>>().concat()
+    }
+
+    /// How many other joints are recorded.
+    pub fn others(&self) -> usize {
+        self.all.iter().map(|record| record.others.len()).max().unwrap_or(0)
+    }
+}
+
+impl Record {
+    /// `trial` thinned. K_f is known from where `model` and any wider clearance would know it.
+    fn new(campaign: &Campaign, model: &Model, trial: &Trial) -> Result<Self> {
+        let (lowpass_hz, rate_hz) = (campaign.signal.lowpass_hz, trial.log.rate_hz);
+        let step = ((rate_hz / (SAMPLES_PER_PERIOD * lowpass_hz)) as usize).max(1);
+        let thinned_hz = rate_hz / step as f64;
+        let order = campaign.signal.lowpass_order;
+        let Some(lowpass) = LowPass::new(order, lowpass_hz, thinned_hz) else {
+            let what = format!("sampled at {rate_hz:.4} Hz, too slow for a low-pass at {lowpass_hz} Hz");
+            return Problem::error(&trial.log.file, what, "lower lowpass_hz in campaign.toml").alone();
+        };
+        let n = trial.torque_nm.len();
+        let at: Vec<usize> = (0..n).step_by(step).collect();
+        let motion = |i: &usize| Motion {
+            position: trial.position_rad[*i],
+            velocity: trial.velocity_rad_s[*i],
+            acceleration: trial.acceleration_rad_s2[*i],
+        };
+        let backlash_rad = model.backlash_m() / model.joint.pulley_radius_m;
+        let (_, known_from) = settle(&trial.followed_rad, backlash_rad, trial.deadband_rad);
+        let first = (known_from + forgotten(rate_hz, lowpass_hz)).div_ceil(step);
+        let rests = rests(&trial.followed_rad, rate_hz, trial.deadband_rad);
+        let compared = ((thinned_hz / (ROWS_PER_PERIOD * lowpass_hz)) as usize).max(1);
+        let rows = (first..at.len()).step_by(compared).collect();
+        let entry = &trial.entry;
+        let named = entry.trajectory.is_some() || entry.protocol != crate::log::Protocol::Free;
+        let in_range = trial.in_range(lowpass_hz);
+        let levels = |range: &Range<usize>| trial.log.torque_nm[range.start];
+        let clips: Vec<f64> = trial.log.clipped.iter().map(levels).collect();
+        let spectral_floor_nm = super::floor::spectral_nm(trial, &campaign.signal);
+        Ok(Self {
+            trial: trial.index,
+            file: entry.file.clone(),
+            repeats: named.then(|| format!("{:?} {:?}", entry.protocol, entry.trajectory)),
+            rate_hz: thinned_hz,
+            own: at.iter().map(motion).collect(),
+            time_s: at.iter().map(|i| trial.log.time_s[*i] - trial.log.time_s[0]).collect(),
+            torque_nm: at.iter().map(|i| trial.torque_nm[*i]).collect(),
+            rests: at.iter().map(|i| rests[*i]).collect(),
+            clipped: at.iter().map(|i| !in_range[*i]).collect(),
+            clip_levels_nm: (!clips.is_empty()).then(|| crate::numerics::statistics::extent(&clips)),
+            rows,
+            spectral_floor_nm,
+            warnings: trial.log.warnings.iter().map(ToString::to_string).collect(),
+            began_s: 0.0,
+            others: trial.others.iter().map(|other| at.iter().map(|i| other[*i]).collect()).collect(),
+            load_nm: at.iter().map(|i| trial.load_nm(*i)).collect(),
+            chain: trial.chain.as_ref().map(|chain| at.iter().map(|i| chain[*i]).collect()),
+            step,
+            followed_rad: trial.followed_rad.clone(),
+            forward: trial.velocity_rad_s.iter().map(|v| *v >= 0.0).collect(),
+            deadband_rad: trial.deadband_rad,
+            lowpass,
+        })
+    }
+
+    /// Since the campaign began, s.
+    pub fn elapsed_s(&self, i: usize) -> f64 {
+        self.began_s + self.time_s[i]
+    }
+
+    /// Another joint's motion.
+    pub fn other(&self, joint: usize, i: usize) -> Motion {
+        self.others.get(joint).map_or(Motion::default(), |other| other[i])
+    }
+
+    /// What the sample asks of the joint.
+    pub fn asked(&self, i: usize, kind: JointKind, model: &Model) -> Asked {
+        let own = self.own[i];
+        let (torque_nm, slope_nm_rad) = match &self.chain {
+            Some(chain) => (chain[i].0.total_nm(), chain[i].1),
+            None => (
+                model.dynamics.gravity_nm(kind, own.position) + model.dynamics.inertia_kg_m2 * own.acceleration,
+                model.dynamics.gravity_slope_nm_rad(kind, own.position),
+            ),
+        };
+        Asked { torque_nm: torque_nm + self.load_nm[i], slope_nm_rad }
+    }
+
+    /// K~ followed at the log's full rate and averaged over what each thinned sample stands for: a reversal between two of
+    /// them then comes at its own time.
+    fn passage(&self, model: &Model) -> Vec<f64> {
+        let backlash_rad = model.backlash_m() / model.joint.pulley_radius_m;
+        let (direction, _) = settle(&self.followed_rad, backlash_rad, self.deadband_rad);
+        let start_rad = self.followed_rad.first().copied().unwrap_or(0.0);
+        let mut state = Passage::after(model, direction, start_rad, self.deadband_rad);
+        let (mut sums, mut counts) = (vec![0.0; self.own.len()], vec![0u32; self.own.len()]);
+        for (i, (x, forward)) in self.followed_rad.iter().zip(&self.forward).enumerate() {
+            let at = ((i + self.step / 2) / self.step).min(self.own.len() - 1);
+            sums[at] += state.step(*x, if *forward { 1.0 } else { -1.0 });
+            counts[at] += 1;
+        }
+        sums.iter().zip(counts).map(|(sum, count)| sum / f64::from(count.max(1))).collect()
+    }
+
+    fn filtered_nm(&self, model: &Model, k_tilde: &[f64], kind: JointKind) -> Vec<f64> {
+        let mut others = vec![Motion::default(); self.others.len()];
+        let mut sampled = |i: usize, then: &mut dyn FnMut(&Sample<'_>) -> f64| {
+            others.iter_mut().zip(&self.others).for_each(|(slot, other)| *slot = other[i]);
+            let sample =
+                Sample { time_s: self.time_s[i], elapsed_s: self.elapsed_s(i), own: self.own[i], others: &others };
+            then(&sample)
+        };
+        let mut torque_nm: Vec<f64> = (0..self.own.len())
+            .map(|i| {
+                let asked = self.asked(i, kind, model);
+                sampled(i, &mut |sample| model.driven_nm(sample, asked, k_tilde[i]).torque_nm)
+            })
+            .collect();
+        if !model.effects.is_empty() {
+            let delay_s = model.delay_s();
+            if delay_s != 0.0 {
+                torque_nm = shifted(&torque_nm, delay_s * self.rate_hz);
+            }
+            for (i, y) in torque_nm.iter_mut().enumerate() {
+                *y = sampled(i, &mut |sample| model.reading_nm(sample, *y));
+            }
+        }
+        self.lowpass.zero_phase(&torque_nm)
+    }
+
+    fn at_rows(&self, series: &[f64]) -> Vec<f64> {
+        self.rows.iter().map(|i| series[*i]).collect()
+    }
+}
+
+/// Where the joint rests: it stays within [`REST_RAD`], or the encoder's noise, for [`REST_S`] before and after.
+fn rests(positions_rad: &[f64], rate_hz: f64, deadband_rad: f64) -> Vec<bool> {
+    let reach = ((REST_S * rate_hz) as usize).max(1);
+    let limit_rad = REST_RAD.max(2.0 * deadband_rad);
+    let last = positions_rad.len().saturating_sub(1);
+    let travel = |i: usize| {
+        let (before, after) = (positions_rad[i.saturating_sub(reach)], positions_rad[(i + reach).min(last)]);
+        (before - positions_rad[i]).abs().max((after - positions_rad[i]).abs())
+    };
+    (0..positions_rad.len()).map(|i| travel(i) < limit_rad).collect()
+}
+
+impl Record {
+    /// Travel since the last reversal at each thinned sample, rad; a reversal counts after travel back beyond the encoder's noise.
+    pub fn travel_rad(&self) -> Vec<f64> {
+        let limit_rad = (4.0 * self.deadband_rad).max(REST_RAD);
+        let (mut crest, mut turned, mut rising) = (f64::NAN, f64::NAN, true);
+        self.own
+            .iter()
+            .map(|own| {
+                let q = own.position;
+                if crest.is_nan() {
+                    (crest, turned) = (q, q);
+                }
+                let ahead = if rising { q - crest } else { crest - q };
+                if ahead >= 0.0 {
+                    crest = q;
+                } else if -ahead > limit_rad {
+                    rising = !rising;
+                    (turned, crest) = (crest, q);
+                }
+                (q - turned).abs()
+            })
+            .collect()
+    }
+}

@@ -1,0 +1,172 @@
+//! What is said in the end, and how sure that is.
+
+use super::candidates::Cause;
+use super::choose::{Choice, Found};
+use super::fit::Bench;
+use super::interval::{Draws, Shrink, above};
+use crate::effects::Region;
+
+/// A gap above this many floors that no cause closes is one from outside the library ...
+const UNKNOWN_FLOORS: f64 = 1.0;
+/// ... if more than this share of what the base leaves is still there after the causes that were found.
+const UNKNOWN_SHARE: f64 = 0.4;
+
+/// What kind of answer it is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Kind {
+    /// Nothing above the floor, beyond what the model's confidence allows.
+    None,
+    /// The model's own parameters, refitted, close the gap.
+    Stale,
+    /// One effect.
+    Effect,
+    /// Several causes.
+    Several,
+    /// Causes that these data cannot tell apart.
+    Ambiguous,
+    /// A gap that nothing in the library closes.
+    Unknown,
+}
+
+impl Kind {
+    /// The name used in files.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::None => "none",
+            Self::Stale => "stale_parameters",
+            Self::Effect => "effect",
+            Self::Several => "several",
+            Self::Ambiguous => "ambiguous",
+            Self::Unknown => "unknown",
+        }
+    }
+}
+
+/// The answer.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Verdict {
+    /// Its kind.
+    pub kind: Kind,
+    /// What it names: the causes, or the rivals among them.
+    pub effects: Vec<Cause>,
+    /// Share of resamplings that come to the same.
+    pub confidence: f64,
+    /// What the model leaves above the floor, N m.
+    pub gap_before_nm: f64,
+    /// What is left of it with the causes added, on units that the fit never saw, N m.
+    pub gap_after_nm: f64,
+    /// How far it shrinks.
+    pub shrink: Shrink,
+}
+
+/// What the verdict is drawn from: squares left in each unit over its rows.
+pub struct Evidence<'e> {
+    /// Rows that count in each unit, bursts and all.
+    pub rows: Vec<f64>,
+    /// By the model as delivered.
+    pub delivered: Vec<f64>,
+    /// By the base within its confidence, held out; bursts and all.
+    pub rest: Vec<f64>,
+    /// By the causes that were found, held out, bursts explained.
+    pub last: Vec<f64>,
+    /// Whether bursts are among the causes.
+    pub contact: bool,
+    /// How to resample.
+    pub draws: &'e Draws,
+    /// The floor, N m.
+    pub floor_nm: f64,
+}
+
+/// Draws the verdict.
+pub fn verdict(bench: &Bench<'_>, choice: &Choice, evidence: &Evidence<'_>) -> Verdict {
+    let floor_square = evidence.floor_nm * evidence.floor_nm;
+    let rows: f64 = evidence.rows.iter().sum::<f64>().max(1.0);
+    let mean = |squares: &[f64]| squares.iter().sum::<f64>() / rows;
+    let mut effects: Vec<Cause> = choice.found.iter().map(|found| found.cause).collect();
+    if evidence.contact {
+        effects.push(Cause::Effect("contact"));
+    }
+    let is_open = |rest: f64, last: f64, floor_square: f64| {
+        let left = above(last, floor_square);
+        left > UNKNOWN_FLOORS * floor_square.sqrt() && left > UNKNOWN_SHARE * above(rest, floor_square)
+    };
+    let (rest, last) = (mean(&evidence.rest), mean(&evidence.last));
+    let kind = if is_open(rest, last, floor_square) {
+        Kind::Unknown
+    } else {
+        match (&choice.found[..], evidence.contact) {
+            ([], false) => Kind::None,
+            ([], true) => Kind::Effect,
+            ([one], false) if !one.rivals.is_empty() => Kind::Ambiguous,
+            ([one], false) => kind_of(one.cause),
+            (all, false) if all.iter().all(|found| matches!(found.cause, Cause::Stale(_))) => Kind::Stale,
+            _ => Kind::Several,
+        }
+    };
+    let (rests, lasts) = (
+        evidence.draws.mean_squares(&evidence.rest, &evidence.rows),
+        evidence.draws.mean_squares(&evidence.last, &evidence.rows),
+    );
+    let open = |i: usize| is_open(rests[i], lasts[i], floor_square);
+    let confidence = match kind {
+        Kind::Unknown => evidence.draws.share(open),
+        Kind::None => evidence.draws.share(|i| !open(i)),
+        _ => stands(bench, &choice.found, evidence).min(evidence.draws.share(|i| !open(i))),
+    };
+    match kind {
+        Kind::Unknown | Kind::None => effects.clear(),
+        Kind::Ambiguous => effects.extend(choice.found[0].rivals.iter().copied()),
+        _ => {}
+    }
+    let delivered = mean(&evidence.delivered);
+    Verdict {
+        kind,
+        effects,
+        confidence,
+        gap_before_nm: above(delivered, floor_square),
+        gap_after_nm: above(last, floor_square),
+        shrink: evidence.draws.shrink(&evidence.delivered, &evidence.last, &evidence.rows, evidence.floor_nm),
+    }
+}
+
+fn kind_of(cause: Cause) -> Kind {
+    match cause {
+        Cause::Effect(_) => Kind::Effect,
+        Cause::Stale(_) => Kind::Stale,
+    }
+}
+
+/// Share of the resamplings in which every cause that was taken, or a rival that the verdict names with it, still does best.
+fn stands(bench: &Bench<'_>, found: &[Found], evidence: &Evidence<'_>) -> f64 {
+    let holds = |found: &Found| {
+        let named = |cause: Cause| cause == found.cause || found.rivals.contains(&cause);
+        let squares = |wanted: bool| -> Vec<Vec<f64>> {
+            let of = found.tried.iter().filter(|t| named(t.cause) == wanted);
+            of.map(|t| {
+                let factor = bench.surprise_factor(&t.fit);
+                evidence.draws.mean_squares(&t.fit.held_out, &evidence.rows).iter().map(|s| factor * s).collect()
+            })
+            .collect()
+        };
+        let (ours, theirs) = (squares(true), squares(false));
+        let least = |all: &[Vec<f64>], i: usize| all.iter().map(|s| s[i]).fold(f64::INFINITY, f64::min);
+        evidence.draws.share(|i| least(&ours, i) <= least(&theirs, i))
+    };
+    found.iter().map(holds).fold(1.0, f64::min)
+}
+
+/// Where a cause shows by its nature.
+pub fn signature(cause: Cause, how: &str) -> Region {
+    match cause {
+        Cause::Effect(id) => crate::effects::find(id).map_or(Region::Everywhere, |effect| effect.about().signature),
+        Cause::Stale("gravity") => Region::Position,
+        Cause::Stale("coulomb" | "viscous") if how == "up only" => Region::Up,
+        Cause::Stale("coulomb" | "viscous") if how == "down only" => Region::Down,
+        Cause::Stale("viscous") => Region::HighSpeed,
+        Cause::Stale("backlash_width") => Region::AfterReversal,
+        Cause::Stale("load_coefficient") => Region::Load,
+        Cause::Stale("stribeck_level") => Region::LowSpeed,
+        Cause::Stale("inertia") => Region::Acceleration,
+        Cause::Stale(_) => Region::Everywhere,
+    }
+}
