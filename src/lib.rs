@@ -23,7 +23,7 @@ pub mod effects;
 /// Ground: the paper's formula: friction branches, their combination, the predicted torque; `model.json`.
 pub mod model;
 
-/// Ground: a motion's plan: uniform sweeps and cosine cascades.
+/// Ground: a motion's plan: rests, sweeps, cosines, sums of sines, one after the other; `trajectory/1`.
 pub mod trajectory;
 
 /// A campaign's folder -> `Campaign` and, trial by trial, `Log`: the only place that reads data frames.

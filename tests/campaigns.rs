@@ -16,6 +16,10 @@ pub fn plan() -> Plan {
         repeats: 1,
         cosines: 0,
         interactions: 0,
+        trajectories: Vec::new(),
+        other_joints: 0,
+        tracking_error_rad: 0.0,
+        controller: None,
         arm: None,
         rate_hz: 200.0,
         sensors: Sensors { torque_noise_nm: 0.0, encoder_counts: 0.0 },
@@ -33,7 +37,7 @@ pub fn truth() -> Model {
 /// `plan` recorded from `model`.
 pub fn record(model: &Model, plan: &Plan) -> TempDir {
     let folder = TempDir::new().unwrap();
-    let trials = plan.trials();
+    let trials = plan.trials(model.joint.kind);
     for trial in &trials {
         std::fs::write(folder.path().join(&trial.entry.file), plan.log_bytes(model, trial).unwrap()).unwrap();
     }

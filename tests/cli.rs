@@ -245,9 +245,14 @@ fn a_prismatic_joint_is_simulated_without_sweeps() {
 
 #[test]
 fn help_has_examples_and_completions_are_generated() {
-    for command in
-        [&["--help"][..], &["identify", "--help"], &["fit", "--help"], &["simulate", "--help"], &["validate", "--help"]]
-    {
+    for command in [
+        &["--help"][..],
+        &["identify", "--help"],
+        &["fit", "--help"],
+        &["simulate", "--help"],
+        &["validate", "--help"],
+        &["effects", "--help"],
+    ] {
         let help = tautline(command);
         assert!(help.status.success() && text(&help.stdout).contains("Example"), "{command:?}");
     }

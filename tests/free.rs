@@ -8,7 +8,7 @@ use tautline::log::{Campaign, Protocol, TrialEntry};
 use tautline::model::{Combination, Model};
 use tautline::problem::Result;
 use tautline::simulate::{Course, Sensors, record};
-use tautline::trajectory::Trajectory;
+use tautline::trajectory::{Path as Motion, Segment};
 use tempfile::TempDir;
 
 const RATE_HZ: f64 = 100.0;
@@ -19,10 +19,12 @@ const PERIODS_S: [f64; 4] = [20.0, 8.0, 4.0, 2.0];
 fn cosines(model: &Model, periods_s: &[f64], trials: u32, protocol: Protocol) -> TempDir {
     let folder = TempDir::new().unwrap();
     let sensors = Sensors { torque_noise_nm: 0.005, encoder_counts: 524_288.0 };
-    let trajectory = Trajectory::Cosine { periods_s: periods_s.to_vec(), low_rad: 0.35, high_rad: 1.05 };
+    let (low_rad, high_rad) = (0.35, 1.05);
+    let period = |period_s: &f64| Segment::Cosine { low_rad, high_rad, period_s: *period_s, periods: 1 };
+    let path = Motion { start_rad: low_rad, segments: periods_s.iter().map(period).collect() };
     let mut campaign = plan().campaign(model, folder.path(), &[]);
     for repeat in 1..=trials {
-        let course = Course { position_rad: trajectory.positions_rad(RATE_HZ), ..Course::default() };
+        let course = Course { position_rad: path.positions_rad(RATE_HZ), ..Course::default() };
         let log = record(model, None, &course, RATE_HZ, sensors, u64::from(repeat));
         let row = |((t, x), y): ((&f64, &f64), &f64)| format!("{t:.5},{:.7},{:.6}\n", x.to_degrees(), -y);
         let rows: String = log.time_s.iter().zip(&log.position_rad).zip(&log.torque_nm).map(row).collect();

@@ -5,6 +5,7 @@
 mod compare;
 mod completions;
 mod diagnose;
+mod effects;
 mod evaluate;
 mod fit;
 mod follow;
@@ -59,7 +60,9 @@ enum Command {
     /// List every problem of a campaign
     Validate(validate::Arguments),
     /// Record a campaign from a model
-    Simulate(simulate::Arguments),
+    Simulate(Box<simulate::Arguments>),
+    /// List the effects that a model may have beyond the paper's formula, with their parameters
+    Effects(effects::Arguments),
     /// Print shell completions
     Completions(completions::Arguments),
 }
@@ -78,6 +81,7 @@ pub fn run() -> ExitCode {
         Command::Fit(arguments) => fit::run(&arguments, &talk),
         Command::Validate(arguments) => validate::run(&arguments, &talk),
         Command::Simulate(arguments) => simulate::run(&arguments, &talk),
+        Command::Effects(arguments) => effects::run(&arguments, &talk),
         Command::Completions(arguments) => completions::run(&arguments),
     };
     match done {

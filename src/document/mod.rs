@@ -15,8 +15,10 @@
 
 mod parse;
 mod section;
+mod write;
 
 pub use section::{Field, Section};
+pub use write::write_pairs;
 
 use crate::problem::{Problem, Problems, Result};
 use std::cell::RefCell;

@@ -10,6 +10,9 @@ use nalgebra::{Matrix3, Rotation3, Unit, Vector3};
 /// Standard gravity as Pinocchio and most simulators have it, m/s^2, along -z of the root.
 pub const GRAVITY_M_S2: f64 = 9.81;
 
+/// Half the step over which gravity's slope is taken, rad: the error of the central difference is then below 1e-8 of gravity.
+const SLOPE_STEP_RAD: f64 = 1e-4;
+
 /// How a joint lets its body move.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Freedom {
@@ -134,6 +137,16 @@ impl Chain {
             inertia_nm: row(&pushed, 0.0),
             coriolis_nm: row(&coasting, 0.0),
         }
+    }
+
+    /// How G changes with the joint's position at `position`, N m/rad, the others where they are.
+    pub fn gravity_slope_nm_rad(&self, position: f64, others: &[Motion]) -> f64 {
+        let gravity_nm = |position| {
+            let mut motions = self.motions(Motion { position, ..Motion::default() }, others);
+            motions.iter_mut().for_each(|m| (m.velocity, m.acceleration) = (0.0, 0.0));
+            self.newton_euler(&motions, GRAVITY_M_S2)
+        };
+        (gravity_nm(position + SLOPE_STEP_RAD) - gravity_nm(position - SLOPE_STEP_RAD)) / (2.0 * SLOPE_STEP_RAD)
     }
 
     /// The motion of each body's joint; fixed ones rest.

@@ -1,14 +1,14 @@
 //! What a joint, or the sensors that record it, may have beyond the paper's formula.
 //!
-//! One effect, one file, one entry in [`LIBRARY`]. An effect is a set of hooks into the formula, each a line of physics for
+//! One effect, one file, one entry in `LIBRARY`. An effect is a set of hooks into the formula, each a line of physics for
 //! one sample; the model, the simulator and the diagnosis all go through them. With u and d the two branches of friction,
 //!
 //! y = w + [ (r1/r2) (G + I a + j) + K~ (u + fu) h + (1 - K~) (d + fd) h ] / (1 - mu)
 //!
-//! where j is [`Effect::joint_torque_nm`], fu and fd [`Effect::friction_nm`], h [`Effect::friction_factor`] and w
-//! [`Effect::winch_torque_nm`]; G is taken where [`Effect::position_lag_rad`] says the joint is; K~ changes over by
-//! [`Effect::curve`] and builds up elastically by [`Effect::presliding`]. What the sensor makes of y comes last:
-//! [`Effect::delay_s`], then [`Effect::reading_nm`].
+//! where j is `Effect::joint_torque_nm`, fu and fd `Effect::friction_nm`, h `Effect::friction_factor` and w
+//! `Effect::winch_torque_nm`; G is taken where `Effect::position_lag_rad` says the joint is; K~ changes over by
+//! `Effect::curve` and builds up elastically by `Effect::presliding`. What the sensor makes of y comes last: `Effect::delay_s`,
+//! then `Effect::reading_nm`, last of those that say `Effect::clips`.
 
 mod cable_elasticity;
 mod contact;
@@ -102,6 +102,11 @@ pub struct Parameter {
 }
 
 impl Parameter {
+    /// Whether it may be `value`.
+    pub fn allows(&self, value: f64) -> bool {
+        (self.bounds.0..=self.bounds.1).contains(&value)
+    }
+
     const fn strength(name: &'static str) -> Self {
         Self { name, role: Role::Strength, bounds: (-1e9, 1e9) }
     }
@@ -287,6 +292,11 @@ pub trait Effect: Sync + std::fmt::Debug {
     /// What the sensor reads of `torque_nm`, N m.
     fn reading_nm(&self, _p: &[f64], _sample: &Sample<'_>, torque_nm: f64) -> f64 {
         torque_nm
+    }
+
+    /// Whether its reading is the end of a range, which noise cannot pass either: it acts after all others.
+    fn clips(&self) -> bool {
+        false
     }
 }
 

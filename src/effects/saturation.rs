@@ -30,6 +30,10 @@ impl Effect for Saturation {
         LEVELS.iter().flat_map(|a| LEVELS.map(|b| vec![low + at(*a), high - at(b)])).collect()
     }
 
+    fn clips(&self) -> bool {
+        true
+    }
+
     fn reading_nm(&self, p: &[f64], _sample: &Sample<'_>, torque_nm: f64) -> f64 {
         torque_nm.min(p[1]).max(p[0])
     }

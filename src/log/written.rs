@@ -1,8 +1,8 @@
 //! A campaign as the text of its `campaign.toml`.
 
 use super::campaign::{Campaign, Protocol, TrialEntry};
+use crate::document::write_pairs;
 use crate::dynamics::Dynamics;
-use std::fmt::Write;
 use toml::Value;
 
 impl Campaign {
@@ -74,12 +74,4 @@ fn trial(entry: &TrialEntry) -> Vec<(&'static str, Value)> {
     pairs.push(("repeat", i64::from(entry.repeat).into()));
     pairs.extend(entry.trajectory.as_ref().map(|name| ("trajectory", name.as_str().into())));
     pairs
-}
-
-fn write_pairs(text: &mut String, heading: &str, pairs: &[(&str, Value)]) {
-    text.push_str(heading);
-    for (key, value) in pairs {
-        // Writing into a String cannot fail.
-        let _ = writeln!(text, "{key} = {value}");
-    }
 }

@@ -184,8 +184,8 @@ fn read_effect(s: &Section) -> Option<Added> {
     let effect = s.need("id").choice(&LIBRARY.map(|effect| (effect.about().id, effect)))?;
     let one = |s: &Section, parameter: &Parameter| {
         let value = s.need(parameter.name).number()?;
-        let (low, high) = parameter.bounds;
-        if !(low..=high).contains(&value) {
+        if !parameter.allows(value) {
+            let (low, high) = parameter.bounds;
             s.reject(parameter.name, format!("is {value}"), format!("expected {low} to {high}"));
         }
         Some(value)

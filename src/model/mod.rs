@@ -1,5 +1,6 @@
 //! The paper's model of one joint as the winch's torque sensor sees it.
 
+mod added;
 mod combination;
 mod file;
 mod friction;

@@ -85,7 +85,16 @@ impl Model {
 
     /// What the sensor reads of `torque_nm`, but for its delay, N m.
     pub fn reading_nm(&self, sample: &Sample<'_>, torque_nm: f64) -> f64 {
-        self.effects.iter().fold(torque_nm, |y, e| e.effect.reading_nm(&e.parameters, sample, y))
+        self.noisy_reading_nm(sample, torque_nm, 0.0)
+    }
+
+    /// The same with the sensor's noise of `noise_nm`: noise is measured along with the torque, a range that ends clips both.
+    pub fn noisy_reading_nm(&self, sample: &Sample<'_>, torque_nm: f64, noise_nm: f64) -> f64 {
+        let read = |y: f64, clips: bool| {
+            let effects = self.effects.iter().filter(|e| e.effect.clips() == clips);
+            effects.fold(y, |y, e| e.effect.reading_nm(&e.parameters, sample, y))
+        };
+        read(read(torque_nm, false) + noise_nm, true)
     }
 
     /// How late the sensor's reading is, s.

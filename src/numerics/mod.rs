@@ -21,6 +21,9 @@ pub mod filter;
 /// Velocity and acceleration from samples of a position.
 pub mod difference;
 
+/// Where a falling function crosses zero.
+pub mod root;
+
 /// A series read between its samples.
 pub mod resample;
 

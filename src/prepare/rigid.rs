@@ -5,9 +5,6 @@ use crate::log::{Arm, Place};
 use crate::numerics::difference::{acceleration, velocity};
 use crate::numerics::filter::LowPass;
 
-/// Half the step over which gravity's slope is taken, rad: the error of the central difference is then below 1e-8 of gravity.
-const STEP_RAD: f64 = 1e-4;
-
 /// M a + C v + G of `arm`'s joint and the slope of G over its position, N m/rad, sample by sample; `own` is its filtered
 /// position, velocity and acceleration, `others` are the recorded joints.
 pub(super) fn along(arm: &Arm, own: [&[f64]; 3], others: &[Vec<Motion>]) -> Vec<(RigidTorque, f64)> {
@@ -19,12 +16,8 @@ pub(super) fn along(arm: &Arm, own: [&[f64]; 3], others: &[Vec<Motion>]) -> Vec<
     (0..own[0].len())
         .map(|i| {
             moved.iter_mut().zip(&arm.others).for_each(|(slot, other)| *slot = place(other, i));
-            let torque =
-                arm.chain.torque(Motion { position: own[0][i], velocity: own[1][i], acceleration: own[2][i] }, &moved);
-            moved.iter_mut().for_each(|other| (other.velocity, other.acceleration) = (0.0, 0.0));
-            let gravity_nm = |position| arm.chain.torque(Motion { position, ..Motion::default() }, &moved).gravity_nm;
-            let slope = (gravity_nm(own[0][i] + STEP_RAD) - gravity_nm(own[0][i] - STEP_RAD)) / (2.0 * STEP_RAD);
-            (torque, slope)
+            let joint = Motion { position: own[0][i], velocity: own[1][i], acceleration: own[2][i] };
+            (arm.chain.torque(joint, &moved), arm.chain.gravity_slope_nm_rad(joint.position, &moved))
         })
         .collect()
 }

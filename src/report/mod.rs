@@ -9,6 +9,7 @@
 //! | `tables` | `trials.csv`, written and read |
 //! | `identification` | the JSON of `model.json` and `--json` |
 //! | `evaluation` | an evaluation as JSON, on the terminal, as a page |
+//! | `effects` | the effect library as JSON, on the terminal |
 //! | `comparison` | two models compared as JSON, on the terminal, as a page |
 //! | `diagnosis` | a diagnosis as JSON, on the terminal, as a page |
 //! | `interaction` | an interaction as JSON, tables, on the terminal, as a page |
@@ -24,6 +25,7 @@
 pub mod chart;
 pub mod comparison;
 pub mod diagnosis;
+pub mod effects;
 pub mod evaluation;
 mod forms;
 pub mod html;

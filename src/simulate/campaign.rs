@@ -1,73 +1,15 @@
-//! A whole campaign from a model: the protocol's sweeps and cosine trials, other joints moving, a person touching it.
+//! A simulated campaign's description: its joint, its columns, its trials.
 
-use super::contacts::contacts_nm;
-use super::{Course, Sensors, record};
-use crate::dynamics::{Chain, Dynamics, JointKind};
-use crate::log::table::{Numbers, csv_bytes, parquet_bytes};
-use crate::log::{Arm, Campaign, Column, Columns, OtherColumn, Place, Protocol, ReferenceColumn, Signal, TrialEntry};
+use super::{Plan, PlannedTrial};
+use crate::dynamics::{Dynamics, JointKind};
+use crate::log::{Arm, Campaign, Column, Columns, OtherColumn, Place, ReferenceColumn};
 use crate::model::Model;
-use crate::problem::Result;
-use crate::trajectory::Trajectory;
 use crate::units::Unit;
-use rand::SeedableRng;
-use rand_chacha::ChaCha8Rng;
-use rand_distr::{Distribution, Normal};
 use std::collections::BTreeMap;
-use std::f64::consts::TAU;
-use std::path::{Path, PathBuf};
-
-/// The trajectory's name, and the beginning of the files' names, of cosines with another joint moving.
-const MULTI_JOINT: &str = "multi_joint";
-/// Period of the other joint's motion, s.
-const SWING_PERIOD_S: f64 = 40.0;
-/// Its noise as a share of the torque sensor's: a load cell at the handle has no transmission to measure through.
-const LOAD_CELL_NOISE: f64 = 0.1;
-/// Contacts and the load cell's noise have streams of their own beside the torque's noise.
-const CONTACT_SEED: u64 = 0x434F_4E54;
-const LOAD_CELL_SEED: u64 = 0x4345_4C4C;
-
-/// What is recorded, and how.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Plan {
-    /// Number of sweep speeds.
-    pub speeds: usize,
-    /// The slowest, rad/s.
-    pub slowest_rad_s: f64,
-    /// The fastest, rad/s; those between are spaced evenly in their logarithm.
-    pub fastest_rad_s: f64,
-    /// Sweeps at each speed.
-    pub repeats: u32,
-    /// Trials of the cosine cascade.
-    pub cosines: u32,
-    /// Times that a person touches the joint, at rest and in motion: two trials each.
-    pub interactions: u32,
-    /// The whole arm, in place of the model's own gravity and inertia.
-    pub arm: Option<SimulatedArm>,
-    /// Sample rate, Hz.
-    pub rate_hz: f64,
-    /// Sensors.
-    pub sensors: Sensors,
-    /// Seed of all noise.
-    pub seed: u64,
-    /// How the torque is recorded and to be filtered.
-    pub signal: Signal,
-    /// Whether logs are Parquet rather than CSV.
-    pub parquet: bool,
-}
-
-/// The chain that the joint is part of.
-#[derive(Debug, Clone, PartialEq)]
-pub struct SimulatedArm {
-    /// Name of its URDF in the campaign's folder.
-    pub urdf: String,
-    /// The bodies that matter for the joint.
-    pub chain: Chain,
-    /// Trials of the cosine cascade with the chain's first other joint moving.
-    pub multi_joint: u32,
-}
+use std::path::Path;
 
 /// Names and units of position and torque in the logs.
-fn columns_of(kind: JointKind) -> ((&'static str, Unit), (&'static str, Unit)) {
+pub(super) fn columns_of(kind: JointKind) -> ((&'static str, Unit), (&'static str, Unit)) {
     match kind {
         JointKind::Revolute => (("position_deg", Unit::Degree), ("torque_nm", Unit::NewtonMetre)),
         JointKind::Prismatic => (("position_m", Unit::Metre), ("force_n", Unit::Newton)),
@@ -75,75 +17,25 @@ fn columns_of(kind: JointKind) -> ((&'static str, Unit), (&'static str, Unit)) {
 }
 
 /// Name and unit of the column of a load cell times its moment arm, which measures what a person adds.
-fn reference_of(kind: JointKind) -> (&'static str, Unit) {
+pub(super) fn reference_of(kind: JointKind) -> (&'static str, Unit) {
     match kind {
         JointKind::Revolute => ("interaction_nm", Unit::NewtonMetre),
         JointKind::Prismatic => ("interaction_n", Unit::Newton),
     }
 }
 
-/// One trial to be recorded.
-#[derive(Debug, Clone)]
-pub struct PlannedTrial {
-    /// Its place in the campaign's list.
-    pub entry: TrialEntry,
-    trajectory: Trajectory,
-    others_move: bool,
-    seed: u64,
-}
-
 impl Plan {
-    /// The speeds of the sweeps, rad/s, to a tenth of a mrad/s: the file's name and the declared speed then say the same.
-    pub fn speeds_rad_s(&self) -> Vec<f64> {
-        let ratio = self.fastest_rad_s / self.slowest_rad_s;
-        let speed = |i: usize| self.slowest_rad_s * ratio.powf(i as f64 / (self.speeds.max(2) - 1) as f64);
-        (0..self.speeds).map(|i| (speed(i) * 1e4).round() / 1e4).collect()
-    }
-
-    /// The trials in order: sweeps by speed and repeat, cosines, cosines with other joints moving, touched ones.
-    pub fn trials(&self) -> Vec<PlannedTrial> {
-        let ending = if self.parquet { "parquet" } else { "csv" };
-        let mut trials = Vec::new();
-        let mut plan = |file: String, protocol, repeat, trajectory: Trajectory, name: Option<&str>| {
-            // Every trial its own stream of noise, whatever the order in which they are made.
-            let seed = self.seed.wrapping_mul(0x9E37_79B9_7F4A_7C15).wrapping_add(trials.len() as u64);
-            let entry = TrialEntry { file, protocol, repeat, trajectory: name.map(str::to_string) };
-            trials.push(PlannedTrial { entry, trajectory, others_move: name == Some(MULTI_JOINT), seed });
-        };
-        for speed_rad_s in self.speeds_rad_s() {
-            for repeat in 1..=self.repeats {
-                let file = format!("sweep_{speed_rad_s:.4}_{repeat}.{ending}");
-                plan(file, Protocol::Uniform { speed_rad_s }, repeat, Trajectory::sweep(speed_rad_s), None);
-            }
-        }
-        for repeat in 1..=self.cosines {
-            plan(format!("cosine_{repeat}.{ending}"), Protocol::Cosine, repeat, Trajectory::cascade(), None);
-        }
-        for repeat in 1..=self.arm.as_ref().map_or(0, |arm| arm.multi_joint) {
-            let file = format!("{MULTI_JOINT}_{repeat}.{ending}");
-            plan(file, Protocol::Cosine, repeat, Trajectory::wide_cascade(), Some(MULTI_JOINT));
-        }
-        for repeat in 1..=self.interactions {
-            for (name, trajectory) in [("held", Trajectory::held()), ("moving", Trajectory::touched())] {
-                let file = format!("touched_{name}_{repeat}.{ending}");
-                plan(file, Protocol::Interaction, repeat, trajectory, Some(name));
-            }
-        }
-        trials
-    }
-
     /// The campaign's description for a joint like `model`, in `folder`.
     pub fn campaign(&self, model: &Model, folder: &Path, trials: &[PlannedTrial]) -> Campaign {
         let column = |(name, unit): (&str, Unit)| Column { name: name.to_string(), unit };
         let (position, torque) = columns_of(model.joint.kind);
         let arm = self.arm.as_ref();
-        let other_position = arm.map_or(Vec::new(), |arm| {
-            let other = |(joint, kind)| {
-                let (name, unit) = other_column(joint, kind);
-                OtherColumn { column: Column { name, unit }, joint: Some(joint.to_string()) }
-            };
-            arm.chain.others().map(other).collect()
-        });
+        let other = |(joint, kind): (String, JointKind)| {
+            let (name, unit) = other_column(&joint, kind);
+            // Only a chain has joints by name.
+            OtherColumn { column: Column { name, unit }, joint: arm.is_some().then_some(joint) }
+        };
+        let other_position: Vec<OtherColumn> = self.other_joints().into_iter().map(other).collect();
         let reference = (self.interactions > 0)
             .then(|| ReferenceColumn { column: column(reference_of(model.joint.kind)), arm_m: None });
         Campaign {
@@ -174,77 +66,20 @@ impl Plan {
             clock_s: Vec::new(),
         }
     }
-
-    /// What happens in one trial.
-    fn course(&self, kind: JointKind, trial: &PlannedTrial) -> Course {
-        let position_rad = trial.trajectory.on(kind).positions_rad(self.rate_hz);
-        let samples = position_rad.len();
-        let contact_nm = match trial.entry.protocol {
-            Protocol::Interaction => contacts_nm(samples, self.rate_hz, trial.seed ^ CONTACT_SEED),
-            _ => Vec::new(),
-        };
-        let others = self.arm.as_ref().map_or(0, |arm| arm.chain.others().count());
-        let other = |at: usize| match trial.others_move && at == 0 {
-            true => (0..samples).map(|i| swing_rad(i as f64 / self.rate_hz)).collect(),
-            false => vec![0.0; samples],
-        };
-        Course { position_rad, others_rad: (0..others).map(other).collect(), contact_nm, began_s: 0.0 }
-    }
-
-    /// The bytes of one trial's log.
-    pub fn log_bytes(&self, model: &Model, trial: &PlannedTrial) -> Result<Vec<u8>> {
-        let course = self.course(model.joint.kind, trial);
-        let chain = self.arm.as_ref().map(|arm| &arm.chain);
-        let recording = record(model, chain, &course, self.rate_hz, self.sensors, trial.seed);
-        let (position, torque_column) = columns_of(model.joint.kind);
-        let in_unit = |values: &[f64], unit: Unit| values.iter().map(|x| x / unit.factor()).collect::<Vec<f64>>();
-        let written = in_unit(&recording.position_rad, position.1);
-        let torque: Vec<f64> = recording.torque_nm.iter().map(|y| y * self.signal.torque_sign).collect();
-        let named =
-            chain.map_or(Vec::new(), |chain| chain.others().map(|(joint, kind)| other_column(joint, kind)).collect());
-        let others: Vec<Vec<f64>> =
-            recording.others_rad.iter().zip(&named).map(|(other, (_, unit))| in_unit(other, *unit)).collect();
-        let reference = reference_nm(&course, LOAD_CELL_NOISE * self.sensors.torque_noise_nm, trial.seed);
-        // Two digits below the noise, ten without any.
-        let noise_nm = self.sensors.torque_noise_nm;
-        let torque_decimals = if noise_nm > 0.0 { (3.0 - noise_nm.log10()).clamp(3.0, 10.0) as usize } else { 10 };
-        let position_decimals = if self.sensors.encoder_counts > 0.0 { 6 } else { 10 };
-        let mut columns = vec![
-            Numbers { name: "time_s", values: &recording.time_s, decimals: 5 },
-            Numbers { name: position.0, values: &written, decimals: position_decimals },
-            Numbers { name: torque_column.0, values: &torque, decimals: torque_decimals },
-        ];
-        columns.extend(named.iter().zip(&others).map(|((name, _), values)| Numbers {
-            name,
-            values,
-            decimals: position_decimals,
-        }));
-        if self.interactions > 0 {
-            columns.push(Numbers { name: reference_of(model.joint.kind).0, values: &reference, decimals: 5 });
-        }
-        let file = PathBuf::from(&trial.entry.file);
-        if self.parquet { parquet_bytes(&file, &columns) } else { Ok(csv_bytes(&columns)) }
-    }
 }
 
 /// Name and unit of the column of another joint.
-fn other_column(joint: &str, kind: JointKind) -> (String, Unit) {
+pub(super) fn other_column(joint: &str, kind: JointKind) -> (String, Unit) {
     match kind {
         JointKind::Revolute => (format!("{joint}_deg"), Unit::Degree),
         JointKind::Prismatic => (format!("{joint}_m"), Unit::Metre),
     }
 }
 
-/// The motion of the first other joint: 0 to 40 deg and back, slow against the joint's own.
-fn swing_rad(time_s: f64) -> f64 {
-    20f64.to_radians() * (1.0 - (TAU * time_s / SWING_PERIOD_S).cos())
-}
-
-/// What a load cell with white noise of `noise_nm` says of the contacts, N m.
-fn reference_nm(course: &Course, noise_nm: f64, seed: u64) -> Vec<f64> {
-    let mut random = ChaCha8Rng::seed_from_u64(seed ^ LOAD_CELL_SEED);
-    let noise = Normal::new(0.0, noise_nm).ok();
-    let contact = |i: usize| course.contact_nm.get(i).copied().unwrap_or(0.0);
-    let samples = 0..course.position_rad.len();
-    samples.map(|i| contact(i) + noise.map_or(0.0, |noise| noise.sample(&mut random))).collect()
+/// Name and unit of the column of what was commanded, of which `campaign.toml` says nothing.
+pub(super) fn command_of(kind: JointKind) -> (&'static str, Unit) {
+    match kind {
+        JointKind::Revolute => ("command_deg", Unit::Degree),
+        JointKind::Prismatic => ("command_m", Unit::Metre),
+    }
 }

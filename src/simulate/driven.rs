@@ -1,0 +1,46 @@
+//! The torque of a joint that moves as prescribed.
+
+use super::course::{Course, Motions};
+use crate::dynamics::{Chain, Motion};
+use crate::model::{Asked, Direction, Model, Passage};
+
+/// y along `course` before the sensor, N m; `chain` takes the place of the model's own gravity and inertia.
+pub(super) fn torque_nm(model: &Model, chain: Option<&Chain>, course: &Course, motions: &Motions) -> Vec<f64> {
+    let Some(first) = motions.own.first() else { return Vec::new() };
+    let mut passage = Passage::after(model, start(&course.position_rad), first.position, 0.0);
+    let mut others = Vec::with_capacity(motions.others.len());
+    let torque = |i: usize| {
+        let sample = motions.sample(i, &mut others);
+        let asked = asked(model, chain, sample.own, sample.others);
+        let k_tilde = passage.step(sample.own.position, sample.own.velocity);
+        let contact_nm = course.contact_nm.get(i).copied().unwrap_or(0.0);
+        model.driven_nm(&sample, asked, k_tilde).torque_nm + contact_nm
+    };
+    (0..motions.own.len()).map(torque).collect()
+}
+
+/// The direction of the first motion: before it the joint is taken to have moved that way.
+pub(super) fn start(positions_rad: &[f64]) -> Direction {
+    let first = positions_rad.first().copied().unwrap_or(0.0);
+    match positions_rad.iter().find(|x| **x != first) {
+        Some(x) if *x < first => Direction::Down,
+        _ => Direction::Up,
+    }
+}
+
+/// What mass asks of the joint.
+pub(super) fn asked(model: &Model, chain: Option<&Chain>, own: Motion, others: &[Motion]) -> Asked {
+    let (kind, dynamics) = (model.joint.kind, &model.dynamics);
+    match chain {
+        Some(chain) => {
+            // Only a joint that lags its encoder asks for the slope, and a chain's takes as long as its torque.
+            let lags = model.effects.iter().any(|e| e.effect.position_lag_rad(&e.parameters, 1.0, 1.0) != 0.0);
+            let slope_nm_rad = if lags { chain.gravity_slope_nm_rad(own.position, others) } else { 0.0 };
+            Asked { torque_nm: chain.torque(own, others).total_nm(), slope_nm_rad }
+        }
+        None => Asked {
+            torque_nm: dynamics.gravity_nm(kind, own.position) + dynamics.inertia_kg_m2 * own.acceleration,
+            slope_nm_rad: dynamics.gravity_slope_nm_rad(kind, own.position),
+        },
+    }
+}

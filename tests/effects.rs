@@ -1,0 +1,308 @@
+//! Laws over the library: every effect in a file of its own, named in units, absent at 0, in proportion, dissipating or not,
+//! read back from files, refused where it makes no sense.
+
+use crate::campaigns::truth;
+use std::collections::BTreeSet;
+use tautline::dynamics::Motion;
+use tautline::effects::{Added, LIBRARY, Role, Sample, find};
+use tautline::model::Model;
+use tautline::simulate::{Course, Sensors, record};
+
+const RATE_HZ: f64 = 500.0;
+
+/// The names of the format, in its order; files hold them, so they stay.
+const IDS: [&str; 20] = [
+    "reversal_transition",
+    "stribeck",
+    "load_dependent_friction",
+    "friction_ripple",
+    "torque_ripple",
+    "cable_elasticity",
+    "quadratic_viscous",
+    "sensor_bias",
+    "sensor_gain",
+    "sensor_drift",
+    "time_delay",
+    "gravity_phase",
+    "inertia",
+    "warm_up",
+    "joint_coupling",
+    "contact",
+    "elastic_spring",
+    "saturation",
+    "end_stop",
+    "presliding",
+];
+
+/// One of each, of a size that shows.
+pub const EXAMPLES: [&str; 20] = [
+    "reversal_transition:backlash_m=0.003,p=1.1,n=1.4",
+    "stribeck:up_nm=0.1,down_nm=0.13,speed_rad_s=0.1,exponent=1.3",
+    "load_dependent_friction:up=0.2,down=0.15",
+    "friction_ripple:periods_per_rad=7.3,sin_1_nm=0.08,cos_2_nm=0.03",
+    "torque_ripple:periods_per_rad=5.1,sin_1_nm=0.06,cos_3_nm=0.02",
+    "cable_elasticity:with_friction=1,compliance_rad_nm=0.03",
+    "quadratic_viscous:up_nm_s2_rad2=0.3,down_nm_s2_rad2=0.25",
+    "sensor_bias:bias_nm=0.04",
+    "sensor_gain:error=-0.1",
+    "sensor_drift:restarts=0,horizon_s=40,line_nm=0.1,wave_2_nm=0.03",
+    "time_delay:delay_s=0.02",
+    "gravity_phase:cos_nm=0.2",
+    "inertia:inertia_kg_m2=0.05",
+    "warm_up:restarts=0,cold_share=0.4,time_constant_s=15",
+    "joint_coupling:joint=1,stiffness_nm_rad=0.1,viscous_nm_s_rad=0.05,weight_nm=0.1,bending_nm_rad2=0.05,offset_nm=0.01",
+    "contact:peak_nm=0.7,start_s=6.5,length_s=2",
+    "elastic_spring:stiffness_nm_rad=0.3,preload_nm=-0.1",
+    "saturation:low_nm=-0.05,high_nm=0.9",
+    "end_stop:side=1,stiffness_nm=4,position_rad=0.9,exponent=1.5",
+    "presliding:travel_rad=0.01,exponent=1.2",
+];
+
+pub fn example(id: &str) -> Added {
+    Added::parse(EXAMPLES.iter().find(|text| text.starts_with(&format!("{id}:"))).unwrap()).unwrap()
+}
+
+fn with(effect: Added) -> Model {
+    Model { effects: vec![effect], ..truth() }
+}
+
+/// Three strokes at growing speed, the other joint swinging, late in a campaign.
+fn course() -> Course {
+    let times = || (0..(20.0 * RATE_HZ) as usize).map(|i| i as f64 / RATE_HZ);
+    Course {
+        position_rad: times().map(|t| 0.6 - 0.5 * (0.1 * t + 0.03 * t * t).cos()).collect(),
+        others_rad: vec![times().map(|t| 0.4 * (0.7 * t).sin()).collect()],
+        contact_nm: Vec::new(),
+        began_s: 3.0,
+    }
+}
+
+/// What an ideal sensor reads along `course`, N m.
+fn torque_nm(model: &Model, course: &Course) -> Vec<f64> {
+    let exact = Sensors { torque_noise_nm: 0.0, encoder_counts: 0.0 };
+    record(model, None, course, RATE_HZ, exact, 1).torque_nm
+}
+
+/// What `effect` adds along `course`, N m.
+fn difference_nm(effect: Added, course: &Course) -> Vec<f64> {
+    let (base, more) = (torque_nm(&truth(), course), torque_nm(&with(effect), course));
+    more.iter().zip(&base).map(|(more, base)| more - base).collect()
+}
+
+fn rms(values: &[f64]) -> f64 {
+    (values.iter().map(|x| x * x).sum::<f64>() / values.len() as f64).sqrt()
+}
+
+/// `effect` with its strengths times `factor`.
+fn scaled(effect: &Added, factor: f64) -> Added {
+    let parameters = effect.named().map(|(p, x)| if p.role == Role::Strength { factor * x } else { x }).collect();
+    Added { parameters, ..effect.clone() }
+}
+
+fn has_strength(effect: &Added) -> bool {
+    effect.named().any(|(p, _)| p.role == Role::Strength)
+}
+
+#[test]
+fn the_library_is_the_format_s_list_and_the_folder() {
+    assert_eq!(LIBRARY.map(|effect| effect.about().id), IDS);
+    let shared = ["mod", "library", "ripple"];
+    let names =
+        std::fs::read_dir("src/effects").unwrap().map(|entry| entry.unwrap().file_name().into_string().unwrap());
+    let files: BTreeSet<String> = names.map(|name| name.trim_end_matches(".rs").to_string()).collect();
+    assert_eq!(files, IDS.iter().chain(&shared).map(|id| id.to_string()).collect());
+    for id in IDS {
+        assert_eq!(find(id).unwrap().about().id, id);
+        assert_eq!(example(id).id(), id);
+    }
+}
+
+#[test]
+fn parameters_name_their_units_and_have_room() {
+    let units =
+        ["_nm", "_m", "_s", "_rad", "_rad_s", "_nm_rad", "_nm_s_rad", "_nm_s2_rad2", "_kg_m2", "_rad_nm", "_nm_rad2"];
+    // Shares, exponents, choices: without a dimension.
+    let plain = [
+        "p",
+        "up",
+        "down",
+        "exponent",
+        "error",
+        "cold_share",
+        "n",
+        "with_friction",
+        "restarts",
+        "side",
+        "joint",
+        "periods_per_rad",
+    ];
+    for effect in LIBRARY {
+        let about = effect.about();
+        let names: BTreeSet<&str> = about.parameters.iter().map(|p| p.name).collect();
+        assert_eq!(names.len(), about.parameters.len(), "{}: a name twice", about.id);
+        for p in about.parameters {
+            let has_unit = units.iter().any(|unit| p.name.ends_with(unit));
+            assert!(has_unit || plain.contains(&p.name), "{}: {} has no unit", about.id, p.name);
+            let (low, high) = p.bounds;
+            assert!(low < high && low.is_finite() && high.is_finite(), "{}: {} in {low} to {high}", about.id, p.name);
+            let may_be_absent = p.role != Role::Strength || (p.allows(0.0) && low == -high);
+            assert!(may_be_absent, "{}: {} cannot be 0", about.id, p.name);
+        }
+        for other in about.trades_with {
+            let stale =
+                ["gravity", "coulomb", "viscous", "backlash_width", "load_coefficient", "stribeck_level", "inertia"];
+            assert!(IDS.contains(other) || stale.contains(other), "{} trades with `{other}`", about.id);
+        }
+        assert!(!about.means.is_empty() && !about.formula.is_empty() && !about.source.is_empty(), "{}", about.id);
+    }
+}
+
+#[test]
+fn an_effect_shows_and_without_strength_it_is_absent() {
+    let course = course();
+    for id in IDS {
+        let effect = example(id);
+        let shown_nm = rms(&difference_nm(effect.clone(), &course));
+        assert!(shown_nm > 0.001 && shown_nm.is_finite(), "{id}: {shown_nm} N m");
+        if has_strength(&effect) {
+            let left_nm = rms(&difference_nm(scaled(&effect, 0.0), &course));
+            assert!(left_nm < 1e-12, "{id}: {left_nm} N m are left");
+        }
+    }
+}
+
+#[test]
+fn twice_the_strength_is_twice_the_difference() {
+    for effect in IDS.map(example).iter().filter(|effect| has_strength(effect)) {
+        // A lag is taken where gravity is then, a delay draws a curve's chord: in proportion only to the first order.
+        let tolerance = match effect.id() {
+            "cable_elasticity" | "time_delay" => 0.1,
+            _ => 1e-9,
+        };
+        let (small, large) = (scaled(effect, 0.5), scaled(effect, 1.0));
+        let (once, twice) = (difference_nm(small, &course()), difference_nm(large, &course()));
+        let bent: Vec<f64> = once.iter().zip(&twice).map(|(a, b)| b - 2.0 * a).collect();
+        assert!(rms(&bent) <= tolerance * rms(&twice), "{}: {} of {}", effect.id(), rms(&bent), rms(&twice));
+    }
+}
+
+#[test]
+fn friction_resists_in_both_directions_and_cogging_in_none() {
+    let motion = |velocity| Motion { position: 0.7, velocity, acceleration: 0.0 };
+    for id in IDS {
+        let added = example(id);
+        let friction_nm = |velocity| {
+            let sample = Sample { time_s: 1.0, elapsed_s: 1.0, own: motion(velocity), others: &[] };
+            added.effect.friction_nm(&added.parameters, &sample, 0.5)
+        };
+        let (up, down) = (friction_nm(0.2).up, friction_nm(-0.2).down);
+        match id {
+            "stribeck" | "load_dependent_friction" | "quadratic_viscous" => {
+                assert!(up > 0.0 && down < 0.0, "{id}: {up} up, {down} down");
+            }
+            "friction_ripple" => assert!(up != 0.0 && up == -down, "{id}: {up} up, {down} down"),
+            _ => assert!(up == 0.0 && down == 0.0, "{id}: {up} up, {down} down"),
+        }
+    }
+}
+
+#[test]
+fn friction_takes_energy_from_every_cycle_and_a_potential_none() {
+    // Two whole periods between rests; the joint ends where it began.
+    let n = 20_000;
+    let position = |i: usize| 0.6 - 0.4 * (2.0 * std::f64::consts::TAU * i as f64 / n as f64).cos();
+    let course = Course { position_rad: (0..=n).map(position).collect(), ..Course::default() };
+    let work_nm = |id: &str| {
+        let added_nm = difference_nm(example(id), &course);
+        let x = &course.position_rad;
+        (1..=n).map(|i| (x[i] - x[i - 1]) * (added_nm[i] + added_nm[i - 1]) / 2.0).sum::<f64>()
+    };
+    for id in ["stribeck", "load_dependent_friction", "quadratic_viscous", "warm_up"] {
+        assert!(work_nm(id) > 0.01, "{id} gives energy: {}", work_nm(id));
+    }
+    for id in ["torque_ripple", "sensor_bias"] {
+        assert!(work_nm(id).abs() < 1e-6, "{id}: {} N m over whole cycles", work_nm(id));
+    }
+    // Through the friction coefficients, which differ by direction, what acts at the joint costs a little.
+    for id in ["gravity_phase", "elastic_spring", "end_stop", "inertia"] {
+        assert!(work_nm(id).abs() < 0.02, "{id}: {} N m over whole cycles", work_nm(id));
+    }
+}
+
+#[test]
+fn a_range_that_ends_clips_noise_too() {
+    let limits = example("saturation");
+    let (low, high) = (limits.parameters[0], limits.parameters[1]);
+    let model = Model { effects: vec![limits, example("sensor_bias")], ..truth() };
+    let sensors = Sensors { torque_noise_nm: 0.02, encoder_counts: 0.0 };
+    let read = record(&model, None, &course(), RATE_HZ, sensors, 3).torque_nm;
+    assert!(read.iter().all(|y| (low..=high).contains(y)), "a reading beyond the range");
+    for end in [low, high] {
+        let held = read.iter().filter(|y| **y == end).count();
+        assert!(held > 300, "{held} readings at {end}");
+    }
+}
+
+#[test]
+fn a_late_reading_is_the_same_curve_later() {
+    let added = example("time_delay");
+    let late = (added.parameters[0] * RATE_HZ) as usize;
+    let (at_once, later) = (torque_nm(&truth(), &course()), torque_nm(&with(added), &course()));
+    for i in late..later.len() {
+        assert!((later[i] - at_once[i - late]).abs() < 1e-9, "sample {i}");
+    }
+}
+
+#[test]
+fn every_effect_reads_back_from_a_model() {
+    let folder = tempfile::TempDir::new().unwrap();
+    let file = folder.path().join("model.json");
+    for model in
+        IDS.map(|id| with(example(id))).into_iter().chain([Model { effects: IDS.map(example).to_vec(), ..truth() }])
+    {
+        std::fs::write(&file, model.to_json().to_string()).unwrap();
+        assert_eq!(Model::read(&file).unwrap(), model);
+    }
+}
+
+#[test]
+fn an_impossible_effect_in_a_model_is_refused() {
+    let folder = tempfile::TempDir::new().unwrap();
+    let file = folder.path().join("model.json");
+    let text = with(example("stribeck")).to_json().to_string();
+    for (from, to, expected) in [
+        ("\"stribeck\"", "\"stribek\"", "did you mean `stribeck`?"),
+        ("\"exponent\":1.3", "\"exponent\":13.0", "expected 0.5 to 3"),
+        ("\"exponent\":1.3,", "", "add `exponent`"),
+        ("\"up_nm\":0.1", "\"up\":0.1", "unknown key `up`"),
+        ("\"up_nm\":0.1", "\"up_nm\":\"much\"", "expected a number"),
+    ] {
+        assert!(text.contains(from), "{from} in {text}");
+        std::fs::write(&file, text.replacen(from, to, 1)).unwrap();
+        let problems = Model::read(&file).unwrap_err().to_string();
+        assert!(problems.contains(expected) && problems.contains("effects[0]"), "{from} -> {to}: {problems}");
+    }
+}
+
+#[test]
+fn an_effect_typed_wrongly_is_refused_with_what_there_is() {
+    for (text, expected) in [
+        ("stribek:up_nm=1", "did you mean `stribeck`?"),
+        ("gremlins", "there are: reversal_transition, stribeck"),
+        ("sensor_bias", "give one of bias_nm"),
+        ("sensor_bias:", "give one of bias_nm"),
+        ("sensor_bias:bias=0.1", "did you mean `bias_nm`?"),
+        ("sensor_bias:bias_nm", "is no name=value"),
+        ("sensor_bias:bias_nm=a", "expected a number"),
+        ("sensor_bias:bias_nm=nan", "expected -1000000000 to 1000000000"),
+        ("sensor_bias:bias_nm=1,bias_nm=2", "given twice"),
+        ("stribeck:up_nm=0.1,speed_rad_s=0.1", "exponent is missing"),
+        ("stribeck:up_nm=0.1,speed_rad_s=0.1,exponent=9", "expected 0.5 to 3"),
+        ("presliding", "travel_rad is missing"),
+    ] {
+        let problems = Added::parse(text).unwrap_err().to_string();
+        assert!(problems.contains(expected), "{text}: {problems}");
+    }
+    let given = Added::parse("stribeck: up_nm = 0.1, speed_rad_s = 2e-2, exponent = 1").unwrap();
+    assert_eq!(given.parameters, [0.1, 0.0, 0.02, 1.0]);
+}
