@@ -19,6 +19,8 @@ const EDGE: f64 = 1.8;
 const WINDOW: f64 = 2.0;
 /// Above this share of the rows bursts are no bursts.
 const SHARE_MAX: f64 = 0.35;
+/// A model that leaves less than this share of a burst's square foretells it.
+const FORETOLD: f64 = 0.5;
 /// What is there again at this share of its size, in one row of five in the same state elsewhere, is repeated.
 const REPEATED: f64 = 0.4;
 const OFTEN: f64 = 0.8;
@@ -101,6 +103,15 @@ fn level(values: &[f64], reach: usize) -> Vec<f64> {
             ((sums[to] - sums[from]) / (to - from) as f64).max(0.0).sqrt()
         })
         .collect()
+}
+
+/// Keeps the bursts that a model, fitted without them, leaves as they were: one that it foretells was no contact.
+pub fn keep_unexplained(bench: &Bench<'_>, bursts: &mut Vec<Burst>, before_nm: &[f64], after_nm: &[f64]) {
+    let square = |residual_nm: &[f64], burst: &Burst| {
+        let excess = |r: &f64| r * r - bench.floor_nm * bench.floor_nm;
+        residual_nm[burst.rows.clone()].iter().map(excess).sum::<f64>().max(0.0)
+    };
+    bursts.retain(|burst| square(after_nm, burst) > FORETOLD * square(before_nm, burst));
 }
 
 /// Position, velocity and travel since the last reversal at each row.

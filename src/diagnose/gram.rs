@@ -134,7 +134,9 @@ fn square_left(unit: &DMatrix<f64>, x: &DVector<f64>) -> f64 {
 /// noise is what the fit itself leaves, but no less than the floor.
 fn solve(sum: &DMatrix<f64>, rows: usize, prior: Prior<'_>) -> Solution {
     let n = sum.nrows() - 1;
-    let scales: Vec<f64> = (0..n).map(|i| sum[(i, i)].sqrt().max(f64::MIN_POSITIVE)).collect();
+    // What moves nothing stays where it is.
+    let scale = |square: f64| if square > 0.0 { square.sqrt() } else { 1.0 };
+    let scales: Vec<f64> = (0..n).map(|i| scale(sum[(i, i)])).collect();
     let per_row = |square: f64| square / rows.max(1) as f64;
     let known = prior.deviations.iter().filter(|d| d.is_finite()).count() as f64;
     let limit = known + SURPRISE_ERRORS * (2.0 * known).sqrt();

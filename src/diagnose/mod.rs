@@ -174,12 +174,20 @@ pub fn run(campaign: &Campaign, model: &Model, progress: &(dyn Fn() + Sync)) -> 
     let rest_nm = bench.rest_residual_nm(&ground);
     let lines = [false, true].map(|by_direction| ripple::starts(&bench, &ground, &rest_nm, by_direction));
     let columns = flexible::columns(&bench, &ground, &lines.concat());
-    let (bursts, flexible) = bursts::find(&bench, &columns, &rest_nm);
-    bursts.iter().for_each(|burst| bench.used[burst.rows.clone()].fill(false));
+    let (mut bursts, flexible) = bursts::find(&bench, &columns, &rest_nm);
     progress();
-    let choice = choose(&bench, &model, progress);
-    let after = parameters::settled(&choice, &ground);
-    let after_nm = records.predicted_nm(&after, &records.passages(&after));
+    let (choice, after, after_nm) = loop {
+        bench.used.clone_from(&judged);
+        bursts.iter().for_each(|burst| bench.used[burst.rows.clone()].fill(false));
+        let choice = choose(&bench, &model, progress);
+        let after = parameters::settled(&choice, &ground);
+        let after_nm = records.predicted_nm(&after, &records.passages(&after));
+        let suspected = bursts.len();
+        bursts::keep_unexplained(&bench, &mut bursts, &rest_nm, &bench.residual_nm(&after_nm));
+        if bursts.len() == suspected {
+            break (choice, after, after_nm);
+        }
+    };
     let floor = floor::floor(&records, &bench.residual_nm(&after_nm));
     let draws = Draws::new(&parts, &floor);
     let scene = Scene {
@@ -198,7 +206,7 @@ pub fn run(campaign: &Campaign, model: &Model, progress: &(dyn Fn() + Sync)) -> 
         rmse_nm: delivered.sqrt(),
         floor,
         explainable_nm: above(delivered, floor_square),
-        recoverable_nm: above(delivered, flexible.held_out.max(floor_square)),
+        recoverable_nm: above(delivered, flexible.held_out.min(mean(&evidence.last, &evidence.rows)).max(floor_square)),
     };
     Ok(Diagnosis {
         budget: scene.budget(&evidence),

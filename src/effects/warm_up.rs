@@ -1,19 +1,28 @@
 //! Friction that falls as grease and bearings warm up.
 
 use super::{About, Effect, Extent, Family, Parameter, Region, Sample, clock_s, spaced};
+use crate::dynamics::Both;
+
+/// How cold the joint still is, 1 at first.
+fn cold(p: &[f64], sample: &Sample<'_>) -> f64 {
+    (-(clock_s(p[0], sample).max(0.0) / p[4]).powf(p[5])).exp()
+}
 
 static ABOUT: About = About {
     id: "warm_up",
     family: Family::Physics,
     means: "friction decays as the joint warms up",
-    formula: "friction (1 + cold_share exp(-t/time_constant_s))",
+    formula: "friction (1 + cold_share w) + or - cold_nm w + cold_nm_s_rad v w, w = exp(-(t/time_constant_s)^exponent)",
     source: "Simoni, Beschi, Legnani and Visioli 2015",
     signature: Region::Time,
-    trades_with: &["sensor_drift", "coulomb"],
+    trades_with: &["sensor_drift"],
     parameters: &[
         Parameter::choice("restarts", 0.0, 1.0),
         Parameter::strength("cold_share"),
+        Parameter::strength("cold_nm"),
+        Parameter::strength("cold_nm_s_rad"),
         Parameter::shape("time_constant_s", 1e-2, 1e6),
+        Parameter::shape("exponent", 0.3, 2.0),
     ],
 };
 
@@ -32,12 +41,17 @@ impl Effect for WarmUp {
     fn starts(&self, extent: &Extent) -> Vec<Vec<f64>> {
         let clocks = [(1.0, extent.trial_s), (0.0, extent.campaign_s)];
         let of = |(restarts, horizon_s): (f64, f64)| {
-            spaced(horizon_s / 20.0, horizon_s * 1.5, 4).map(move |constant_s| vec![restarts, 0.0, constant_s])
+            spaced(horizon_s / 20.0, horizon_s * 1.5, 4).map(move |constant_s| vec![restarts, 0.0, 0.0, 0.0, constant_s, 0.9])
         };
         clocks.into_iter().flat_map(of).collect()
     }
 
     fn friction_factor(&self, p: &[f64], sample: &Sample<'_>) -> f64 {
-        1.0 + p[1] * (-clock_s(p[0], sample) / p[2]).exp()
+        1.0 + p[1] * cold(p, sample)
+    }
+
+    fn friction_nm(&self, p: &[f64], sample: &Sample<'_>, _load_nm: f64) -> Both<f64> {
+        let more_nm = (p[2] + p[3] * sample.own.velocity.abs()) * cold(p, sample);
+        Both { up: more_nm, down: -more_nm }
     }
 }
