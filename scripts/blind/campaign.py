@@ -57,6 +57,7 @@ class Campaign:
     lowpass_hz: float
     order: int
     running_clock: bool
+    encoder_rad: float
     low_rad: float
     high_rad: float
 
@@ -92,10 +93,10 @@ def draw_other(rng, wants, length_s):
     return motion.moves(rng, length_s, middle - width / 2, middle + width / 2, width * top_hz * 3, (0.5, 3.0))[0]
 
 
-def draw_sizes(rng, wants):
+def draw_sizes(rng, wants, jumps):
     """Rate, trajectories, repeats and seconds per trial."""
     while True:
-        rate = float(rng.choice(RATES_HZ))
+        rate = float(rng.choice(RATES_HZ[2:] if jumps else RATES_HZ))
         total_s = log_uniform(rng, 30e3, 140e3) / rate
         total_s = min(total_s, 900.0)
         repeats = int(rng.choice([1, 2, 3], p=[0.1, 0.45, 0.45]))
@@ -116,7 +117,8 @@ def sweeps_of_use(plans):
 
 
 def draw_campaign(rng, joint, wants):
-    rate, trajectories, repeats, length_s = draw_sizes(rng, wants)
+    jumps = joint.curve[0] == "sign"
+    rate, trajectories, repeats, length_s = draw_sizes(rng, wants, jumps)
     width = np.radians(rng.uniform(35, 110))
     low = np.radians(rng.uniform(-30, 40))
     if "both_sides" in wants:
@@ -125,7 +127,6 @@ def draw_campaign(rng, joint, wants):
     pause_s = rng.uniform(0.5, 30) if running else 0.5
     wobble, misplaced = rng.uniform(0.01, 0.06), rng.uniform(0.0002, 0.003)
     with_other = "other" in wants or rng.random() < 0.15
-    jumps = joint.curve[0] == "sign"
     plans = []
     for i in range(trajectories):
         share = 1.0 if i == 0 else rng.uniform(0.5, 1.0)
@@ -142,8 +143,11 @@ def draw_campaign(rng, joint, wants):
         names = (f"{name}_{repeat}", protocol, name, repeat, speed if protocol == "uniform" else None)
         trials.append(motion.record(rng, command, own_s, rate, start_s, names, wobble, misplaced, not jumps, other))
         start_s += own_s + pause_s * rng.uniform(0.7, 1.3)
+    encoder_rad = log_uniform(rng, 5e-6, 8e-5)
+    if jumps and "curves" not in wants:  # a true jump must be seen when it comes, or the best of models misses it
+        encoder_rad *= 0.01
     lowpass_hz = float(np.round(log_uniform(rng, 3, 15), 1))
-    return Campaign(trials, rate, lowpass_hz, int(rng.choice([2, 4, 4, 4])), running, low, low + width)
+    return Campaign(trials, rate, lowpass_hz, int(rng.choice([2, 4, 4, 4])), running, encoder_rad, low, low + width)
 
 
 def setting(joint, campaign, torques):

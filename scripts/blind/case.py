@@ -11,7 +11,7 @@ from plant import DIRECTIONS
 
 ATTEMPTS = 60
 WEAKEST, STRONGEST = 0.7, 12.0  # floors
-LEAST_OF_JUMP = 0.01  # floor over the jump of friction where it truly jumps: an encoder cannot time a reversal better
+LEAST_OF_JUMP = 0.015  # floor over the jump of friction where it truly jumps: an encoder cannot time a reversal better
 FLOOR_OF_SPAN = (0.0025, 0.015)
 
 WANTS = {

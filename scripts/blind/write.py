@@ -11,7 +11,7 @@ def write_case(case, folder, rng):
     logs.mkdir(parents=True)
     style = {
         "suffix": str(rng.choice(["parquet", "csv"], p=[0.8, 0.2])), "degrees": bool(rng.random() < 0.7), "milli": bool(rng.random() < 0.2),
-        "ms": bool(rng.random() < 0.15), "sign": int(rng.choice([-1, 1])), "encoder_rad": float(np.exp(rng.uniform(np.log(5e-6), np.log(8e-5)))),
+        "ms": bool(rng.random() < 0.15), "sign": int(rng.choice([-1, 1])),
     }
     for trial, y in zip(case.campaign.trials, case.recorded):
         write_log(logs / f"{trial.name}.{style['suffix']}", case.campaign, trial, y, style)
@@ -21,10 +21,10 @@ def write_case(case, folder, rng):
 
 def write_log(path, campaign, trial, y, style):
     clock = trial.elapsed_s if campaign.running_clock else trial.t_s
-    q = np.round(trial.q / style["encoder_rad"]) * style["encoder_rad"]
+    q = np.round(trial.q / campaign.encoder_rad) * campaign.encoder_rad
     columns = {
         ("time_ms" if style["ms"] else "time_s"): np.round(clock * (1000 if style["ms"] else 1), 6),
-        ("position_deg" if style["degrees"] else "position_rad"): np.round(np.degrees(q) if style["degrees"] else q, 7),
+        ("position_deg" if style["degrees"] else "position_rad"): np.round(np.degrees(q) if style["degrees"] else q, 8),
         ("torque_mnm" if style["milli"] else "torque_nm"): np.round(style["sign"] * y * (1000 if style["milli"] else 1), 7),
     }
     if trial.other is not None:
