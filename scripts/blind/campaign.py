@@ -12,6 +12,7 @@ KNOWN_TO = {  # half width of a realistic 95 % interval, relative: least and mos
     "mu_c": (0.005, 0.04), "a_j": (0.01, 0.05), "b_c": (0.03, 0.1), "c_c": (0.03, 0.12), "b_j": (0.03, 0.1), "c_j": (0.03, 0.12),
     "d": (0.02, 0.1), "gravity_nm": (0.004, 0.02), "inertia_kg_m2": (0.03, 0.1), "backlash_m": (0.02, 0.08), "p": (0.01, 0.05),
 }
+LEG_S = 6.0  # shorter, and little of constant speed is left between the corners
 RISING_RAD = np.radians(85)  # up to here the load rises with the angle
 UNDECLARED = 0.05  # what counts where a model gives no confidence
 
@@ -30,9 +31,12 @@ def draw_joint(rng, wants):
     mu = rng.uniform(0.0, 0.02) if nearly_none else rng.uniform(0.05, 0.4)
     if "no_load_term" in wants:
         mu = 0.0
+    if "load_term" in wants:
+        mu = rng.uniform(0.1, 0.4)
     cable, own = (rng.uniform(0.1, 0.5), rng.uniform(0.1, 0.4)) if "no_stribeck" not in wants else (0.0, 0.0)
     if rng.random() < 0.3:
         own = 0.0
+    tilt = 1.0 if "equal_mu" in wants else rng.uniform(0.88, 1.08)
     v_cable, v_own = log_uniform(rng, 0.04, 0.15), log_uniform(rng, 0.15, 0.6)
     viscous = rng.uniform(0.1, 0.6)  # of the Coulomb friction, at 1 rad/s
 
@@ -43,11 +47,12 @@ def draw_joint(rng, wants):
             "c_j": sense / v_own, "d": force * viscous * rng.uniform(0.7, 1.3),
         }
 
-    friction = {"up": one(1, 1.0, 1.0), "down": one(-1, rng.uniform(0.4, 1.2), rng.uniform(0.88, 1.08))}
+    friction = {"up": one(1, 1.0, 1.0), "down": one(-1, rng.uniform(0.4, 1.2), tilt)}
     arm_m = rng.uniform(0.08, 0.3)
     inertia = 0.0 if "no_inertia" in wants else gravity / 9.81 * arm_m * rng.uniform(1.0, 1.4)
     kind = rng.choice(wants["curves"]) if "curves" in wants else rng.choice(["sign", "linear", "arctan"], p=[0.1, 0.35, 0.55])
-    return Joint(r1, r2, r2 * log_uniform(rng, 0.008, 0.04), gravity, inertia, friction, (str(kind), rng.uniform(1.2, 3.5)))
+    backlash_rad = log_uniform(rng, 0.001, 0.004) if "narrow" in wants else log_uniform(rng, 0.008, 0.04)
+    return Joint(r1, r2, r2 * backlash_rad, gravity, inertia, friction, (str(kind), rng.uniform(1.2, 3.5)))
 
 
 @dataclasses.dataclass
@@ -69,13 +74,15 @@ def draw_trajectory(rng, wants, jumps, low, high, length_s):
     slowest = 2.2 * (high - low) / length_s
     speed = log_uniform(rng, slowest, max(1.5 * slowest, rng.uniform(0.3, 1.2)))
     kinds = ["multi_sine", "cascade", "multi_sine", "moves"] if fast else ["sweep", "sweep", "sweep", "multi_sine", "cascade", "moves"]
+    if "dwells" in wants:
+        kinds = ["moves", "moves", "sweep"]
     if jumps and "curves" not in wants:  # a true jump needs reversals that an encoder sees: none within a tiny travel
         kinds = [k for k in kinds if k != "multi_sine"]
     kind = rng.choice(kinds)
     if kind == "sweep":
         return "uniform", speed, *motion.sweep(rng, length_s, low, high, speed)
     if kind == "moves":
-        dwell = (0, 0) if jumps or rng.random() < 0.4 else (0.3, 2.0)
+        dwell = (0, 0) if jumps or ("dwells" not in wants and rng.random() < 0.4) else (0.3, 2.5)
         return "free", speed, *motion.moves(rng, length_s, low, high, 2 * speed if fast else speed, dwell)
     if kind == "cascade":
         return "cosine", speed, *motion.cascade(rng, length_s, low, high, top_hz)
@@ -110,10 +117,11 @@ def draw_sizes(rng, wants, jumps):
 
 
 def sweeps_of_use(plans):
-    """Whether sweeps may be called uniform: at two speeds or more, the load changing along each."""
+    """Whether sweeps may be called uniform: at two speeds or more, every leg long enough, the load changing along it."""
     sweeps = [p for p in plans if p[2] == "uniform"]
     runs = [command(np.linspace(0, own_s, 200)) for *_, command, own_s, _ in sweeps]
-    return len({p[4] for p in sweeps}) > 1 and all(q.max() < RISING_RAD and np.sin(q).std() > 0.1 for q in runs)
+    rising = all(q.max() < RISING_RAD and np.sin(q).std() > 0.1 for q in runs)
+    return len({p[4] for p in sweeps}) > 1 and rising and all(np.ptp(q) / p[4] > LEG_S for q, p in zip(runs, sweeps))
 
 
 def draw_campaign(rng, joint, wants):
@@ -123,6 +131,9 @@ def draw_campaign(rng, joint, wants):
     low = np.radians(rng.uniform(-30, 40))
     if "both_sides" in wants:
         low = -width * rng.uniform(0.3, 0.6)
+    if "narrow" in wants:
+        width = np.radians(rng.uniform(4, 8))
+        low = np.radians(rng.uniform(65, 110)) - width / 2
     running = "running_clock" in wants or ("zero_clock" not in wants and rng.random() < 0.5)
     pause_s = rng.uniform(0.5, 30) if running else 0.5
     wobble, misplaced = rng.uniform(0.01, 0.06), rng.uniform(0.0002, 0.003)
@@ -159,18 +170,31 @@ def setting(joint, campaign, torques):
     return Setting(joint, trials, campaign.low_rad, campaign.high_rad, top, length_s, low, high)
 
 
-def declared(rng, joint, columns, names, floor_nm, with_confidence):
-    """How far off the model's parameters are, and how far off they may be (relative to the truth): offset, low, high.
+@dataclasses.dataclass
+class Known:
+    """How well the model is known: true values, the model's offset from them and the interval, both relative to the truth."""
 
-    The offsets are drawn inside the interval and small enough that the torque they cost stays near the floor or below.
-    """
-    half = np.array([log_uniform(rng, *KNOWN_TO[n.rsplit(".", 1)[-1]]) for n in names]) if with_confidence else np.full(len(names), UNDECLARED)
-    scatter = half if with_confidence else np.full(len(names), 0.02)
+    values: dict
+    offset: np.ndarray
+    low: np.ndarray
+    high: np.ndarray
+    cost_nm: float  # RMS torque that the offsets cost
+    given: bool  # whether the model declares its intervals
+
+    def intervals(self):
+        return {n: (v * (1 + l), v * (1 + h)) for (n, v), l, h in zip(self.values.items(), self.low, self.high)}
+
+
+def declared(rng, joint, columns, names, floor_nm):
+    """Offsets inside the interval, and small enough that the torque they cost stays near the floor or below."""
+    values = joint.values()
+    given = rng.random() < 0.8
+    half = np.array([log_uniform(rng, *KNOWN_TO[n.rsplit(".", 1)[-1]]) for n in names]) if given else np.full(len(names), UNDECLARED)
+    scatter = half if given else np.full(len(names), 0.02)
     offset = np.clip(rng.normal(0, 1 / 1.96, len(names)), -0.95, 0.95) * scatter
     cost_nm = np.sqrt(np.mean((columns @ offset) ** 2))
-    wanted_nm = floor_nm * log_uniform(rng, 0.2, 1.2)
-    shrink = min(1.0, wanted_nm / cost_nm)
-    offset = offset * shrink
-    if with_confidence:
+    shrink = min(1.0, floor_nm * log_uniform(rng, 0.2, 1.2) / cost_nm)
+    if given:
         half = half * shrink
-    return offset, offset - half, offset + half, min(cost_nm, wanted_nm)
+    offset = offset * shrink
+    return Known({n: values[n] for n in names}, offset, offset - half, offset + half, shrink * cost_nm, given)

@@ -17,10 +17,12 @@ for threads in ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "POLARS_MAX_THREADS")
 import numpy as np  # noqa: E402
 
 import case as cases  # noqa: E402
+from causes import STALE, TIES, may_pair  # noqa: E402
 from forms import FORMS  # noqa: E402
+from unknowns import UNKNOWNS  # noqa: E402
 from write import write_case  # noqa: E402
 
-MIX = {"effect": 0.60, "stale": 0.12, "none": 0.12}
+MIX = {"effect": 0.58, "stale": 0.12, "none": 0.12, "unknown": 0.08, "pair": 0.08, "tie": 0.02}
 
 
 def deal(rng, items):
@@ -35,16 +37,27 @@ def plan(seed, count, kinds, only, variant):
     share = {k: MIX[k] for k in kinds}
     counts = {k: int(round(count * s / sum(share.values()))) for k, s in share.items()}
     counts[kinds[0]] += count - sum(counts.values())
-    ids, stale = deal(rng, sorted(FORMS)), deal(rng, cases.STALE)
+    ids, stale, unknowns, ties = (deal(rng, sorted(items)) for items in (FORMS, STALE, UNKNOWNS, TIES))
     variants = {effect: deal(rng, sorted(FORMS[effect])) for effect in FORMS}
+
+    def effect_or(name=None):
+        name = name or next(ids)
+        return (name, next(variants[name])) if name in FORMS else (name, None)
 
     def one(kind):
         if kind == "none":
             return kind, [], []
         if kind == "stale":
             return kind, [only or next(stale)], [None]
-        effect = only or next(ids)
-        return kind, [effect], [variant or next(variants[effect])]
+        if kind in ("unknown", "tie"):
+            return kind, [kind], [variant or next(unknowns if kind == "unknown" else ties)]
+        first = effect_or(only)
+        if kind == "effect":
+            return kind, [first[0]], [variant or first[1]]
+        while True:
+            second = effect_or() if rng.random() < 0.75 else (next(stale), None)
+            if may_pair(first[0], second[0]):
+                return kind, [first[0], second[0]], [first[1], second[1]]
 
     listed = [one(kind) for kind in kinds for _ in range(counts[kind])]
     return [listed[i] for i in rng.permutation(len(listed))]

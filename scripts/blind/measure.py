@@ -3,7 +3,7 @@ import numpy as np
 from scipy.optimize import lsq_linear
 from scipy.signal import butter, sosfiltfilt
 
-from plant import torque
+from plant import drive
 
 KEPT_PER_CUTOFF = 5  # samples kept per period of the low-pass's corner: above its Nyquist rate
 FOLDS = 4
@@ -43,7 +43,7 @@ def rms(x):
 
 def record_all(joint, trials, forms=(), noise=None):
     """The torque of every trial."""
-    return [torque(joint, t, forms, None if noise is None else noise[i]) for i, t in enumerate(trials)]
+    return [drive(joint, t, forms, None if noise is None else noise[i])[0] for i, t in enumerate(trials)]
 
 
 def jacobian(joint, ruler, forms=()):
@@ -61,26 +61,35 @@ def jacobian(joint, ruler, forms=()):
 
 
 class Absorber:
-    """Least squares on the base's columns, each coefficient within bounds, other columns free."""
+    """Least squares on the base's columns, each coefficient within bounds, further columns free."""
 
     def __init__(self, columns, low, high):
         self.q, self.r = np.linalg.qr(columns)
-        self.columns, self.low, self.high = columns, low, high
+        self.low, self.high = low, high
+
+    def beside(self, free):
+        """The same with some further columns that may take any size; their part outside the base's span is all that is new."""
+        if not len(free):
+            return self
+        free = np.column_stack(free)
+        shared = self.q.T @ free
+        q, r = np.linalg.qr(free - self.q @ shared)
+        both = Absorber.__new__(Absorber)
+        both.q = np.column_stack([self.q, q])
+        both.r = np.block([[self.r, shared], [np.zeros((len(r), len(self.r))), r]])
+        wide = np.full(free.shape[1], np.inf)
+        both.low, both.high = np.concatenate([self.low, -wide]), np.concatenate([self.high, wide])
+        return both
 
     def fit(self, target):
         return lsq_linear(self.r, self.q.T @ target, (self.low, self.high), method="bvls", max_iter=200).x
 
     def left(self, target):
         """RMS of what the base cannot absorb of the target."""
-        return rms(target - self.columns @ self.fit(target))
-
-
-def bounded(columns, low, high, free=()):
-    """An absorber with some further columns that may take any size."""
-    if not len(free):
-        return Absorber(columns, low, high)
-    wide = np.full(len(free), np.inf)
-    return Absorber(np.column_stack([columns, *free]), np.concatenate([low, -wide]), np.concatenate([high, wide]))
+        inside = self.q.T @ target
+        p = lsq_linear(self.r, inside, (self.low, self.high), method="bvls", max_iter=200).x
+        outside = target @ target - inside @ inside
+        return float(np.sqrt(max(0.0, outside + np.sum((self.r @ p - inside) ** 2)) / len(target)))
 
 
 def held_out_shrink(ruler, columns, low, high, forms, gap, noise):
@@ -90,12 +99,11 @@ def held_out_shrink(ruler, columns, low, high, forms, gap, noise):
     """
     fold = ruler.folds()
     matrix = np.column_stack([columns, *forms])
-    wide = np.full(len(forms), np.inf)
     left = np.empty_like(gap)
     for k in range(FOLDS):
         seen = fold != k
         if seen.all():
             continue
-        p = Absorber(matrix[seen], np.concatenate([low, -wide]), np.concatenate([high, wide])).fit((gap + noise)[seen])
+        p = Absorber(columns[seen], low, high).beside([f[seen] for f in forms]).fit((gap + noise)[seen])
         left[~seen] = (gap - matrix @ p)[~seen]
     return 1 - rms(left) / rms(gap)

@@ -151,8 +151,8 @@ class State:
         return 2 * self.share - 1
 
 
-def torque(joint, trial, forms=(), noise=None):
-    """The recorded winch torque of a trial, N m, and the state it came from.
+def drive(joint, trial, forms=(), noise=None):
+    """The recorded winch torque of a trial, N m, and the state that it came from.
 
     A form is (hook, function, strength); the hooks, in the order in which they act: `HOOKS`.
     """
@@ -177,4 +177,4 @@ def torque(joint, trial, forms=(), noise=None):
     y = st.y + sum(s * f(st) for f, s in at["winch"]) + (0 if noise is None else noise)
     for f, s in at["sensor"]:
         y = f(y, st, s)
-    return y
+    return y, st
