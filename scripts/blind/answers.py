@@ -37,9 +37,34 @@ WHERE = {  # first regions that an honest look at the residual may name
     "stribeck_level": ["low_speed", "after_reversal", "rest", "up", "down", "acceleration"],
 }
 
+WHERE_UNKNOWN = {
+    "drag_by_position": ["high_speed", "position", "up", "down", "everywhere"],
+    "centrifugal": ["high_speed", "position", "acceleration", "everywhere"],
+    "relaxing_sheath": ["position", "time", "after_reversal", "high_speed", "frequency", "everywhere", "acceleration"],
+    "ringing": ["after_reversal", "frequency", "low_speed", "acceleration"],
+    "clockwork": ["time", "frequency", "everywhere"],
+    "braking_differs": ["acceleration", "after_reversal", "everywhere", "low_speed", "high_speed"],
+    "remembered_extreme": ["after_reversal", "time", "position", "up", "down", "everywhere"],
+    "dead_zone": ["load", "position", "up", "down"],
+    "steps_by_direction": ["position", "up", "down", "everywhere", "load"],
+    "stiction_by_rest": ["rest", "low_speed", "after_reversal", "acceleration"],
+    "wrap_by_stroke": ["time", "position", "load", "everywhere", "up", "down", "after_reversal"],
+    "friction_lags_speed": ["acceleration", "after_reversal", "low_speed", "high_speed", "everywhere"],
+    "wandering": ["time", "everywhere", "frequency", "bursts"],
+}
 
-def accepted(kind, names, rival=None):
+
+def where(kind, names, variants):
+    """First regions that count as right."""
+    if kind == "unknown":
+        return WHERE_UNKNOWN[variants[0]]
+    return sorted({r for n in names for r in WHERE[n]})
+
+
+def accepted(kind, names, variants, rival=None):
     """Verdicts that count as right."""
+    if kind == "unknown" and variants == ["wandering"]:  # it does not repeat: to a judge by repeats it is noise
+        return [{"kind": "unknown", "effects": []}, {"kind": "none", "effects": []}]
     if kind in ("none", "unknown"):
         return [{"kind": kind, "effects": []}]
     if kind == "pair":

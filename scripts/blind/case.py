@@ -5,12 +5,12 @@ import numpy as np
 from scipy.signal import lfilter
 
 import campaign as draw
-from answers import WHERE, accepted, indistinguishable
+from answers import accepted, indistinguishable, where
 from causes import Rejected, make_cause, torques_with, wants_of
 from measure import Absorber, Ruler, held_out_shrink, jacobian, record_all, rms
 from rivals import Bench
 
-ATTEMPTS = 200
+ATTEMPTS = 100
 STRENGTHS = {"effect": (0.7, 12.0), "stale": (0.7, 12.0), "unknown": (1.0, 12.0), "pair": (1.5, 12.0), "tie": (1.5, 12.0)}  # floors
 TOO_STRONG = 2.2  # times the strongest: what a cause that is not sized may come to
 LEAST_OF_PAIR = 1.2  # floors: what of each neither the base nor the other may stand in for
@@ -30,14 +30,14 @@ class Case:
     answer: dict
 
 
-def build(kind, names, variants, rng):
-    """Draws until a draw can show what it should. `variants` has None for stale parameters."""
-    for attempt in range(ATTEMPTS):
+def build(kind, options, rng):
+    """Draws until a draw can show what it should. `options`: (names, variants) to try, in turn; a variant of None is a stale parameter."""
+    for draws in range(1, ATTEMPTS + 1):
         try:
-            return attempt_case(kind, names, variants, rng, attempt + 1)
+            return attempt_case(kind, *options[draws % len(options)], rng, draws)
         except Rejected:
             continue
-    raise RuntimeError(f"no case of {kind} {names} {variants} in {ATTEMPTS} draws")
+    raise RuntimeError(f"no case of {kind} {options} in {ATTEMPTS} draws")
 
 
 def noise_of(rng, ruler, trials):
@@ -99,6 +99,7 @@ def attempt_case(kind, names, variants, rng, draws):
     made = [make_cause(rng, kind, n, v, context) for n, v in zip(names, variants)]
     causes, rival = [c for c, _ in made], made[0][1] if made else None
     names = [] if kind == "unknown" else [c.name for c in causes]
+    named = [c.variant for c in causes]
 
     wanted = [draw.log_uniform(rng, *STRENGTHS[kind]) for _ in causes]
     floor_nm = draw_floor(rng, joint, ruler, context, base, causes, wanted)
@@ -131,8 +132,8 @@ def attempt_case(kind, names, variants, rng, draws):
     if causes and kind != "unknown" and not set(names) & set(UNJUDGED):
         shrink = held_out_shrink(ruler, columns, known.low - known.offset, known.high - known.offset, alone, gap, ruler.cut(noise))
     answer = {
-        "kind": kind, "effects": names, "variants": [c.variant for c in causes], "accepted": accepted(kind, names, rival),
-        "indistinguishable": same, "where": sorted({r for n in names for r in WHERE[n]}),
+        "kind": kind, "effects": names, "variants": named, "accepted": accepted(kind, names, named, rival), "indistinguishable": same,
+        "where": where(kind, names, named),
         "floor_nm": floor_nm, "raw_over_floor": rms(true - base) / floor_nm, "net_over_floor": net_nm / floor_nm,
         "net_of_each_over_floor": [n / floor_nm for n in nets], "gap_over_floor": rms(gap) / floor_nm,
         "model_error_over_floor": known.cost_nm / floor_nm, "shrink_true_form": shrink, "left_by_over_floor": left_by,

@@ -24,6 +24,7 @@ WANTS = {  # of joint and campaign, by id or id/variant
     "warm_up": {"long": True, "running_clock": True},
     "sensor_drift": {"long": True, "running_clock": True},
     "sensor_drift/each_trial": {"long": True, "zero_clock": True},
+    "sensor_drift/by_order": {"long": True, "zero_clock": True},
     "joint_coupling": {"other": True},
     "joint_coupling/inertial": {"other": True, "other_fast": True},
     "stale backlash_width": {"curves": ("linear", "arctan")},
@@ -47,7 +48,7 @@ WANTS = {  # of joint and campaign, by id or id/variant
 APART = (  # no two of one line in a pair: they act on the same thing
     {"reversal_transition", "presliding", "backlash_width"}, {"sensor_bias", "coulomb"}, {"sensor_gain", "load_coefficient", "gravity"},
     {"gravity_phase", "elastic_spring", "gravity"}, {"stribeck", "stribeck_level"}, {"load_dependent_friction", "load_coefficient"},
-    {"contact", "saturation"}, {"warm_up", "sensor_drift"}, {"viscous", "quadratic_viscous"},
+    {"sensor_bias", "elastic_spring"}, {"sensor_bias", "sensor_drift"}, {"sensor_bias", "joint_coupling"}, {"contact", "saturation"}, {"warm_up", "sensor_drift"}, {"viscous", "quadratic_viscous"},
 )
 
 

@@ -106,6 +106,19 @@ def _(rng, c):
     return Form("share", lambda st, s: bristle(st.q, lambda z: ((1 - z) / 2) ** power * 2 / slip_rad), 1, False, False)
 
 
+@form("presliding", "lugre")
+def _(rng, c):
+    """Bristles that bend less far the faster they are swept."""
+    slip_rad, speed = c.width_rad * np.exp(rng.uniform(np.log(0.004), np.log(0.03))), c.top_speed_rad_s * rng.uniform(0.2, 1.0)
+
+    def act(st, s):
+        local = np.cumsum(np.abs(np.diff(st.q, prepend=st.q[0])) * (1 + np.abs(st.v) / speed)) / slip_rad
+        signed = np.cumsum(np.diff(local, prepend=0.0) * np.sign(np.diff(st.q, prepend=st.q[0])))
+        return bristle(signed, lambda z: 1 - z)
+
+    return Form("share", act, 1, False, False)
+
+
 @form("presliding", "iwan")
 def _(rng, c):
     """Five elastic elements in parallel, each slipping at its own displacement."""
@@ -290,6 +303,19 @@ def _(rng, c):
     return Form("load", lambda st: -np.cos(st.q), 0.6 * c.joint.gravity_nm)
 
 
+@form("gravity_phase", "turned")
+def _(rng, c):
+    """The centre of mass turned off the assumed line: the amplitude stays."""
+    sign = rng.choice([-1, 1])
+
+    def act(st, angle_rad):
+        mu = [st.joint.friction[d]["mu_c"] for d in ("down", "up")]
+        change = c.joint.gravity_nm * (np.sin(st.q + sign * angle_rad) - np.sin(st.q))
+        return st.y + c.ratio * change / (1 - mu[0] - st.share * (mu[1] - mu[0]))
+
+    return Form("strain", act, 0.5, False)
+
+
 @form("elastic_spring", "stiffening")
 def _(rng, c):
     rest, more = rng.uniform(c.low_rad, c.high_rad), rng.uniform(0.0, 0.4)
@@ -336,19 +362,26 @@ def _(rng, c):
 
 @form("joint_coupling", "friction")
 def _(rng, c):
-    soft = 0.1 * max(np.abs(t.other[1]).max() for t in c.trials if t.other is not None)
+    soft = 0.1 * max(np.abs(t.other[1]).max() for t in c.trials)
     return Form("winch", lambda st: np.tanh(st.trial.other[1] / soft), c.torque_span_nm)
+
+
+@form("joint_coupling", "viscous")
+def _(rng, c):
+    """Cables that rub where they pass the other joint."""
+    top = max(np.abs(t.other[1]).max() for t in c.trials)
+    return Form("winch", lambda st: st.trial.other[1] / top, c.torque_span_nm)
 
 
 @form("joint_coupling", "inertial")
 def _(rng, c):
-    top = max(np.abs(t.other[2]).max() for t in c.trials if t.other is not None)
+    top = max(np.abs(t.other[2]).max() for t in c.trials)
     return Form("load", lambda st: np.cos(st.q) * st.trial.other[2] / top, 5 * c.joint.gravity_nm)
 
 
 @form("joint_coupling", "spring")
 def _(rng, c):
-    mean = np.mean([t.other[0].mean() for t in c.trials if t.other is not None])
+    mean = np.mean([t.other[0].mean() for t in c.trials])
     return Form("winch", lambda st: st.trial.other[0] - mean * 0.8, c.torque_span_nm)
 
 
@@ -371,6 +404,18 @@ def _(rng, c):
     def act(st, s):
         load = c.joint.gravity_nm * np.sin(st.q) / top
         return moved(st, s * load / (1 + harder * np.abs(load)))
+
+    return Form("motion", act, 0.25, False)
+
+
+@form("cable_elasticity", "slack_taken_up")
+def _(rng, c):
+    """Stiff only once the strands lie together: the stretch grows as a root of the load."""
+    power = rng.uniform(0.6, 0.9)
+
+    def act(st, s):
+        load = np.sin(st.q)
+        return moved(st, s * load / np.maximum(np.abs(load), 0.02) ** (1 - power))
 
     return Form("motion", act, 0.25, False)
 
@@ -433,15 +478,15 @@ def push(rng, kind, x):
     return np.exp(-4 * x) * np.clip(x / 0.05, 0, 1)
 
 
-def touches(rng, c, kind):
-    """A few touches in a few of the trials: name -> [(start, length, size)]."""
+def touches(rng, c, kind, shortest_s=0.4, longest_s=2.5):
+    """A few touches in a few of the trials."""
     count = max(1, int(round(len(c.trials) * rng.uniform(0.15, 0.5))))
     plan = {}
     for i in rng.choice(len(c.trials), count, replace=False):
         trial = c.trials[i]
         long = trial.t_s[-1]
         plan[trial.name] = [
-            (rng.uniform(0.15, 0.8) * long, rng.uniform(0.4, 2.5), rng.choice([-1, 1]) * rng.uniform(0.5, 1.0)) for _ in range(rng.integers(1, 4))
+            (rng.uniform(0.15, 0.8) * long, rng.uniform(shortest_s, longest_s), rng.choice([-1, 1]) * rng.uniform(0.5, 1.0)) for _ in range(rng.integers(1, 4))
         ]
 
     def act(st):
@@ -463,6 +508,11 @@ def _(rng, c):
 @form("contact", "trapezoid")
 def _(rng, c):
     return Form("load", touches(rng, c, "trapezoid"), 15 * c.joint.gravity_nm)
+
+
+@form("contact", "leant_on")
+def _(rng, c):
+    return Form("load", touches(rng, c, "trapezoid", 2.0, 5.0), 15 * c.joint.gravity_nm)
 
 
 @form("contact", "struck")
@@ -515,6 +565,13 @@ def _(rng, c):
 def shifted(y, st, delay_s):
     """y as it was `delay_s` ago."""
     return np.interp(st.trial.t_s - delay_s, st.trial.t_s, y)
+
+
+@form("sensor_drift", "by_order")
+def _(rng, c):
+    """From trial to trial, on clocks that all start at 0."""
+    settle_s = c.length_s * rng.uniform(0.3, 2.0)
+    return Form("winch", lambda st: -np.expm1(-st.trial.elapsed_s / settle_s), c.torque_span_nm)
 
 
 @form("time_delay", "late")

@@ -23,6 +23,7 @@ from unknowns import UNKNOWNS  # noqa: E402
 from write import write_case  # noqa: E402
 
 MIX = {"effect": 0.58, "stale": 0.12, "none": 0.12, "unknown": 0.08, "pair": 0.08, "tie": 0.02}
+PAIRS_TO_TRY = 4  # not every two causes can be told apart in one campaign
 
 
 def deal(rng, items):
@@ -32,7 +33,7 @@ def deal(rng, items):
 
 
 def plan(seed, count, kinds, only, variant):
-    """(kind, effects, variants) of every case, by the mix, each id as often as the others."""
+    """(kind, options) of every case, by the mix, each id as often as the others; an option is the names and the variants of its causes."""
     rng = np.random.default_rng([seed, 0])
     share = {k: MIX[k] for k in kinds}
     counts = {k: int(round(count * s / sum(share.values()))) for k, s in share.items()}
@@ -44,32 +45,36 @@ def plan(seed, count, kinds, only, variant):
         name = name or next(ids)
         return (name, next(variants[name])) if name in FORMS else (name, None)
 
-    def one(kind):
-        if kind == "none":
-            return kind, [], []
-        if kind == "stale":
-            return kind, [only or next(stale)], [None]
-        if kind in ("unknown", "tie"):
-            return kind, [kind], [variant or next(unknowns if kind == "unknown" else ties)]
+    def pair():
         first = effect_or(only)
-        if kind == "effect":
-            return kind, [first[0]], [variant or first[1]]
         while True:
             second = effect_or() if rng.random() < 0.75 else (next(stale), None)
             if may_pair(first[0], second[0]):
-                return kind, [first[0], second[0]], [first[1], second[1]]
+                return [first[0], second[0]], [first[1], second[1]]
 
-    listed = [one(kind) for kind in kinds for _ in range(counts[kind])]
+    def options(kind):
+        if kind == "none":
+            return [([], [])]
+        if kind == "pair":
+            return [pair() for _ in range(PAIRS_TO_TRY)]
+        if kind == "stale":
+            return [([only or next(stale)], [None])]
+        if kind == "effect":
+            name, its_variant = effect_or(only)
+            return [([name], [variant or its_variant])]
+        return [([kind], [variant or next(unknowns if kind == "unknown" else ties)])]
+
+    listed = [(kind, options(kind)) for kind in kinds for _ in range(counts[kind])]
     return [listed[i] for i in rng.permutation(len(listed))]
 
 
 def make(job):
     """One case, written; the answer apart."""
-    number, seed, (kind, names, variants), out, answers = job
+    number, seed, (kind, options), out, answers = job
     started = time.perf_counter()
     rng = np.random.default_rng([seed, 1, number])
     name = f"case_{number:03d}"
-    built = cases.build(kind, names, variants, rng)
+    built = cases.build(kind, options, rng)
     write_case(built, out / name, rng)
     built.answer["case"] = name
     built.answer["seconds"] = time.perf_counter() - started

@@ -168,3 +168,14 @@ def _(rng, c):
         return st.sense * (lagging(speed, st.trial.rate_hz, settle_s) - speed)
 
     return Form("winch", act, 3 * c.torque_span_nm)
+
+
+@unknown("wandering")
+def _(rng, c):
+    """A torque that wanders within seconds, otherwise in every trial."""
+    settle_s = rng.uniform(0.3, 2.0)
+    walks = {}
+    for t in c.trials:
+        walk = lagging(rng.normal(size=len(t.q)), t.rate_hz, settle_s)
+        walks[t.name] = walk / walk.std()
+    return Form("winch", lambda st: walks[st.trial.name], c.torque_span_nm)

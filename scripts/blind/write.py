@@ -74,6 +74,8 @@ def model_json(case):
     if case.confidence is not None:
         values = model.values()
         written["confidence"] = {n: interval(values[n], *bounds) for n, bounds in case.confidence.items()}
+        if "combination.p" in case.confidence:
+            written["confidence"]["combination.k"] = interval(combination["k"], *(1 / np.arctan(2 * b) for b in case.confidence["combination.p"]))
     return written
 
 
