@@ -176,6 +176,7 @@ def _(rng, c):
     settle_s = rng.uniform(0.3, 2.0)
     walks = {}
     for t in c.trials:
-        walk = lagging(rng.normal(size=len(t.q)), t.rate_hz, settle_s)
+        before = int(5 * settle_s * t.rate_hz)
+        walk = lagging(rng.normal(size=before + len(t.q)), t.rate_hz, settle_s)[before:]
         walks[t.name] = walk / walk.std()
     return Form("winch", lambda st: walks[st.trial.name], c.torque_span_nm)
