@@ -13,6 +13,7 @@ KNOWN_TO = {  # half width of a realistic 95 % interval, relative: least and mos
     "d": (0.02, 0.1), "gravity_nm": (0.004, 0.02), "inertia_kg_m2": (0.03, 0.1), "backlash_m": (0.02, 0.08), "p": (0.01, 0.05),
 }
 LEG_S = 6.0  # shorter, and little of constant speed is left between the corners
+COMMON = 0.15  # how often a joint or campaign has by chance what a cause needs: so that having it tells nothing
 RISING_RAD = np.radians(85)  # up to here the load rises with the angle
 UNDECLARED = 0.05  # what counts where a model gives no confidence
 
@@ -27,15 +28,14 @@ def draw_joint(rng, wants):
     r1 = r2 * rng.uniform(0.15, 0.6)
     gravity = log_uniform(rng, 0.3, 8.0)
     coulomb = r1 / r2 * gravity * rng.uniform(0.08, 0.5)
-    nearly_none = rng.random() < 0.25 or "no_load_term" in wants
-    mu = rng.uniform(0.0, 0.02) if nearly_none else rng.uniform(0.05, 0.4)
+    mu = rng.uniform(0.05, 0.4) if rng.random() < 0.7 else rng.choice([0.0, rng.uniform(0.0, 0.02)])
     if "no_load_term" in wants:
         mu = 0.0
     if "load_term" in wants:
         mu = rng.uniform(0.1, 0.4)
-    cable, own = (rng.uniform(0.1, 0.5), rng.uniform(0.1, 0.4)) if "no_stribeck" not in wants else (0.0, 0.0)
-    if rng.random() < 0.3:
-        own = 0.0
+    cable, own = rng.uniform(0.1, 0.5), rng.uniform(0.1, 0.4) * (rng.random() < 0.7)
+    if "no_stribeck" in wants or ("stribeck" not in wants and rng.random() < COMMON):
+        cable, own = 0.0, 0.0
     tilt = 1.0 if "equal_mu" in wants else rng.uniform(0.88, 1.08)
     v_cable, v_own = log_uniform(rng, 0.04, 0.15), log_uniform(rng, 0.15, 0.6)
     viscous = rng.uniform(0.1, 0.6)  # of the Coulomb friction, at 1 rad/s
@@ -49,7 +49,9 @@ def draw_joint(rng, wants):
 
     friction = {"up": one(1, 1.0, 1.0), "down": one(-1, rng.uniform(0.4, 1.2), tilt)}
     arm_m = rng.uniform(0.08, 0.3)
-    inertia = 0.0 if "no_inertia" in wants else gravity / 9.81 * arm_m * rng.uniform(1.0, 1.4)
+    inertia = gravity / 9.81 * arm_m * rng.uniform(1.0, 1.4)
+    if "no_inertia" in wants or ("inertia" not in wants and rng.random() < COMMON):
+        inertia = 0.0
     kind = rng.choice(wants["curves"]) if "curves" in wants else rng.choice(["sign", "linear", "arctan"], p=[0.1, 0.35, 0.55])
     backlash_rad = log_uniform(rng, 0.001, 0.004) if "narrow" in wants else log_uniform(rng, 0.008, 0.04)
     return Joint(r1, r2, r2 * backlash_rad, gravity, inertia, friction, (str(kind), rng.uniform(1.2, 3.5)))
@@ -69,7 +71,7 @@ class Campaign:
 
 def draw_trajectory(rng, wants, jumps, low, high, length_s):
     """One command: (protocol, speed, command, its own length)."""
-    fast = "fast" in wants
+    fast = "fast" in wants or rng.random() < COMMON
     top_hz = max(log_uniform(rng, 0.4, 1.1) if fast else log_uniform(rng, 0.08, 0.6), 3 / length_s)
     slowest = 2.2 * (high - low) / length_s
     speed = log_uniform(rng, slowest, max(1.5 * slowest, rng.uniform(0.3, 1.2)))
@@ -137,7 +139,7 @@ def draw_campaign(rng, joint, wants):
     running = "running_clock" in wants or ("zero_clock" not in wants and rng.random() < 0.5)
     pause_s = rng.uniform(0.5, 30) if running else 0.5
     wobble, misplaced = rng.uniform(0.01, 0.06), rng.uniform(0.0002, 0.003)
-    with_other = "other" in wants or rng.random() < 0.15
+    with_other = "other" in wants or rng.random() < 2 * COMMON
     plans = []
     for i in range(trajectories):
         share = 1.0 if i == 0 else rng.uniform(0.5, 1.0)

@@ -7,7 +7,9 @@ from scipy.signal import lfilter
 import campaign as draw
 from answers import accepted, indistinguishable, where
 from causes import Rejected, make_cause, torques_with, wants_of
+from forms import cold
 from measure import Absorber, Ruler, held_out_shrink, jacobian, record_all, rms
+from plant import State
 from rivals import Bench
 
 ATTEMPTS = 100
@@ -16,6 +18,7 @@ TOO_STRONG = 2.2  # times the strongest: what a cause that is not sized may come
 LEAST_OF_PAIR = 1.2  # floors: what of each neither the base nor the other may stand in for
 FLOOR_OF_SPAN = (0.0025, 0.015)
 LEAST_OF_JUMP = 0.015  # floor over the jump of friction where it truly jumps: an encoder cannot time a reversal better
+SELDOM = 0.15
 UNJUDGED = ("contact", "saturation")  # a touch cannot be predicted, and clipped samples are not judged: no shrink to compare with
 
 
@@ -27,6 +30,7 @@ class Case:
     recorded: list
     model: object
     confidence: dict
+    beside: dict  # further columns: name -> (quantity, unit, one array per trial)
     answer: dict
 
 
@@ -86,6 +90,21 @@ def net_of_each(absorber, alone):
     return [absorber.beside([e for k, e in enumerate(alone) if k != i]).left(effect) for i, effect in enumerate(alone)]
 
 
+def further_columns(rng, trials, causes):
+    """What else a log may hold: a velocity, a thermometer that shows the warmth where that matters."""
+    beside = {}
+    if rng.random() < SELDOM:
+        scatter = rng.uniform(0.0, 0.002)
+        beside["velocity_rad_s"] = ("velocity", "rad/s", [t.v + rng.normal(0, scatter, len(t.v)) for t in trials])
+    warm = next((c.form.warm for c in causes if c.form is not None and c.form.warm is not None), None)
+    if rng.random() < (2 * SELDOM if warm else SELDOM):
+        shown = warm or cold(rng, trials[-1].elapsed_s[-1])
+        start, rise = rng.uniform(15, 28), rng.uniform(3, 20)
+        states = [State(t, None, t.q, t.v, t.a) for t in trials]
+        beside["winch_deg_c"] = ("temperature", "degC", [start + rise * (1 - shown(st)) + rng.normal(0, 0.05, len(st.q)) for st in states])
+    return beside
+
+
 def attempt_case(kind, names, variants, rng, draws):
     """One draw of everything, or `Rejected`."""
     wants = wants_of(kind, names, variants)
@@ -141,4 +160,4 @@ def attempt_case(kind, names, variants, rng, draws):
         "trials": len(trials), "samples": sum(len(t.q) for t in trials), "strengths": [c.strength if c.form else c.changes for c in causes],
         "draws": draws,
     }
-    return Case(recorded_in, recorded, model, known.intervals() if known.given else None, answer)
+    return Case(recorded_in, recorded, model, known.intervals() if known.given else None, further_columns(rng, trials, causes), answer)

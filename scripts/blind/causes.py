@@ -28,7 +28,7 @@ WANTS = {  # of joint and campaign, by id or id/variant
     "joint_coupling": {"other": True},
     "joint_coupling/inertial": {"other": True, "other_fast": True},
     "stale backlash_width": {"curves": ("linear", "arctan")},
-    "stale inertia": {"fast": True},
+    "stale inertia": {"fast": True, "inertia": True},
     "stale viscous": {"fast": True},
     "stale load_coefficient": {"load_term": True},
     "stale stribeck_level": {"stribeck": True},

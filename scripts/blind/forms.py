@@ -47,6 +47,7 @@ class Form:
     largest: float  # physical limit of the strength
     linear: bool = True
     sized: bool = True  # False: its size is drawn, the floor is chosen to fit the strength wanted
+    warm: Callable = None  # of what depends on warmth: 1 cold, 0 warm; a thermometer may show it
 
 
 def form(effect, variant):
@@ -255,39 +256,35 @@ def _(rng, c):
     return Form("winch", act, 2 * c.torque_span_nm)
 
 
-def cooling(rng, c, clock):
-    """1 at the start, falling over minutes: exponential, or hyperbolic with a long tail."""
-    settle_s = c.length_s * rng.uniform(0.1, 0.45)
+def cold(rng, length_s):
+    """1 at the start of the campaign, falling over minutes: exponential, or hyperbolic with a long tail."""
+    settle_s = length_s * rng.uniform(0.1, 0.45)
     if rng.random() < 0.5:
-        return lambda st: np.exp(-clock(st) / settle_s)
-    return lambda st: 1 / (1 + clock(st) / settle_s)
-
-
-def elapsed(st):
-    return st.trial.elapsed_s
+        return lambda st: np.exp(-st.trial.elapsed_s / settle_s)
+    return lambda st: 1 / (1 + st.trial.elapsed_s / settle_s)
 
 
 @form("warm_up", "whole_friction")
 def _(rng, c):
-    warm = cooling(rng, c, elapsed)
-    return Form("friction", warm, 2.0)
+    warm = cold(rng, c.length_s)
+    return Form("friction", warm, 2.0, warm=warm)
 
 
 @form("warm_up", "coulomb_part")
 def _(rng, c):
-    warm = cooling(rng, c, elapsed)
-    return Form("winch", lambda st: st.sense * warm(st), c.torque_span_nm)
+    warm = cold(rng, c.length_s)
+    return Form("winch", lambda st: st.sense * warm(st), c.torque_span_nm, warm=warm)
 
 
 @form("warm_up", "grease")
 def _(rng, c):
     """Coulomb and, more so, viscous friction."""
-    warm, part = cooling(rng, c, elapsed), rng.uniform(0.3, 0.7)
+    warm, part = cold(rng, c.length_s), rng.uniform(0.3, 0.7)
 
     def act(st):
         return warm(st) * ((1 - part) * st.sense + part * st.v / (0.5 * c.top_speed_rad_s))
 
-    return Form("winch", act, c.torque_span_nm)
+    return Form("winch", act, c.torque_span_nm, warm=warm)
 
 
 # ---- the load's side

@@ -35,7 +35,7 @@ def run(binary, case, out):
         return None, f"no end within {TIMEOUT_S:.0f} s", TIMEOUT_S
     seconds = time.perf_counter() - started
     if done.returncode:
-        return None, f"exit status {done.returncode}: {done.stderr.strip()[:200]}", seconds
+        return None, f"exit status {done.returncode}: {(done.stderr.strip().splitlines() or ['no word'])[0][:200]}", seconds
     diagnosis, trouble = read(out)
     return diagnosis, trouble, seconds
 
@@ -130,12 +130,17 @@ def summary(rows):
     off = np.array([abs(r["shrink"] - r["shrink_true"]) for r in shrunk])
     pairs = [len(set(r["named"]) & set(r["effects"])) for r in kinds["pair"]]
     clear = lambda group: [r for r in group if r["kind"] == "none" or r["strength"] >= CLEAR]
+    alone = lambda group: [r for r in clear(group) if not r["indistinguishable"] or r["kind"] == "tie"]
     by_cause = collections.defaultdict(list)
     for r in single:
         by_cause[r["kind"] + " " + r["effects"][0]].append(r)
     return {
         "cases": len(rows),
-        "kinds": {k: {"cases": len(g), "right": share(g), "clear": len(clear(g)), "right_clear": share(clear(g))} for k, g in kinds.items() if g},
+        "kinds": {
+            k: {"cases": len(g), "right": share(g), "clear": len(clear(g)), "right_clear": share(clear(g)), "alone": len(alone(g)), "right_alone": share(alone(g))}
+            for k, g in kinds.items() if g
+        },
+        "ambiguous_with_truth": sum(r["verdict"] == "ambiguous" and not r["right"] and bool(set(r["named"]) & set(r["effects"])) for r in rows),
         "false_alarms": sum(not r["right"] for r in kinds["none"]),
         "pairs": {"both": pairs.count(2), "one": pairs.count(1), "none": pairs.count(0)},
         "stale_named": share([{"right": set(r["effects"]) <= set(r["named"])} for r in kinds["stale"]]),
@@ -174,12 +179,16 @@ def number(x, form="{:.3f}"):
 
 def table(s):
     """The figures as text."""
-    lines = [f"{s['cases']} cases", "", f"kind      cases  right %   of net >= {CLEAR} floors  right %"]
-    lines += [f"{k:8} {v['cases']:6}    {percent(v['right'])}   {v['clear']:20}    {percent(v['right_clear'])}" for k, v in s["kinds"].items()]
+    lines = [f"{s['cases']} cases", "", f"kind      cases  right %   net >= {CLEAR} floors  right %   and nothing like it  right %"]
+    lines += [
+        f"{k:8} {v['cases']:6}    {percent(v['right'])}   {v['clear']:17}    {percent(v['right_clear'])}   {v['alone']:19}    {percent(v['right_alone'])}"
+        for k, v in s["kinds"].items()
+    ]
     p, h = s["pairs"], s["shrink"]
     lines += [
         "",
-        f"false alarms where nothing is wrong      {s['false_alarms']} of {s['kinds'].get('none', {}).get('cases', 0)}",
+        f"not called none where nothing is wrong   {s['false_alarms']} of {s['kinds'].get('none', {}).get('cases', 0)}",
+        f"ambiguous, the truth among others: wrong {s['ambiguous_with_truth']}",
         f"pairs: both named, one, none             {p['both']}, {p['one']}, {p['none']}",
         f"stale parameter among those named        {percent(s['stale_named'])} %",
         f"first place right                        {percent(s['where_first'])} %",
@@ -253,7 +262,7 @@ def main():
         args.json.write_text(json.dumps({"summary": figures, "rows": rows}, indent=2, default=float) + "\n")
     if args.verbose:
         print("\n".join(told(r) for r in rows if not r["right"]), end="\n\n")
-    print(table(figures))
+    print(table(figures), flush=True)
     short = missed(figures["kinds"], args.need) if args.need else []
     if short:
         sys.exit("below what is needed: " + "; ".join(short))

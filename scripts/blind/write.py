@@ -13,13 +13,14 @@ def write_case(case, folder, rng):
         "suffix": str(rng.choice(["parquet", "csv"], p=[0.8, 0.2])), "degrees": bool(rng.random() < 0.7), "milli": bool(rng.random() < 0.2),
         "ms": bool(rng.random() < 0.15), "sign": int(rng.choice([-1, 1])),
     }
-    for trial, y in zip(case.campaign.trials, case.recorded):
-        write_log(logs / f"{trial.name}.{style['suffix']}", case.campaign, trial, y, style)
+    for i, (trial, y) in enumerate(zip(case.campaign.trials, case.recorded)):
+        beside = {name: np.round(series[i], 4) for name, (_, _, series) in case.beside.items()}
+        write_log(logs / f"{trial.name}.{style['suffix']}", case.campaign, trial, y, beside, style)
     (logs / "campaign.toml").write_text(campaign_toml(case, style))
     (folder / "model.json").write_text(json.dumps(model_json(case), indent=2) + "\n")
 
 
-def write_log(path, campaign, trial, y, style):
+def write_log(path, campaign, trial, y, beside, style):
     clock = trial.elapsed_s if campaign.running_clock else trial.t_s
     q = np.round(trial.q / campaign.encoder_rad) * campaign.encoder_rad
     columns = {
@@ -29,7 +30,7 @@ def write_log(path, campaign, trial, y, style):
     }
     if trial.other is not None:
         columns["other_deg"] = np.round(np.degrees(trial.other[0]), 4)
-    frame = polars.DataFrame(columns)
+    frame = polars.DataFrame({**columns, **beside})
     if style["suffix"] == "csv":
         frame.write_csv(path)
     else:
@@ -49,6 +50,7 @@ def campaign_toml(case, style):
     ]
     if campaign.trials[0].other is not None:
         lines.append('other_position = { name = "other_deg", unit = "deg" }')
+    lines += [f'{quantity} = {{ name = "{name}", unit = "{unit}" }}' for name, (quantity, unit, _) in case.beside.items()]
     for trial in campaign.trials:
         lines += ["", "[[trials]]", f'file = "{trial.name}.{style["suffix"]}"', f'protocol = "{trial.protocol}"']
         if trial.protocol == "uniform":
