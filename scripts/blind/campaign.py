@@ -4,7 +4,7 @@ import dataclasses
 import numpy as np
 
 import motion
-from forms import Setting
+from forms.base import Setting
 from plant import Joint
 
 RATES_HZ = (100, 200, 250, 400, 500, 1000)

@@ -7,7 +7,7 @@ from scipy.signal import lfilter
 import campaign as draw
 from answers import accepted, indistinguishable, where
 from causes import Rejected, make_cause, torques_with, wants_of
-from forms import cold
+from forms.friction import cold
 from measure import Absorber, Ruler, held_out_shrink, jacobian, record_all, rms
 from plant import State
 from rivals import Bench

@@ -48,7 +48,8 @@ WANTS = {  # of joint and campaign, by id or id/variant
 APART = (  # no two of one line in a pair: they act on the same thing
     {"reversal_transition", "presliding", "backlash_width"}, {"sensor_bias", "coulomb"}, {"sensor_gain", "load_coefficient", "gravity"},
     {"gravity_phase", "elastic_spring", "gravity"}, {"stribeck", "stribeck_level"}, {"load_dependent_friction", "load_coefficient"},
-    {"sensor_bias", "elastic_spring"}, {"sensor_bias", "sensor_drift"}, {"sensor_bias", "joint_coupling"}, {"contact", "saturation"}, {"warm_up", "sensor_drift"}, {"viscous", "quadratic_viscous"},
+    {"sensor_bias", "elastic_spring"}, {"sensor_bias", "sensor_drift"}, {"sensor_bias", "joint_coupling"}, {"contact", "saturation"},
+    {"warm_up", "sensor_drift"}, {"viscous", "quadratic_viscous"},
 )
 
 

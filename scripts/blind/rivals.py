@@ -65,7 +65,7 @@ class Bench:
 
 def free_columns(bench):
     """Cause -> lists of columns that may take any size, each list one form of it."""
-    joint, states = bench.joint, bench.states
+    states = bench.states
     low, high = min(st.q.min() for st in states), max(st.q.max() for st in states)
     top = max(np.abs(st.v).max() for st in states)
     length_s = bench.ruler.trials[-1].elapsed_s[-1]
@@ -75,7 +75,7 @@ def free_columns(bench):
     speeds = top * np.array([0.03, 0.08, 0.2, 0.4])
     forms = {
         "stribeck": [
-            [bench.column(lambda st: st.share * np.exp(-np.abs(st.v / v) ** n)), bench.column(lambda st: (st.share - 1) * np.exp(-np.abs(st.v / v) ** n))]
+            [bench.column(lambda st: way(st) * np.exp(-np.abs(st.v / v) ** n)) for way in (lambda st: st.share, lambda st: st.share - 1)]
             for v in speeds for n in (1, 2)
         ],
         "load_dependent_friction": [[bench.column(lambda st: st.sense * np.abs(st.load))]],
@@ -91,7 +91,9 @@ def free_columns(bench):
         "gravity_phase": [[bench.column(lambda st: np.cos(st.q))]],
         "elastic_spring": [[bench.column(one), bench.column(lambda st: st.q)]],
         "inertia": [[bench.column(lambda st: st.a)]],
-        "time_delay": [[bench.column(lambda st: np.interp(st.trial.t_s - d, st.trial.t_s, st.y) - st.y)] for d in (-0.1, -0.05, -0.01, 0.01, 0.05, 0.1)],
+        "time_delay": [
+            [bench.column(lambda st: np.interp(st.trial.t_s - d, st.trial.t_s, st.y) - st.y)] for d in (-0.1, -0.05, -0.01, 0.01, 0.05, 0.1)
+        ],
         "cable_elasticity": [[bench.column(lambda st: np.cos(st.q) * st.load)], [bench.column(lambda st: np.cos(st.q) * st.y)]],
         "warm_up": [[bench.column(lambda st: st.friction * np.exp(-st.trial.elapsed_s / t))] for t in length_s * np.array([0.1, 0.25, 0.6])],
         "end_stop": [

@@ -137,7 +137,10 @@ def summary(rows):
     return {
         "cases": len(rows),
         "kinds": {
-            k: {"cases": len(g), "right": share(g), "clear": len(clear(g)), "right_clear": share(clear(g)), "alone": len(alone(g)), "right_alone": share(alone(g))}
+            k: {
+                "cases": len(g), "right": share(g), "clear": len(clear(g)), "right_clear": share(clear(g)),
+                "alone": len(alone(g)), "right_alone": share(alone(g)),
+            }
             for k, g in kinds.items() if g
         },
         "ambiguous_with_truth": sum(r["verdict"] == "ambiguous" and not r["right"] and bool(set(r["named"]) & set(r["effects"])) for r in rows),
@@ -146,12 +149,14 @@ def summary(rows):
         "stale_named": share([{"right": set(r["effects"]) <= set(r["named"])} for r in kinds["stale"]]),
         "where_first": share(rows, "where_right"),
         "shrink": {
-            "cases": len(shrunk), "median_off": float(np.median(off)) if len(off) else None, "within": float(np.mean(off <= CLOSE)) if len(off) else None,
+            "cases": len(shrunk), "median_off": float(np.median(off)) if len(off) else None,
+            "within": float(np.mean(off <= CLOSE)) if len(off) else None,
             "interval_holds": share(shrunk, "held"),
         },
         "found_nine_in_ten_floors": found_nine_in_ten(single),
         "by_cause": {
-            name: {"cases": len(g), "right": sum(r["right"] for r in g), "nine_in_ten_from_floors": smallest_held(g)} for name, g in sorted(by_cause.items())
+            name: {"cases": len(g), "right": sum(r["right"] for r in g), "nine_in_ten_from_floors": smallest_held(g)}
+            for name, g in sorted(by_cause.items())
         },
         "confusion": confusion(rows),
         "failed": [r["case"] for r in rows if r["verdict"] == "failed"],
@@ -181,7 +186,8 @@ def table(s):
     """The figures as text."""
     lines = [f"{s['cases']} cases", "", f"kind      cases  right %   net >= {CLEAR} floors  right %   and nothing like it  right %"]
     lines += [
-        f"{k:8} {v['cases']:6}    {percent(v['right'])}   {v['clear']:17}    {percent(v['right_clear'])}   {v['alone']:19}    {percent(v['right_alone'])}"
+        f"{k:8} {v['cases']:6}    {percent(v['right'])}   {v['clear']:17}    {percent(v['right_clear'])}"
+        f"   {v['alone']:19}    {percent(v['right_alone'])}"
         for k, v in s["kinds"].items()
     ]
     p, h = s["pairs"], s["shrink"]
@@ -202,7 +208,8 @@ def table(s):
     lines += [f"{n:32} {c['right']:5} of {c['cases']:3}      {number(c['nine_in_ten_from_floors'], '{:.2f}')}" for n, c in s["by_cause"].items()]
     if s["confusion"]:
         lines += ["", "wrong: truth -> verdict"]
-        lines += [f"{truth:40} -> {', '.join(f'{v} x{n}' if n > 1 else v for v, n in verdicts.items())}" for truth, verdicts in s["confusion"].items()]
+        for truth, verdicts in s["confusion"].items():
+            lines.append(f"{truth:40} -> {', '.join(f'{v} x{n}' if n > 1 else v for v, n in verdicts.items())}")
     if s["failed"]:
         lines += ["", f"failed: {', '.join(s['failed'])}"]
     return "\n".join(lines)

@@ -1,11 +1,11 @@
 """Gaps from outside the library: things that joints do and that no effect id names.
 
-UNKNOWNS: variant -> maker of a `Form`, as in forms.py.
+UNKNOWNS: variant -> maker of a `Form`, as in `forms`.
 """
 import numpy as np
 from scipy.signal import lfilter
 
-from forms import Form
+from forms.base import Form
 from plant import strokes
 
 UNKNOWNS = {}

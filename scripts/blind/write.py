@@ -40,7 +40,8 @@ def write_log(path, campaign, trial, y, beside, style):
 def campaign_toml(case, style):
     model, campaign = case.model, case.campaign
     lines = [
-        'format = "campaign/1"', "", "[joint]", 'name = "joint"', 'kind = "revolute"', f"winch_radius_m = {model.r1_m!r}", f"pulley_radius_m = {model.r2_m!r}",
+        'format = "campaign/1"', "", "[joint]", 'name = "joint"', 'kind = "revolute"',
+        f"winch_radius_m = {float(model.r1_m)!r}", f"pulley_radius_m = {float(model.r2_m)!r}",
         f"backlash_m = {float(model.backlash_m)!r}", "", "[dynamics]", f"gravity_nm = {float(model.gravity_nm)!r}",
         f"inertia_kg_m2 = {float(model.inertia_kg_m2)!r}", "", "[signal]", f"torque_sign = {style['sign']}", f"lowpass_hz = {campaign.lowpass_hz!r}",
         f"lowpass_order = {campaign.order}", "", "[columns]",
