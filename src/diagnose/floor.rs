@@ -2,7 +2,7 @@
 //!
 //! From repeats of one motion: half the variance of the difference of their residuals, aligned in time by their positions.
 //! Slow differences are taken out (a drift between repeats is no noise), and blocks are combined by their median (a contact in
-//! one repeat is no noise either). Without repeats: the density of the raw torque's noise beyond the low-pass, taken for white.
+//! one repeat is no noise either). Without repeats: the density of the raw torque's noise beyond the low-pass, carried on below.
 
 use super::record::{Record, Records};
 use crate::log::Signal;
@@ -20,10 +20,15 @@ const LAG_MAX: f64 = 10.0;
 const APART: f64 = 0.02;
 /// Fewer blocks tell no floor.
 const BLOCKS_MIN: usize = 8;
-/// Noise is measured beyond this many times the low-pass ...
-const BEYOND: f64 = 2.5;
+/// Noise is measured in bands that begin at these multiples of the low-pass ...
+const BANDS: [f64; 6] = [1.6, 2.5, 4.0, 6.4, 10.0, 16.0];
 /// ... and below this share of the rate.
-const BELOW: f64 = 0.3;
+const BELOW: f64 = 0.35;
+/// What a sample keeps of the noise of the one before: so many values tried, so far apart.
+const KEEPS: usize = 20;
+const KEEP_STEP: f64 = 0.05;
+/// Frequencies at which a density is summed.
+const FREQUENCIES: usize = 400;
 /// Length of a stretch in which it is measured, s; their median is taken.
 const STRETCH_S: f64 = 0.5;
 
@@ -43,7 +48,7 @@ pub struct Floor {
 pub enum FloorSource {
     /// Repeats of one motion.
     Repeats,
-    /// The noise beyond the low-pass, taken for white.
+    /// The noise beyond the low-pass, its density carried on below.
     Spectrum,
 }
 
@@ -150,30 +155,54 @@ fn without_slow(values: &[f64], slow: usize) -> Vec<f64> {
     values.iter().enumerate().map(|(i, v)| v - mean(i)).collect()
 }
 
-/// RMS that white noise of the density found beyond the low-pass would have within it, N m; NaN where the rate leaves no room.
+/// RMS that the noise found beyond the low-pass would have within it, N m; NaN where the rate leaves no room.
+///
+/// The noise is taken for a first-order process, white at best: its density's fall over the bands beyond the low-pass is carried on
+/// below. In each band the median over stretches counts, for a reversal is no noise.
 pub(super) fn spectral_nm(trial: &Trial, signal: &Signal) -> f64 {
-    let rate_hz = trial.log.rate_hz;
-    let beyond_hz = (BEYOND * signal.lowpass_hz).min(BELOW * rate_hz);
-    if beyond_hz < 1.2 * signal.lowpass_hz {
-        return f64::NAN;
-    }
-    let passes = |hz: f64| LowPass::new(signal.lowpass_order, hz, rate_hz);
-    let (Some(within), Some(beyond)) = (passes(signal.lowpass_hz), passes(beyond_hz)) else { return f64::NAN };
-    let slow = beyond.zero_phase(&trial.log.torque_nm);
-    let fast: Vec<f64> = trial.log.torque_nm.iter().zip(&slow).map(|(y, s)| y - s).collect();
-    let stretch = ((STRETCH_S * rate_hz) as usize).max(4);
-    let mut squares: Vec<f64> =
-        fast.chunks_exact(stretch).map(|part| part.iter().map(|y| y * y).sum::<f64>() / stretch as f64).collect();
-    let impulse = |filter: &LowPass| {
-        let n = (20.0 * rate_hz / signal.lowpass_hz) as usize;
-        let mut signal = vec![0.0; n];
-        signal[n / 2] = 1.0;
-        filter.zero_phase(&signal)
+    let (rate_hz, order) = (trial.log.rate_hz, signal.lowpass_order);
+    let edges: Vec<f64> =
+        BANDS.iter().map(|factor| factor * signal.lowpass_hz).filter(|edge_hz| *edge_hz < BELOW * rate_hz).collect();
+    let levels: Option<Vec<Vec<f64>>> =
+        edges.iter().map(|edge_hz| Some(LowPass::new(order, *edge_hz, rate_hz)?.zero_phase(&trial.log.torque_nm))).collect();
+    let Some(mut levels) = levels.filter(|levels| !levels.is_empty()) else { return f64::NAN };
+    levels.push(trial.log.torque_nm.clone());
+    let stretch = ((STRETCH_S * rate_hz) as usize).max(8);
+    let band = |pair: &[Vec<f64>]| {
+        let parts = pair[0].chunks_exact(stretch).zip(pair[1].chunks_exact(stretch));
+        let square = |(a, b): (&[f64], &[f64])| a.iter().zip(b).map(|(a, b)| (b - a) * (b - a)).sum::<f64>();
+        quantile(&mut parts.map(|part| square(part) / stretch as f64).collect::<Vec<f64>>(), 0.5)
     };
-    let (h_within, h_beyond) = (impulse(&within), impulse(&beyond));
-    let energy = |h: &[f64]| h.iter().map(|x| x * x).sum::<f64>();
-    let middle = h_beyond.len() / 2;
-    // White noise less its slow part has this share of its variance: |1 - H|^2 = 1 - 2 h(0) + sum of h^2.
-    let left = 1.0 - 2.0 * h_beyond[middle] + energy(&h_beyond);
-    (quantile(&mut squares, 0.5) / left * energy(&h_within)).sqrt()
+    let squares: Vec<f64> = levels.windows(2).map(band).collect();
+    let gain = |edge_hz: f64, hz: f64| passed(order, edge_hz, hz, rate_hz);
+    let within = |keep: f64, i: usize| {
+        mean_density(keep, rate_hz, |hz| {
+            let upper = edges.get(i + 1).map_or(1.0, |edge_hz| gain(*edge_hz, hz));
+            (upper - gain(edges[i], hz)).powi(2)
+        })
+    };
+    let fit = |keep: f64| {
+        let logs: Vec<f64> = squares.iter().enumerate().map(|(i, square)| (square / within(keep, i)).ln()).collect();
+        let mean = logs.iter().sum::<f64>() / logs.len() as f64;
+        (logs.iter().map(|l| (l - mean) * (l - mean)).sum::<f64>(), mean.exp())
+    };
+    let keeps = (0..KEEPS).map(|i| i as f64 * KEEP_STEP);
+    let best = keeps.map(|keep| (keep, fit(keep))).min_by(|a, b| a.1.0.total_cmp(&b.1.0));
+    best.map_or(f64::NAN, |(keep, (_, power))| {
+        (power * mean_density(keep, rate_hz, |hz| gain(signal.lowpass_hz, hz).powi(2))).sqrt()
+    })
+}
+
+/// Share of an amplitude at `hz` that passes a zero-phase Butterworth low-pass, as the bilinear transform has it.
+fn passed(order: usize, edge_hz: f64, hz: f64, rate_hz: f64) -> f64 {
+    let warped = |f: f64| (std::f64::consts::PI * f / rate_hz).tan();
+    1.0 / (1.0 + (warped(hz) / warped(edge_hz)).powi(2 * order as i32))
+}
+
+/// Mean over all frequencies of the density of a process of which each sample keeps the share `keep` of the one before, times
+/// what `weight` lets through.
+fn mean_density(keep: f64, rate_hz: f64, weight: impl Fn(f64) -> f64) -> f64 {
+    let density = |hz: f64| 1.0 / (1.0 - 2.0 * keep * (std::f64::consts::TAU * hz / rate_hz).cos() + keep * keep);
+    let at = |i: usize| (i as f64 + 0.5) / FREQUENCIES as f64 * rate_hz / 2.0;
+    (0..FREQUENCIES).map(|i| density(at(i)) * weight(at(i))).sum::<f64>() / FREQUENCIES as f64
 }
