@@ -135,7 +135,8 @@ fn begin(bench: &Bench<'_>, ground: &Ground, effect: &'static dyn Effect, residu
     let mut starts: Vec<(f64, Model, Vec<Move>)> = starts.into_par_iter().map(glance).collect();
     starts.sort_by(|a, b| a.0.total_cmp(&b.0));
     let is_linear = starts.first()?.2.iter().all(|way| way.is_linear) && effect.about().id != "sensor_drift";
-    starts.truncate(if is_linear { 1 } else { STARTS });
+    let is_ripple = effect.about().id.ends_with("ripple");
+    starts.truncate(if is_linear || is_ripple { 1 } else { STARTS });
     Some(Begun { effect, starts })
 }
 

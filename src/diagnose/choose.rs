@@ -60,68 +60,132 @@ pub struct Found {
 
 /// Looks for the causes of what `model` leaves.
 pub fn choose(bench: &Bench<'_>, model: &Model, progress: &(dyn Fn() + Sync)) -> Choice {
-    let base = within_confidence(model);
-    let first = bench.ground(model, base.clone());
-    let rest = bench.rest(&first);
+    let search = Search { bench, first: bench.ground(model, within_confidence(model)), progress };
+    let rest = bench.rest(&search.first);
     let start = score(bench, &rest);
-    let mut chosen: Vec<Tried> = Vec::new();
-    let mut tried_in: Vec<(f64, Vec<Tried>)> = Vec::new();
-    let mut refused = Vec::new();
-    let (mut ground, mut fit, mut now) = (first.clone(), rest.clone(), start);
-    let is_gap = |now: f64| now - bench.floor_nm.powi(2) > (FLOOR_SHARE * bench.floor_nm).powi(2);
-    while chosen.len() < CAUSES_MAX && is_gap(now) {
-        let known: Vec<Cause> = chosen.iter().map(|t| t.cause).collect();
-        let tried = ranked(bench, try_all(bench, &ground, &known));
-        progress();
-        let Some(best) = simplest(bench, &tried, start) else { break };
-        if std::env::var("TDEBUG").is_ok() {
-            for t in tried.iter().take(6) {
-                eprintln!("{:.5} {:.5} {:.1} {:?} {}", t.score(bench).sqrt(), t.fit.cost.mean_square.sqrt(), t.fit.cost.surprise, t.cause, t.how);
-            }
-            eprintln!("-> {:?} now {:.5}", tried[best].cause, now.sqrt());
-        }
-        if !is_material(bench, &tried[best], &fit, now, start, chosen.is_empty()) {
-            refused = tried;
-            break;
-        }
-        let before = now;
-        chosen.push(tried[best].clone());
-        (ground, fit) = together(bench, &first, &base, &chosen);
-        now = score(bench, &fit);
-        tried_in.push((before, tried));
-    }
-    let single = chosen.len() == 1;
-    for at in 0..chosen.len() {
-        if single {
-            break;
-        }
-        let others: Vec<Tried> = chosen.iter().enumerate().filter(|(i, _)| *i != at).map(|(_, t)| t.clone()).collect();
-        let (without, left) = together(bench, &first, &base, &others);
-        let known: Vec<Cause> = others.iter().map(|t| t.cause).collect();
-        let tried = ranked(bench, try_all(bench, &without, &known));
-        progress();
-        if let Some(best) = simplest(bench, &tried, start) {
-            chosen[at] = tried[best].clone();
-        }
-        tried_in[at] = (score(bench, &left), tried);
-    }
-    if !single && !chosen.is_empty() {
-        // Once its company has changed, an early compromise may have become idle.
-        drop_idle(bench, &first, &base, &mut chosen, &mut tried_in, start);
-        fit = together(bench, &first, &base, &chosen).1;
+    let (mut chosen, refused, mut last) = search.forward(&rest, start);
+    if chosen.len() > 1 {
+        search.again(&mut chosen, start);
+        last = search.without_idle(&mut chosen, start);
     }
     let found = chosen
-        .iter()
-        .zip(tried_in)
-        .map(|(t, (without, tried))| Found {
-            cause: t.cause,
-            how: t.how,
-            rivals: rivals(bench, t, &tried, start),
-            without,
-            tried,
+        .into_iter()
+        .map(|step| Found {
+            cause: step.taken.cause,
+            how: step.taken.how,
+            rivals: rivals(bench, &step.taken, &step.tried, start),
+            without: score(bench, &step.without),
+            tried: step.tried,
         })
         .collect();
-    Choice { rest, found, refused, last: fit }
+    Choice { rest, found, refused, last }
+}
+
+/// A cause taken, with what it was chosen from.
+struct Step {
+    taken: Tried,
+    /// Everything tried in its place, best first.
+    tried: Vec<Tried>,
+    /// The fit of the others alone.
+    without: Fit,
+}
+
+/// What all rounds share.
+struct Search<'s> {
+    bench: &'s Bench<'s>,
+    first: Ground,
+    progress: &'s (dyn Fn() + Sync),
+}
+
+impl Search<'_> {
+    /// One cause after the other; what the last round tried in vain; the fit of what was found.
+    fn forward(&self, rest: &Fit, start: f64) -> (Vec<Step>, Vec<Tried>, Fit) {
+        let bench = self.bench;
+        let is_gap = |now: f64| now - bench.floor_nm.powi(2) > (FLOOR_SHARE * bench.floor_nm).powi(2);
+        let mut chosen: Vec<Step> = Vec::new();
+        let (mut ground, mut fit) = (self.first.clone(), rest.clone());
+        while chosen.len() < CAUSES_MAX && is_gap(score(bench, &fit)) {
+            let known: Vec<Cause> = chosen.iter().map(|step| step.taken.cause).collect();
+            let tried = self.round(&ground, &known);
+            let Some(best) = simplest(bench, &tried, start) else { break };
+            if !is_material(bench, &tried[best].fit, &fit, start, chosen.is_empty()) {
+                return (chosen, tried, fit);
+            }
+            let taken = tried[best].clone();
+            chosen.push(Step { taken, tried, without: fit });
+            fit = self.together(&chosen.iter().map(|step| &step.taken).collect::<Vec<&Tried>>());
+            ground = self.ground_of(&fit);
+        }
+        (chosen, Vec::new(), fit)
+    }
+
+    /// Tries each cause but the last again, the others being in: an early compromise gives way to what it stood for.
+    fn again(&self, chosen: &mut [Step], start: f64) {
+        for at in 0..chosen.len() - 1 {
+            let others: Vec<&Tried> = others(chosen, at);
+            let known: Vec<Cause> = others.iter().map(|tried| tried.cause).collect();
+            let without = self.together(&others);
+            let tried = self.round(&self.ground_of(&without), &known);
+            if let Some(best) = simplest(self.bench, &tried, start) {
+                chosen[at] = Step { taken: tried[best].clone(), tried, without };
+            }
+        }
+    }
+
+    /// Leaves out what the others explain as well without it; returns the fit of those that stay.
+    fn without_idle(&self, chosen: &mut Vec<Step>, start: f64) -> Fit {
+        loop {
+            let all = self.together(&chosen.iter().map(|step| &step.taken).collect::<Vec<&Tried>>());
+            let idle = (0..chosen.len()).find(|at| {
+                chosen[*at].without = self.together(&others(chosen, *at));
+                !is_material(self.bench, &all, &chosen[*at].without, start, false)
+            });
+            match idle {
+                Some(at) if chosen.len() > 1 => drop(chosen.remove(at)),
+                _ => return all,
+            }
+        }
+    }
+
+    fn round(&self, ground: &Ground, known: &[Cause]) -> Vec<Tried> {
+        let tried = ranked(self.bench, try_all(self.bench, ground, known));
+        (self.progress)();
+        tried
+    }
+
+    /// `chosen` fitted together on the first ground's model.
+    fn together(&self, chosen: &[&Tried]) -> Fit {
+        let mut model = self.first.model.clone();
+        let mut moves: Vec<Move> = Vec::new();
+        for tried in chosen {
+            match tried.cause {
+                Cause::Effect(_) => {
+                    let Some(added) = tried.fit.model.effects.last() else { continue };
+                    model.effects.push(added.clone());
+                    let at = model.effects.len() - 1;
+                    moves.extend(super::moves::of_effect(&model, at, &self.bench.extent));
+                }
+                Cause::Stale(_) => {
+                    for way in &tried.fit.moves {
+                        way.knobs().for_each(|knob| knob.set(&mut model, knob.value(&tried.fit.model)));
+                    }
+                    moves.extend(tried.fit.moves.iter().cloned());
+                }
+            }
+        }
+        self.bench.fit(&self.first, model, moves)
+    }
+
+    /// The ground that a fit makes for further causes: its own free within their strides.
+    fn ground_of(&self, fit: &Fit) -> Ground {
+        let free = fit.moves.iter().map(|way| way.clone().believed_within(way.stride));
+        self.bench.ground(&fit.model, self.first.moves.iter().cloned().chain(free).collect())
+    }
+}
+
+/// All that were taken but number `at`.
+fn others(chosen: &[Step], at: usize) -> Vec<&Tried> {
+    chosen.iter().enumerate().filter(|(i, _)| *i != at).map(|(_, step)| &step.taken).collect()
 }
 
 /// Best first by what is left on held-out units.
@@ -165,16 +229,17 @@ fn error_of_sum(values: &[f64]) -> f64 {
     if sd.is_finite() { sd * (values.len() as f64).sqrt() } else { 0.0 }
 }
 
-/// Whether a cause changes enough, and surely enough, to be named.
-fn is_material(bench: &Bench<'_>, tried: &Tried, before: &Fit, now: f64, start: f64, is_first: bool) -> bool {
+/// Whether a fit with one cause more changes enough, and surely enough, for it to be named.
+fn is_material(bench: &Bench<'_>, with: &Fit, without: &Fit, start: f64, is_first: bool) -> bool {
     let floor_square = bench.floor_nm * bench.floor_nm;
-    let gain = now - tried.score(bench);
+    let now = score(bench, without);
+    let gain = now - score(bench, with);
     let gap = (now - floor_square).max(0.0);
     let enough = match is_first {
         true => gain >= GAP_SHARE_FIRST * gap,
         false => gain >= GAP_SHARE_MORE * gap && gain >= WHOLE_SHARE_MORE * (start - floor_square),
     };
-    enough && gain >= FLOOR_SHARE * FLOOR_SHARE * floor_square && is_sure(bench, &before.held_out, &tried.fit.held_out)
+    enough && gain >= FLOOR_SHARE * FLOOR_SHARE * floor_square && is_sure(bench, &without.held_out, &with.held_out)
 }
 
 /// Whether the squares left fall from `before` to `after` by more than chance between clusters: by several standard errors, or,
@@ -186,63 +251,12 @@ fn is_sure(bench: &Bench<'_>, before: &[f64], after: &[f64]) -> bool {
     won - lost > ERRORS * error_of_sum(&gains) || lost < LOST_SHARE * won
 }
 
-/// `chosen` fitted together on `first`'s model, and the ground that they make.
-fn together(bench: &Bench<'_>, first: &Ground, base: &[Move], chosen: &[Tried]) -> (Ground, Fit) {
-    let mut model = first.model.clone();
-    let mut moves: Vec<Move> = Vec::new();
-    for tried in chosen {
-        match tried.cause {
-            Cause::Effect(_) => {
-                let Some(added) = tried.fit.model.effects.last() else { continue };
-                model.effects.push(added.clone());
-                let at = model.effects.len() - 1;
-                moves.extend(super::moves::of_effect(&model, at, &bench.extent));
-            }
-            Cause::Stale(_) => {
-                for way in &tried.fit.moves {
-                    for knob in way.knobs() {
-                        knob.set(&mut model, knob.value(&tried.fit.model));
-                    }
-                }
-                moves.extend(tried.fit.moves.iter().cloned());
-            }
-        }
-    }
-    let fit = bench.fit(first, model, moves.clone());
-    let free = fit.moves.iter().map(|way| way.clone().believed_within(way.stride));
-    let ground = bench.ground(&fit.model, base.iter().cloned().chain(free).collect());
-    (ground, fit)
-}
-
-/// Leaves out what the others explain as well without it.
-fn drop_idle(
-    bench: &Bench<'_>,
-    first: &Ground,
-    base: &[Move],
-    chosen: &mut Vec<Tried>,
-    tried_in: &mut Vec<(f64, Vec<Tried>)>,
-    start: f64,
-) {
-    let mut at = 0;
-    while at < chosen.len() && chosen.len() > 1 {
-        let (_, all) = together(bench, first, base, chosen);
-        let mut others = chosen.clone();
-        others.remove(at);
-        let (_, without) = together(bench, first, base, &others);
-        let idle = Tried { fit: all, ..chosen[at].clone() };
-        if is_material(bench, &idle, &without, score(bench, &without), start, false) {
-            at += 1;
-        } else {
-            chosen.remove(at);
-            tried_in.remove(at);
-        }
-    }
-}
-
 /// Causes other than `taken` that do as well with no more numbers; one that a spring over a short way is mistaken for may have
 /// one less.
 fn rivals(bench: &Bench<'_>, taken: &Tried, tried: &[Tried], start: f64) -> Vec<Cause> {
-    let spare = |cause: Cause| usize::from(taken.cause == Cause::Effect("gravity_phase") && cause == Cause::Effect("elastic_spring"));
+    let spare = |cause: Cause| {
+        usize::from(taken.cause == Cause::Effect("gravity_phase") && cause == Cause::Effect("elastic_spring"))
+    };
     let mut found: Vec<Cause> = Vec::new();
     for other in tried.iter().filter(|other| other.cause != taken.cause && is_tie(bench, taken, other, start)) {
         if other.count() <= taken.count() + spare(other.cause) && !found.contains(&other.cause) {

@@ -3,20 +3,22 @@
 //! Causes move by Gauss-Newton on columns taken by difference through the whole prediction, low-pass and all; the base moves
 //! little, so its columns are taken once. What a fit is judged by are units that it never saw.
 
-use super::gram::{Gram, Prior};
+use super::gram::{Gram, Prior, Solution};
 use super::moves::Move;
 use super::parts::Parts;
-use super::record::{Passages, Records};
+use super::record::{Branches, Passages, Records};
 use crate::effects::{Curve, Extent, Presliding};
 use crate::model::{Combination, Model};
 use rayon::prelude::*;
 
 /// Most Gauss-Newton steps of one fit.
-const STEPS: usize = 8;
+const STEPS: usize = 6;
 /// A step that gains less than this share of the cost is the last.
 const GAIN_MIN: f64 = 1e-3;
-/// Halvings of a step that makes matters worse.
-const HALVINGS: usize = 4;
+/// A linear step whose cost is this near to what was foretold was the last.
+const FORETOLD: f64 = 1e-3;
+/// Quarterings of a step that makes matters worse.
+const QUARTERINGS: usize = 3;
 
 /// What all fits on one campaign share.
 #[derive(Debug)]
@@ -31,6 +33,8 @@ pub struct Bench<'a> {
     pub extent: Extent,
     /// Rows that count; those in a burst do not.
     pub used: Vec<bool>,
+    /// How many of them each unit has.
+    pub unit_rows: Vec<usize>,
     /// The noise floor, N m.
     pub floor_nm: f64,
 }
@@ -42,11 +46,14 @@ pub struct Ground {
     pub model: Model,
     /// Its K~.
     pub passages: Passages,
+    branches: Branches,
     /// What it predicts, N m.
     pub predicted_nm: Vec<f64>,
     /// What moves along with any cause, and its columns.
     pub moves: Vec<Move>,
     columns: Vec<Vec<f64>>,
+    /// Their products.
+    gram: Gram,
 }
 
 /// A hypothesis fitted.
@@ -80,9 +87,15 @@ pub struct Cost {
 }
 
 impl Bench<'_> {
+    /// From now on the rows that are `used` count.
+    pub fn count(&mut self, used: Vec<bool>) {
+        self.unit_rows = self.parts.rows(&used);
+        self.used = used;
+    }
+
     /// Rows that count.
     pub fn rows(&self) -> usize {
-        self.used.iter().filter(|used| **used).count()
+        self.unit_rows.iter().sum()
     }
 
     /// What the base's moves cost a fit, as a factor of the square left: half a log-likelihood for each of their squares.
@@ -90,9 +103,10 @@ impl Bench<'_> {
         1.0 + fit.cost.surprise * self.records.rows_per_independent / self.rows().max(1) as f64
     }
 
-    pub(super) fn prior<'d>(&self, deviations: &'d [f64]) -> Prior<'d> {
+    pub(super) fn prior<'d>(&'d self, deviations: &'d [f64]) -> Prior<'d> {
         Prior {
             deviations,
+            rows: &self.unit_rows,
             floor_square: self.floor_nm * self.floor_nm,
             rows_per_independent: self.records.rows_per_independent,
         }
@@ -103,6 +117,18 @@ impl Bench<'_> {
         self.measured_nm.iter().zip(predicted_nm).map(|(y, p)| y - p).collect()
     }
 
+    /// The same, 0 where a row does not count.
+    fn counted_nm(&self, predicted_nm: &[f64]) -> Vec<f64> {
+        let left = |((y, p), used): ((&f64, &f64), &bool)| if *used { y - p } else { 0.0 };
+        self.measured_nm.iter().zip(predicted_nm).zip(&self.used).map(left).collect()
+    }
+
+    /// Its mean square with what the base's moves cost.
+    fn cost_of(&self, solution: &Solution) -> f64 {
+        let cost = Cost { mean_square: solution.square / self.rows().max(1) as f64, surprise: solution.surprise };
+        self.objective(cost, (self.floor_nm * self.floor_nm).max(cost.mean_square))
+    }
+
     /// What is minimised, in the unit of a mean square: the square left and what the base's moves cost.
     fn objective(&self, cost: Cost, noise_square: f64) -> f64 {
         let independent = self.rows() as f64 / self.records.rows_per_independent;
@@ -111,22 +137,53 @@ impl Bench<'_> {
 
     /// `model` with what of it moves: the columns by difference.
     pub fn ground(&self, model: &Model, moves: Vec<Move>) -> Ground {
-        let passages = self.records.passages(model);
-        let predicted_nm = self.records.predicted_nm(model, &passages);
-        let columns = self.columns(model, &passages, &predicted_nm, &moves);
-        Ground { model: model.clone(), passages, predicted_nm, moves, columns }
+        let (passages, branches) = (self.records.passages(model), self.records.branches(model));
+        let predicted_nm = self.records.predicted_nm(model, &passages, &branches);
+        let mut ground = Ground {
+            model: model.clone(),
+            passages,
+            branches,
+            predicted_nm,
+            moves,
+            columns: Vec::new(),
+            gram: Gram::default(),
+        };
+        ground.columns = self.columns(&ground, model, &ground.passages, &ground.predicted_nm, &ground.moves);
+        let columns: Vec<&[f64]> = ground.columns.iter().map(Vec::as_slice).collect();
+        ground.gram = Gram::new(self.parts, &columns, &self.counted_nm(&ground.predicted_nm));
+        ground
+    }
+
+    /// What `model`, like the ground's but for causes, predicts, N m.
+    fn predicted_nm(&self, ground: &Ground, model: &Model, passages: &Passages) -> Vec<f64> {
+        match model.friction == ground.model.friction {
+            true => self.records.predicted_nm(model, passages, &ground.branches),
+            false => self.records.predicted_nm(model, passages, &self.records.branches(model)),
+        }
     }
 
     /// How the prediction changes per unit of each move.
-    fn columns(&self, model: &Model, passages: &Passages, predicted_nm: &[f64], moves: &[Move]) -> Vec<Vec<f64>> {
+    fn columns(
+        &self,
+        ground: &Ground,
+        model: &Model,
+        passages: &Passages,
+        predicted_nm: &[f64],
+        moves: &[Move],
+    ) -> Vec<Vec<f64>> {
         let column = |way: &Move| {
+            if let Some(added) = way.added(model) {
+                let column = self.records.added_nm(model, &added, passages);
+                return column.iter().zip(&self.used).map(|(c, used)| if *used { *c } else { 0.0 }).collect();
+            }
             let mut moved = model.clone();
             way.apply(&mut moved, way.probe);
             let ahead = match way.changes_passage(model) {
-                true => self.records.predicted_nm(&moved, &self.records.passages(&moved)),
-                false => self.records.predicted_nm(&moved, passages),
+                true => self.predicted_nm(ground, &moved, &self.records.passages(&moved)),
+                false => self.predicted_nm(ground, &moved, passages),
             };
-            ahead.iter().zip(predicted_nm).map(|(a, p)| (a - p) / way.probe).collect()
+            let slope = |((a, p), used): ((&f64, &f64), &bool)| if *used { (a - p) / way.probe } else { 0.0 };
+            ahead.iter().zip(predicted_nm).zip(&self.used).map(slope).collect()
         };
         moves.par_iter().map(column).collect()
     }
@@ -152,8 +209,8 @@ impl Bench<'_> {
     pub fn glance(&self, ground: &Ground, model: &Model, moves: &[Move]) -> (f64, Vec<f64>) {
         let changes = curve_of(model) != curve_of(&ground.model);
         let passages = if changes { self.records.passages(model) } else { ground.passages.clone() };
-        let predicted_nm = self.records.predicted_nm(model, &passages);
-        let columns = self.columns(model, &passages, &predicted_nm, moves);
+        let predicted_nm = self.predicted_nm(ground, model, &passages);
+        let columns = self.columns(ground, model, &passages, &predicted_nm, moves);
         self.weigh(ground, &columns, &predicted_nm)
     }
 
@@ -161,19 +218,15 @@ impl Bench<'_> {
     pub fn weigh(&self, ground: &Ground, columns: &[Vec<f64>], predicted_nm: &[f64]) -> (f64, Vec<f64>) {
         let (gram, deviations) = self.gram(ground, columns, predicted_nm, columns.len());
         let solution = gram.solve(self.prior(&deviations));
-        let cost = Cost { mean_square: solution.square / self.rows().max(1) as f64, surprise: solution.surprise };
-        let noise_square = self.floor_nm * self.floor_nm;
-        (
-            self.objective(cost, noise_square.max(cost.mean_square)),
-            solution.x.rows(ground.moves.len(), columns.len()).iter().copied().collect(),
-        )
+        (self.cost_of(&solution), solution.x.rows(ground.moves.len(), columns.len()).iter().copied().collect())
     }
 
     fn gram(&self, ground: &Ground, columns: &[Vec<f64>], predicted_nm: &[f64], free: usize) -> (Gram, Vec<f64>) {
-        let all: Vec<&[f64]> = ground.columns.iter().chain(columns).map(Vec::as_slice).collect();
         let deviations =
             ground.moves.iter().map(|way| way.prior).chain(std::iter::repeat_n(f64::INFINITY, free)).collect();
-        (Gram::new(self.parts, &self.used, &all, &self.residual_nm(predicted_nm)), deviations)
+        let own: Vec<&[f64]> = ground.columns.iter().map(Vec::as_slice).collect();
+        let added: Vec<&[f64]> = columns.iter().map(Vec::as_slice).collect();
+        (ground.gram.beside(self.parts, &own, &added, &self.counted_nm(predicted_nm)), deviations)
     }
 
     /// Fits `model`, the ground's with causes added, by `moves`, from where they are.
@@ -184,23 +237,25 @@ impl Bench<'_> {
             moves.iter().any(|way| way.changes_passage(&model)) || curve_of(&model) != curve_of(&ground.model);
         let passages_of = |model: &Model| if passing { self.records.passages(model) } else { ground.passages.clone() };
         let mut passages = passages_of(&model);
-        let mut predicted_nm = self.records.predicted_nm(&model, &passages);
+        let mut predicted_nm = self.predicted_nm(ground, &model, &passages);
         let (mut cost, _) = self.weigh(ground, &[], &predicted_nm);
         let mut converged = false;
         let mut columns = Vec::new();
         for _ in 0..STEPS {
-            columns = self.columns(&model, &passages, &predicted_nm, &moves);
+            columns = self.columns(ground, &model, &passages, &predicted_nm, &moves);
             let (gram, deviations) = self.gram(ground, &columns, &predicted_nm, moves.len());
-            let x = gram.solve(self.prior(&deviations)).x;
+            let solution = gram.solve(self.prior(&deviations));
+            let foretold = self.cost_of(&solution);
+            let x = &solution.x;
             let x: Vec<f64> = x.rows(ground.moves.len(), moves.len()).iter().copied().collect();
             let over = x.iter().zip(&moves).map(|(x, way)| x.abs() / way.stride).fold(1.0, f64::max);
             let mut share = 1.0 / over;
             let mut better = None;
-            for _ in 0..HALVINGS {
+            for _ in 0..QUARTERINGS {
                 let mut tried = model.clone();
                 moves.iter().zip(&x).for_each(|(way, x)| way.apply(&mut tried, share * x));
                 let tried_passages = passages_of(&tried);
-                let tried_nm = self.records.predicted_nm(&tried, &tried_passages);
+                let tried_nm = self.predicted_nm(ground, &tried, &tried_passages);
                 let (tried_cost, _) = self.weigh(ground, &[], &tried_nm);
                 if tried_cost < cost {
                     better = Some((tried, tried_passages, tried_nm, tried_cost));
@@ -214,13 +269,13 @@ impl Bench<'_> {
             };
             let gain = (cost - tried_cost) / cost;
             (model, passages, predicted_nm, cost) = (tried, tried_passages, tried_nm, tried_cost);
-            if gain < GAIN_MIN || (is_linear && share == 1.0 && over <= 1.0) {
+            if gain < GAIN_MIN || (is_linear && (cost - foretold).abs() < FORETOLD * cost) {
                 converged = true;
                 break;
             }
         }
         if !is_linear {
-            columns = self.columns(&model, &passages, &predicted_nm, &moves);
+            columns = self.columns(ground, &model, &passages, &predicted_nm, &moves);
         }
         self.finish(ground, model, moves, &predicted_nm, columns, converged)
     }

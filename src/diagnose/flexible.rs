@@ -162,20 +162,26 @@ fn hat(x: f64, (low, high): (f64, f64), k: usize, count: usize) -> f64 {
 /// Fits `columns` to `target_nm` over the rows that count.
 pub fn fit(bench: &Bench<'_>, columns: &[Vec<f64>], target_nm: &[f64], used: &[bool]) -> Flexible {
     let size = root_mean_square(target_nm);
-    let all: Vec<&[f64]> = columns.iter().map(Vec::as_slice).collect();
+    let counted = |values: &[f64]| -> Vec<f64> {
+        values.iter().zip(used).map(|(x, used)| if *used { *x } else { 0.0 }).collect()
+    };
+    let masked: Vec<Vec<f64>> = columns.par_iter().map(|column| counted(column)).collect();
+    let all: Vec<&[f64]> = masked.iter().map(Vec::as_slice).collect();
     let deviations: Vec<f64> =
         columns.iter().map(|column| WIDE * size / root_mean_square(column).max(f64::MIN_POSITIVE)).collect();
+    let unit_rows = bench.parts.rows(used);
     let prior = Prior {
         deviations: &deviations,
+        rows: &unit_rows,
         floor_square: bench.floor_nm * bench.floor_nm,
         rows_per_independent: bench.records.rows_per_independent,
     };
-    let gram = Gram::new(bench.parts, used, &all, target_nm);
+    let gram = Gram::new(bench.parts, &all, &counted(target_nm));
     let x = gram.solve(prior).x;
     let mut residual_nm = target_nm.to_vec();
     for (column, x) in columns.iter().zip(x.iter()) {
         residual_nm.iter_mut().zip(column).for_each(|(r, c)| *r -= x * c);
     }
-    let rows = used.iter().filter(|used| **used).count().max(1) as f64;
+    let rows = unit_rows.iter().sum::<usize>().max(1) as f64;
     Flexible { held_out: gram.held_out(bench.parts, prior).iter().sum::<f64>() / rows, residual_nm }
 }

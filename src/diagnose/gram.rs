@@ -17,10 +17,9 @@ const FIRMER: f64 = 3.0;
 const FIRMER_MAX: usize = 10;
 
 /// Products of the columns and of the residual (last), for each unit.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Default)]
 pub struct Gram {
     units: Vec<DMatrix<f64>>,
-    rows: Vec<usize>,
     columns: usize,
 }
 
@@ -29,6 +28,8 @@ pub struct Gram {
 pub struct Prior<'a> {
     /// One for each column.
     pub deviations: &'a [f64],
+    /// Rows that count in each unit.
+    pub rows: &'a [usize],
     /// The floor's square: noise is never taken for less, (N m)^2.
     pub floor_square: f64,
     /// Rows per independent sample.
@@ -49,55 +50,51 @@ pub struct Solution {
 }
 
 impl Gram {
-    /// Of `columns` and `residual` over the rows of `parts` that are `used`.
-    pub fn new(parts: &Parts, used: &[bool], columns: &[&[f64]], residual: &[f64]) -> Self {
-        let all: Vec<&[f64]> = columns.iter().copied().chain([residual]).collect();
+    /// Of `columns` and `residual`, both 0 in rows that do not count.
+    pub fn new(parts: &Parts, columns: &[&[f64]], residual: &[f64]) -> Self {
+        Self::default().beside(parts, &[], columns, residual)
+    }
+
+    /// Of `known` columns, whose products with each other this holds, with `added` ones and another `residual`.
+    pub fn beside(&self, parts: &Parts, known: &[&[f64]], added: &[&[f64]], residual: &[f64]) -> Self {
+        let all: Vec<&[f64]> = known.iter().chain(added).copied().chain([residual]).collect();
         let n = all.len();
-        let one = |range: &std::ops::Range<usize>| {
-            let rows: Vec<usize> = range.clone().filter(|i| used[*i]).collect();
-            let kept: Vec<Vec<f64>> = all.iter().map(|column| rows.iter().map(|i| column[*i]).collect()).collect();
+        let one = |(at, range): (usize, &std::ops::Range<usize>)| {
             let mut sums = DMatrix::zeros(n, n);
             for a in 0..n {
                 for b in 0..=a {
-                    let sum: f64 = kept[a].iter().zip(&kept[b]).map(|(x, y)| x * y).sum();
+                    let sum = match self.units.get(at) {
+                        Some(unit) if a < known.len() => unit[(a, b)],
+                        _ => dot(&all[a][range.clone()], &all[b][range.clone()]),
+                    };
                     sums[(a, b)] = sum;
                     sums[(b, a)] = sum;
                 }
             }
-            (sums, rows.len())
+            sums
         };
-        let (units, rows) = parts.units.par_iter().map(one).unzip();
-        Self { units, rows, columns: n - 1 }
+        Self { units: parts.units.par_iter().enumerate().map(one).collect(), columns: n - 1 }
     }
 
-    /// Rows of each unit.
-    pub fn rows(&self) -> &[usize] {
-        &self.rows
-    }
-
-    /// Sum over the units that `wanted` chooses, and their rows.
-    fn total(&self, wanted: impl Fn(usize) -> bool) -> (DMatrix<f64>, usize) {
+    /// Sum over the units that `wanted` chooses.
+    fn total(&self, wanted: impl Fn(usize) -> bool) -> DMatrix<f64> {
         let mut sum = DMatrix::zeros(self.columns + 1, self.columns + 1);
-        let mut rows = 0;
-        for (at, unit) in self.units.iter().enumerate().filter(|(at, _)| wanted(*at)) {
-            sum += unit;
-            rows += self.rows[at];
-        }
-        (sum, rows)
+        self.units.iter().enumerate().filter(|(at, _)| wanted(*at)).for_each(|(_, unit)| sum += unit);
+        sum
     }
 
     /// The best coefficients over all units.
     pub fn solve(&self, prior: Prior<'_>) -> Solution {
-        let (sum, rows) = self.total(|_| true);
-        solve(&sum, rows, prior)
+        solve(&self.total(|_| true), prior.rows.iter().sum(), prior)
     }
 
     /// Sum of squares left in each unit by coefficients that were fitted without its fold.
     pub fn held_out(&self, parts: &Parts, prior: Prior<'_>) -> Vec<f64> {
         let mut left = vec![0.0; self.units.len()];
         for fold in 0..FOLDS {
-            let (sum, rows) = self.total(|at| parts.fold[at] != fold);
-            let x = solve(&sum, rows, prior).x;
+            let kept = |at: usize| parts.fold[at] != fold;
+            let rows = prior.rows.iter().enumerate().filter(|(at, _)| kept(*at)).map(|(_, rows)| rows).sum();
+            let x = solve(&self.total(kept), rows, prior).x;
             for (at, unit) in self.units.iter().enumerate().filter(|(at, _)| parts.fold[*at] == fold) {
                 left[at] = square_left(unit, &x);
             }
@@ -111,7 +108,7 @@ impl Gram {
         let mut rows = 0.0;
         for (at, unit) in self.units.iter().enumerate().filter(|(at, _)| weights[*at] > 0.0) {
             sum += unit * weights[at];
-            rows += self.rows[at] as f64 * weights[at];
+            rows += prior.rows[at] as f64 * weights[at];
         }
         solve(&sum, rows as usize, prior)
     }
@@ -164,4 +161,16 @@ fn solve(sum: &DMatrix<f64>, rows: usize, prior: Prior<'_>) -> Solution {
         found = Solution { square: square_left(sum, &x), x, surprise, noise_square };
     }
     found
+}
+
+/// Sum of products, in eight sums side by side: one alone waits for each addition.
+fn dot(a: &[f64], b: &[f64]) -> f64 {
+    let (mut sums, whole) = ([0.0; 8], a.len() / 8 * 8);
+    for (x, y) in a[..whole].chunks_exact(8).zip(b[..whole].chunks_exact(8)) {
+        for ((sum, x), y) in sums.iter_mut().zip(x).zip(y) {
+            *sum += x * y;
+        }
+    }
+    let rest: f64 = a[whole..].iter().zip(&b[whole..]).map(|(x, y)| x * y).sum();
+    sums.iter().sum::<f64>() + rest
 }

@@ -165,6 +165,7 @@ pub fn run(campaign: &Campaign, model: &Model, progress: &(dyn Fn() + Sync)) -> 
         measured_nm: records.measured_nm(),
         parts: &parts,
         extent: extent::of(&records, &model),
+        unit_rows: parts.rows(&judged),
         used: judged.clone(),
         floor_nm: 0.0,
     };
@@ -176,17 +177,20 @@ pub fn run(campaign: &Campaign, model: &Model, progress: &(dyn Fn() + Sync)) -> 
     let columns = flexible::columns(&bench, &ground, &lines.concat());
     let (mut bursts, flexible) = bursts::find(&bench, &columns, &rest_nm);
     progress();
+    let mut is_second = false;
     let (choice, after, after_nm) = loop {
-        bench.used.clone_from(&judged);
-        bursts.iter().for_each(|burst| bench.used[burst.rows.clone()].fill(false));
+        let mut used = judged.clone();
+        bursts.iter().for_each(|burst| used[burst.rows.clone()].fill(false));
+        bench.count(used);
         let choice = choose(&bench, &model, progress);
         let after = parameters::settled(&choice, &ground);
-        let after_nm = records.predicted_nm(&after, &records.passages(&after));
+        let after_nm = records.predicted_nm(&after, &records.passages(&after), &records.branches(&after));
         let suspected = bursts.len();
         bursts::keep_unexplained(&bench, &mut bursts, &rest_nm, &bench.residual_nm(&after_nm));
-        if bursts.len() == suspected {
+        if bursts.len() == suspected || is_second {
             break (choice, after, after_nm);
         }
+        is_second = true;
     };
     let floor = floor::floor(&records, &bench.residual_nm(&after_nm));
     let draws = Draws::new(&parts, &floor);

@@ -4,7 +4,7 @@
 //! by their strengths and shapes.
 
 use crate::dynamics::Direction;
-use crate::effects::{Extent, Role};
+use crate::effects::{Added, Extent, Parameter, Role};
 use crate::model::{Combination, Friction, Model};
 
 /// Confidence of a parameter for which none is given, as a share of it: the 95 % interval reaches so far to either side.
@@ -125,6 +125,22 @@ impl Move {
     /// The knobs that it turns.
     pub fn knobs(&self) -> impl Iterator<Item = Knob> {
         self.turns.iter().map(|(knob, _)| *knob)
+    }
+
+    /// What it adds per unit, where that is one strength of an effect that only adds torque: the effect with that strength alone.
+    pub fn added(&self, model: &Model) -> Option<Added> {
+        let [(Knob::Effect(at, index), Turn::Add(unit))] = self.turns[..] else { return None };
+        let Added { effect, parameters } = &model.effects[at];
+        if !self.is_linear || !effect.only_adds() {
+            return None;
+        }
+        let alone = |(i, (x, parameter)): (usize, (&f64, &Parameter))| match parameter.role {
+            Role::Strength if i == index => unit,
+            Role::Strength => 0.0,
+            _ => *x,
+        };
+        let parameters = parameters.iter().zip(effect.about().parameters).enumerate().map(alone).collect();
+        Some(Added { effect: *effect, parameters })
     }
 
     /// Whether it changes where friction stands between its branches.

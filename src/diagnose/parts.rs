@@ -34,6 +34,11 @@ pub struct Parts {
 }
 
 impl Parts {
+    /// How many rows of each unit are `used`.
+    pub fn rows(&self, used: &[bool]) -> Vec<usize> {
+        self.units.iter().map(|unit| used[unit.clone()].iter().filter(|used| **used).count()).collect()
+    }
+
     /// Of `records`.
     pub fn new(records: &Records) -> Self {
         let by_trial = records.all.iter().filter(|record| !record.rows.is_empty()).count() >= TRIALS_MIN;

@@ -1,8 +1,8 @@
 //! A campaign thinned to what its low-pass leaves, and what any model makes of it: the form in which hundreds of models are
 //! held against the same recordings.
 
-use crate::dynamics::{JointKind, Motion, RigidTorque};
-use crate::effects::Sample;
+use crate::dynamics::{Both, JointKind, Motion, RigidTorque};
+use crate::effects::{Added, Family, Sample};
 use crate::log::{Campaign, clock_s, read_trial, span_s};
 use crate::model::{Asked, Model, Passage, settle};
 use crate::numerics::filter::LowPass;
@@ -65,6 +65,9 @@ pub struct Record {
 
 /// Where friction stands at each thinned sample of each record.
 pub type Passages = Vec<Vec<f64>>;
+
+/// The unloaded friction of both branches at each thinned sample of each record, N m.
+pub type Branches = Vec<Vec<Both<f64>>>;
 
 /// All records, and how their rows lie one after the other.
 #[derive(Debug)]
@@ -146,10 +149,25 @@ impl Records {
         self.all.par_iter().with_max_len(1).map(|record| record.passage(model)).collect()
     }
 
+    /// The unloaded friction of both branches along every record.
+    pub fn branches(&self, model: &Model) -> Branches {
+        self.all.par_iter().with_max_len(1).map(|record| record.branches(model)).collect()
+    }
+
     /// Predicted y at the rows, low-passed, N m.
-    pub fn predicted_nm(&self, model: &Model, passages: &Passages) -> Vec<f64> {
-        let one =
-            |(record, k_tilde): (&Record, &Vec<f64>)| record.at_rows(&record.filtered_nm(model, k_tilde, self.kind));
+    pub fn predicted_nm(&self, model: &Model, passages: &Passages, branches: &Branches) -> Vec<f64> {
+        let one = |((record, k_tilde), branches): ((&Record, &Vec<f64>), &Vec<Both<f64>>)| {
+            record.at_rows(&record.filtered_nm(model, k_tilde, branches, self.kind))
+        };
+        let all = self.all.par_iter().zip(passages).zip(branches).with_max_len(1);
+        all.map(one).collect::<Vec<Vec<f64>>>().concat()
+    }
+
+    /// What an effect that only adds torque adds to y at the rows, low-passed, N m.
+    pub fn added_nm(&self, model: &Model, added: &Added, passages: &Passages) -> Vec<f64> {
+        let one = |(record, k_tilde): (&Record, &Vec<f64>)| {
+            record.at_rows(&record.added_nm(model, added, k_tilde, self.kind))
+        };
         self.all.par_iter().zip(passages).with_max_len(1).map(one).collect::<Vec<Vec<f64>>>().concat()
     }
 
@@ -173,7 +191,7 @@ impl Record {
     /// `trial` thinned. K_f is known from where `model` and any wider clearance would know it.
     fn new(campaign: &Campaign, model: &Model, trial: &Trial) -> Result<Self> {
         let (lowpass_hz, rate_hz) = (campaign.signal.lowpass_hz, trial.log.rate_hz);
-        let step = ((rate_hz / (SAMPLES_PER_PERIOD * lowpass_hz)) as usize).max(1);
+        let step = ((rate_hz / (SAMPLES_PER_PERIOD * lowpass_hz)).round() as usize).max(1);
         let thinned_hz = rate_hz / step as f64;
         let order = campaign.signal.lowpass_order;
         let Some(lowpass) = LowPass::new(order, lowpass_hz, thinned_hz) else {
@@ -191,7 +209,7 @@ impl Record {
         let (_, known_from) = settle(&trial.followed_rad, backlash_rad, trial.deadband_rad);
         let first = (known_from + forgotten(rate_hz, lowpass_hz)).div_ceil(step);
         let rests = rests(&trial.followed_rad, rate_hz, trial.deadband_rad);
-        let compared = ((thinned_hz / (ROWS_PER_PERIOD * lowpass_hz)) as usize).max(1);
+        let compared = ((thinned_hz / (ROWS_PER_PERIOD * lowpass_hz)).round() as usize).max(1);
         let rows = (first..at.len()).step_by(compared).collect();
         let entry = &trial.entry;
         let named = entry.trajectory.is_some() || entry.protocol != crate::log::Protocol::Free;
@@ -269,7 +287,12 @@ impl Record {
         sums.iter().zip(counts).map(|(sum, count)| sum / f64::from(count.max(1))).collect()
     }
 
-    fn filtered_nm(&self, model: &Model, k_tilde: &[f64], kind: JointKind) -> Vec<f64> {
+    /// The unloaded friction of both branches at each thinned sample.
+    fn branches(&self, model: &Model) -> Vec<Both<f64>> {
+        self.own.iter().map(|own| model.branches_nm(own.velocity)).collect()
+    }
+
+    fn filtered_nm(&self, model: &Model, k_tilde: &[f64], branches: &[Both<f64>], kind: JointKind) -> Vec<f64> {
         let mut others = vec![Motion::default(); self.others.len()];
         let mut sampled = |i: usize, then: &mut dyn FnMut(&Sample<'_>) -> f64| {
             others.iter_mut().zip(&self.others).for_each(|(slot, other)| *slot = other[i]);
@@ -280,10 +303,10 @@ impl Record {
         let mut torque_nm: Vec<f64> = (0..self.own.len())
             .map(|i| {
                 let asked = self.asked(i, kind, model);
-                sampled(i, &mut |sample| model.driven_nm(sample, asked, k_tilde[i]).torque_nm)
+                sampled(i, &mut |sample| model.driven_by_nm(sample, asked, k_tilde[i], branches[i]).torque_nm)
             })
             .collect();
-        if !model.effects.is_empty() {
+        if model.effects.iter().any(|added| added.effect.about().family == Family::Fault) {
             let delay_s = model.delay_s();
             if delay_s != 0.0 {
                 torque_nm = shifted(&torque_nm, delay_s * self.rate_hz);
@@ -292,6 +315,28 @@ impl Record {
                 *y = sampled(i, &mut |sample| model.reading_nm(sample, *y));
             }
         }
+        self.lowpass.zero_phase(&torque_nm)
+    }
+
+    /// What an effect that only adds torque adds to y, low-passed, N m.
+    fn added_nm(&self, model: &Model, added: &Added, k_tilde: &[f64], kind: JointKind) -> Vec<f64> {
+        let mut others = vec![Motion::default(); self.others.len()];
+        let (mu_up, mu_down) = (model.friction.up.mu_c, model.friction.down.mu_c);
+        let transmission = model.joint.transmission();
+        let (effect, p) = (added.effect, &added.parameters[..]);
+        let torque_nm: Vec<f64> = (0..self.own.len())
+            .map(|i| {
+                others.iter_mut().zip(&self.others).for_each(|(slot, other)| *slot = other[i]);
+                let (time_s, elapsed_s) = (self.time_s[i], self.elapsed_s(i));
+                let sample = Sample { time_s, elapsed_s, own: self.own[i], others: &others };
+                let load_nm = transmission * self.asked(i, kind, model).torque_nm;
+                let Both { up, down } = effect.friction_nm(p, &sample, load_nm);
+                let at_joint_nm = transmission * effect.joint_torque_nm(p, &sample);
+                let loss = 1.0 - mu_down - k_tilde[i] * (mu_up - mu_down);
+                let beside_nm = effect.winch_torque_nm(p, &sample) + effect.reading_nm(p, &sample, 0.0);
+                (at_joint_nm + down + k_tilde[i] * (up - down)) / loss + beside_nm
+            })
+            .collect();
         self.lowpass.zero_phase(&torque_nm)
     }
 

@@ -14,7 +14,7 @@ const ROWS: usize = 8000;
 /// The ripple must be slower than this share of the low-pass, where the joint moves at its speed.
 const PASSED: f64 = 0.8;
 /// Lines followed up.
-const LINES: usize = 3;
+const LINES: usize = 2;
 
 /// Parameter sets to begin from: the strongest lines of `residual_nm`, taken with the sign of the motion if `by_direction`.
 pub fn starts(bench: &Bench<'_>, ground: &Ground, residual_nm: &[f64], by_direction: bool) -> Vec<Vec<f64>> {

@@ -21,6 +21,10 @@ impl Effect for CableElasticity {
         &ABOUT
     }
 
+    fn only_adds(&self) -> bool {
+        false
+    }
+
     fn starts(&self, _extent: &Extent) -> Vec<Vec<f64>> {
         vec![vec![0.0, 0.0], vec![1.0, 0.0]]
     }

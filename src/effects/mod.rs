@@ -284,6 +284,11 @@ pub trait Effect: Sync + std::fmt::Debug {
         0.0
     }
 
+    /// Whether all it does is to add torque, in proportion to its strengths.
+    fn only_adds(&self) -> bool {
+        true
+    }
+
     /// Whether it goes by the time since the campaign began.
     fn needs_clock(&self, _p: &[f64]) -> bool {
         false

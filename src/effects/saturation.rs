@@ -24,6 +24,10 @@ impl Effect for Saturation {
         &ABOUT
     }
 
+    fn only_adds(&self) -> bool {
+        false
+    }
+
     fn starts(&self, extent: &Extent) -> Vec<Vec<f64>> {
         let (low, high) = extent.torque_nm;
         let at = |share: f64| share * (high - low);

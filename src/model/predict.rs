@@ -7,7 +7,7 @@
 //! with Bu, Bd the unloaded parts of the two branches (`Friction::unloaded_nm`). At K~ = 1 and 0 this is (17) with A and
 //! B of each direction.
 
-use super::{Direction, Model};
+use super::{Both, Model};
 use crate::effects::Sample;
 
 /// What a sample asks of the joint.
@@ -37,9 +37,7 @@ impl Model {
     /// y for a rigid-body torque `joint_torque_nm` at the joint (gravity, inertia, measured load), at `velocity_rad_s` and
     /// with friction combined by `k_tilde`.
     pub fn torque_nm(&self, joint_torque_nm: f64, velocity_rad_s: f64, k_tilde: f64) -> Components {
-        let (r1, r2) = (self.joint.winch_radius_m, self.joint.pulley_radius_m);
-        let up = self.friction.up.unloaded_nm(Direction::Up, velocity_rad_s, r1, r2);
-        let down = self.friction.down.unloaded_nm(Direction::Down, velocity_rad_s, r1, r2);
+        let Both { up, down } = self.branches_nm(velocity_rad_s);
         let (mu_up, mu_down) = (self.friction.up.mu_c, self.friction.down.mu_c);
         let rigid_nm = self.joint.transmission() * joint_torque_nm;
         let loss = 1.0 - mu_down - k_tilde * (mu_up - mu_down);
@@ -50,12 +48,18 @@ impl Model {
     /// y with everything that the model's effects add to the joint, before the sensor: what `asked` and `sample` come to with
     /// friction combined by `k_tilde`. The formula is the one of `effects`.
     pub fn driven_nm(&self, sample: &Sample<'_>, asked: Asked, k_tilde: f64) -> Components {
-        if self.effects.is_empty() {
-            return self.torque_nm(asked.torque_nm, sample.own.velocity, k_tilde);
-        }
+        self.driven_by_nm(sample, asked, k_tilde, self.branches_nm(sample.own.velocity))
+    }
+
+    /// The unloaded friction of both branches at a speed, N m at the winch.
+    pub fn branches_nm(&self, velocity_rad_s: f64) -> Both<f64> {
         let (r1, r2) = (self.joint.winch_radius_m, self.joint.pulley_radius_m);
-        let mut up = self.friction.up.unloaded_nm(Direction::Up, sample.own.velocity, r1, r2);
-        let mut down = self.friction.down.unloaded_nm(Direction::Down, sample.own.velocity, r1, r2);
+        Both::make(|direction| self.friction.of(direction).unloaded_nm(direction, velocity_rad_s, r1, r2))
+    }
+
+    /// [`Self::driven_nm`] with the branches known already: most of the work is in their exponentials.
+    pub fn driven_by_nm(&self, sample: &Sample<'_>, asked: Asked, k_tilde: f64, branches: Both<f64>) -> Components {
+        let Both { mut up, mut down } = branches;
         let (mu_up, mu_down) = (self.friction.up.mu_c, self.friction.down.mu_c);
         let transmission = self.joint.transmission();
         let (mut factor, mut winch_nm, mut joint_nm) = (1.0, 0.0, asked.torque_nm);
