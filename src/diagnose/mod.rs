@@ -147,6 +147,8 @@ pub struct View {
     pub after_nm: Vec<f64>,
     /// Whether the row is judged.
     pub judged: Vec<bool>,
+    /// Whether the sensor clips there or beside it.
+    pub clipped: Vec<bool>,
 }
 
 /// Looks for what separates `model` from the recordings of `campaign`; `progress` hears of each trial read and each round of
@@ -369,6 +371,7 @@ impl Scene<'_> {
                 before_nm: self.ground.predicted_nm[range.clone()].to_vec(),
                 after_nm: after_nm[range.clone()].to_vec(),
                 judged: self.judged[range.clone()].to_vec(),
+                clipped: record.rows.iter().map(|i| record.clipped[*i]).collect(),
             }
         };
         self.bench.records.all.iter().zip(&self.bench.records.ranges).map(view).collect()

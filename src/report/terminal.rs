@@ -20,7 +20,7 @@ const WIDTH: usize = 112;
 
 pub(super) const BOLD: Style = Style::new().bold();
 pub(super) const DIM: Style = Style::new().dimmed();
-const YELLOW: Style = AnsiColor::Yellow.on_default();
+pub(super) const YELLOW: Style = AnsiColor::Yellow.on_default();
 
 /// Writes the summary to `out`; `written` is where the files went.
 pub fn write_summary(
@@ -68,7 +68,7 @@ pub(super) fn heading(out: &mut impl Write, text: &str) -> io::Result<()> {
 }
 
 /// `text` in lines of at most `WIDTH` columns, all but the first set in by `indent`.
-fn wrapped(text: &str, indent: usize) -> String {
+pub(super) fn wrapped(text: &str, indent: usize) -> String {
     let mut lines = String::new();
     let mut column = indent;
     for word in text.split_whitespace() {
