@@ -25,7 +25,7 @@ pub use floor::{Floor, FloorSource};
 pub use interval::Shrink;
 pub use locate::Place;
 pub use parameters::Fitted;
-pub use verdict::{Kind, Verdict};
+pub use verdict::{Kind, Verdict, signature};
 
 use crate::evaluate::fitted;
 use crate::log::Campaign;
@@ -38,7 +38,7 @@ use fit::{Bench, Ground};
 use interval::{Draws, above};
 use parts::Parts;
 use record::Records;
-use verdict::{Evidence, signature};
+use verdict::Evidence;
 
 /// Bursts whose RMS over all rows is above this share of the floor are told as a cause.
 const CONTACT_FLOORS: f64 = 0.5;

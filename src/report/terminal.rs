@@ -71,7 +71,8 @@ pub(super) fn heading(out: &mut impl Write, text: &str) -> io::Result<()> {
 pub(super) fn wrapped(text: &str, indent: usize) -> String {
     let mut lines = String::new();
     let mut column = indent;
-    for word in text.split_whitespace() {
+    // Spaces that do not break stay within their word, and are written as plain ones.
+    for word in text.split_ascii_whitespace() {
         let length = word.chars().count();
         if column + length > WIDTH && column > indent {
             lines.push('\n');
@@ -80,7 +81,7 @@ pub(super) fn wrapped(text: &str, indent: usize) -> String {
         } else if column > indent {
             lines.push(' ');
         }
-        lines.push_str(word);
+        lines.push_str(&word.replace('\u{a0}', " "));
         column += length + 1;
     }
     lines

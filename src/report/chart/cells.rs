@@ -1,6 +1,6 @@
 //! Values as colours: cells of a map, and the bar that says what a colour means.
 
-use super::{Anchor, Axis, Canvas, Drawn, Frame, LABEL_PX, Panel, TEXT_PX, palette};
+use super::{Anchor, Axis, Canvas, Drawn, Frame, LABEL_PX, Mark, Panel, TEXT_PX, palette, text_width_px};
 use plotters::style::RGBColor;
 
 /// Viridis (van der Walt and Smith) from its bright end: lightness falls all along, so that it reads in print and by
@@ -20,7 +20,7 @@ const STOPS: [RGBColor; 9] = [
 const STRIPS: u32 = 90;
 
 /// The colour at `share` of the scale, 0 to 1.
-pub fn color_at(share: f64) -> RGBColor {
+fn color_at(share: f64) -> RGBColor {
     let at = share.clamp(0.0, 1.0) * (STOPS.len() - 1) as f64;
     let from = (at as usize).min(STOPS.len() - 2);
     let part = at - from as f64;
@@ -52,32 +52,34 @@ impl Canvas<'_> {
         self.fill(whole(panel.px(corner)), whole(panel.px(opposite)), colors.of(value), 1.0)
     }
 
-    /// The bar of `colors`, upright, its ticks and label to the right.
-    pub fn color_bar(&self, frame: Frame, colors: &Colors) -> Drawn {
+    /// The bar of `colors`, upright, its ticks and label to the right; a triangle at the value of `marked`, named below.
+    pub fn color_bar(&self, frame: Frame, colors: &Colors, marked: (f64, &str)) -> Drawn {
         let (low, high) = colors.axis.places;
         let height = frame.bottom - frame.top;
+        let level = |place: f64| frame.bottom - height * (place - low) / (high - low);
         for strip in 0..STRIPS {
-            let share = |at: u32| f64::from(at) / f64::from(STRIPS);
-            let (lower, upper) = (frame.bottom - height * share(strip), frame.bottom - height * share(strip + 1));
-            self.fill((frame.left, upper), (frame.right, lower), color_at(share(strip)), 1.0)?;
+            // Each reaches to the top, the next one covers it: no seams.
+            let share = f64::from(strip) / f64::from(STRIPS);
+            let lower = frame.bottom - height * share;
+            self.fill((frame.left, frame.top), (frame.right, lower), color_at(share), 1.0)?;
         }
         let mut widest = 0.0f64;
         for (place, text) in &colors.axis.ticks {
-            let y = frame.bottom - height * (place - low) / (high - low);
+            let y = level(*place);
             self.line((frame.right, y), (frame.right + 4.0, y), palette::INK, 1.0)?;
             self.text((frame.right + 8.0, y), text, TEXT_PX, palette::INK, Anchor::Left)?;
-            widest = widest.max(super::text_width_px(text, TEXT_PX));
-        }
-        if colors.goes_on {
-            self.text(
-                ((frame.left + frame.right) / 2.0, frame.top - 9.0),
-                "and above",
-                TEXT_PX,
-                palette::INK,
-                Anchor::Middle,
-            )?;
+            widest = widest.max(text_width_px(text, TEXT_PX));
         }
         let middle = (frame.right + widest + 24.0, frame.top + height / 2.0);
-        self.text(middle, &colors.axis.label, LABEL_PX, palette::INK, Anchor::Upwards)
+        self.text(middle, &colors.axis.label, LABEL_PX, palette::INK, Anchor::Upwards)?;
+        if colors.goes_on {
+            self.text((frame.left, frame.top - 18.0), "and above", TEXT_PX, palette::INK, Anchor::Left)?;
+        }
+        // A sample's middle is 13 px to the right of its beginning.
+        let (value, name) = marked;
+        let below = frame.bottom + 16.0;
+        self.sample((frame.left - 20.0, level(colors.axis.place_within(value))), Mark::Rightwards, palette::INK)?;
+        self.sample((frame.left - 20.0, below), Mark::Rightwards, palette::INK)?;
+        self.text((frame.left + 2.0, below), name, TEXT_PX, palette::INK, Anchor::Left)
     }
 }

@@ -9,7 +9,7 @@ mod panel;
 pub mod thin;
 
 pub use axis::{Axis, span};
-pub use cells::{Colors, color_at};
+pub use cells::Colors;
 pub use panel::{Frame, Mark, Panel, Stroke};
 
 use plotters::coord::Shift;

@@ -51,15 +51,20 @@ impl Shown {
     }
 }
 
-/// The parameters of `candidate`, a ripple's harmonics by their amplitudes.
+/// The parameters of `candidate`: a ripple's by its period and the amplitudes of harmonics that are told from zero; without
+/// what is zero before and after.
 pub fn shown(candidate: &Candidate, found: &Diagnosis) -> Vec<Shown> {
     let units = Units::of(found.before.joint.kind);
     let stale = matches!(candidate.cause, Cause::Stale(_));
     let before = |name: &str| if stale { of_model(&found.before, name) } else { None };
     let harmonics = amplitudes(&candidate.parameters);
-    let is_wave = |p: &&Fitted| harmonics.is_empty() || !(p.name.starts_with("sin_") || p.name.starts_with("cos_"));
-    let plain = candidate.parameters.iter().filter(is_wave).map(|p| one(p, before(&p.name), &units));
-    plain.chain(harmonics.iter().map(|p| one(p, None, &units))).collect()
+    let is_own = |p: &&Fitted| harmonics.is_empty() || !(p.name.starts_with("sin_") || p.name.starts_with("cos_"));
+    let is_nothing = |p: &Fitted| p.value == 0.0 && before(&p.name) == Some(0.0);
+    let own = candidate.parameters.iter().filter(is_own).filter(|p| !is_nothing(p)).map(|p| match &p.name[..] {
+        "periods_per_rad" => one(&period(p), None, &units),
+        name => one(p, before(name), &units),
+    });
+    own.chain(harmonics.iter().map(|p| one(p, None, &units))).collect()
 }
 
 fn one(fitted: &Fitted, before: Option<f64>, units: &Units) -> Shown {
@@ -69,11 +74,17 @@ fn one(fitted: &Fitted, before: Option<f64>, units: &Units) -> Shown {
     let value = factor * fitted.value;
     let ends = fitted.interval.map(|(low, high)| (factor * low, factor * high));
     let half = ends.map_or(f64::NAN, |(low, high)| (high - low) / 2.0);
+    let precise = match ends {
+        // A choice among whole numbers.
+        None if value.fract() == 0.0 => format!("{value:.0}"),
+        Some(_) if half > 0.0 && half < value.abs() => as_precise_as(value, half),
+        _ => significant(value, 3),
+    };
     Shown {
         name: name.to_string(),
         unit,
         before: before.map(|x| significant(factor * x, 3)),
-        value: if half > 0.0 && half < value.abs() { as_precise_as(value, half) } else { significant(value, 3) },
+        value: precise,
         interval: ends.map_or(String::new(), |(low, high)| interval(value, low, high).replace(" to ", ", ")),
         doubt: fitted.doubt,
     }
@@ -106,7 +117,18 @@ fn suited(unit: &'static str, size: f64, units: &Units) -> (String, f64) {
     (if slides && factor == 1.0 { unit.replace("N m", "N").replace("rad", "m") } else { unit.to_string() }, factor)
 }
 
-/// Amplitudes of `sin_h`, `cos_h` pairs, their intervals by the pair's own as if independent.
+/// A wave number as the period that people measure.
+fn period(periods_per_rad: &Fitted) -> Fitted {
+    let of = |periods: f64| 1.0 / periods.max(f64::MIN_POSITIVE);
+    Fitted {
+        name: "period_rad".to_string(),
+        value: of(periods_per_rad.value),
+        interval: periods_per_rad.interval.map(|(low, high)| (of(high), of(low))),
+        doubt: periods_per_rad.doubt,
+    }
+}
+
+/// Amplitudes of `sin_h`, `cos_h` pairs, their intervals by the pair's own as if independent; the first, and others above zero.
 fn amplitudes(parameters: &[Fitted]) -> Vec<Fitted> {
     let named = |name: String| parameters.iter().find(|p| p.name == name);
     let pairs = (1..).map_while(|h| Some((h, named(format!("sin_{h}_nm"))?, named(format!("cos_{h}_nm"))?)));
@@ -121,7 +143,8 @@ fn amplitudes(parameters: &[Fitted]) -> Vec<Fitted> {
             doubt: sin.doubt.or(cos.doubt),
         }
     };
-    pairs.map(amplitude).collect()
+    let told = |(at, p): &(usize, Fitted)| *at == 0 || p.interval.is_none_or(|(low, _)| low > 0.0);
+    pairs.map(amplitude).enumerate().filter(told).map(|(_, p)| p).collect()
 }
 
 /// The value that goes by a dotted name in `model`.

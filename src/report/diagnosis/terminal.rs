@@ -3,7 +3,7 @@
 use super::names::{Role, floor_source, place};
 use super::next::next_steps;
 use super::parameters::{Shown, shown};
-use super::words::{ceiling, percent, shrink, verdict};
+use super::words::{flexible_shrink, kept_together, percent, shrink, verdict};
 use crate::diagnose::{Diagnosis, Kind};
 use crate::report::number::counted;
 use crate::report::terminal::{BOLD, DIM, distrust, heading, wrapped};
@@ -46,9 +46,10 @@ fn gap(out: &mut impl Write, found: &Diagnosis) -> io::Result<()> {
     if verdict.kind != Kind::None {
         row("with what was found", verdict.gap_after_nm, format!("shrinks by {}", shrink(verdict.shrink)))?;
     }
-    let most =
-        format!("what a flexible fit recovers: no cause can shrink the gap by more than {}", percent(ceiling(found)));
-    row("recoverable", gap.recoverable_nm, most)?;
+    let most = format!("what a flexible fit recovers, a shrink of {}", percent(flexible_shrink(found)));
+    if verdict.kind != Kind::None {
+        row("recoverable", gap.recoverable_nm, most)?;
+    }
     row("floor", gap.floor.rms_nm, floor_source(gap.floor.source).to_string())?;
     writeln!(out, "  {:<24} {:>12}  {DIM}of the resamplings agree{DIM:#}", "verdict", percent(verdict.confidence))
 }
@@ -87,7 +88,7 @@ fn candidates(out: &mut impl Write, found: &Diagnosis) -> io::Result<()> {
             parameters.push(format!("and {} more", all.len() - told));
         }
         if !parameters.is_empty() {
-            writeln!(out, "{:INDENT$}{DIM}{}{DIM:#}", "", wrapped(&parameters.join("; "), INDENT))?;
+            writeln!(out, "{:INDENT$}{DIM}{}{DIM:#}", "", wrapped(&kept_together(&parameters.join("; ")), INDENT))?;
         }
     }
     let rest = found.candidates.len().saturating_sub(CANDIDATES);

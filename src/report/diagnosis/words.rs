@@ -13,14 +13,27 @@ const FOLLOWS: f64 = 0.5;
 /// The verdict in a sentence or three.
 pub fn verdict(found: &Diagnosis) -> String {
     let units = Units::of(found.before.joint.kind);
-    match found.verdict.kind {
+    kept_together(&match found.verdict.kind {
         Kind::None => nothing(found, &units),
         Kind::Stale => format!("{} {}", stale(found), shrinks("Refitted, the gap", found, &units)),
         Kind::Effect => format!("{} {}", effect(found), shrinks("With it the gap", found, &units)),
         Kind::Several => format!("{} {}", several(found), shrinks("With all of them the gap", found, &units)),
         Kind::Ambiguous => format!("{} {}", ambiguous(found), shrinks("With the first the gap", found, &units)),
         Kind::Unknown => unknown(found, &units),
-    }
+    })
+}
+
+/// `text` with spaces that do not break between a number and what belongs to it.
+pub fn kept_together(text: &str) -> String {
+    const FIXED: [(&str, &str); 6] = [
+        ("N m", "N\u{a0}m"),
+        (" mN", "\u{a0}mN"),
+        (" N\u{a0}m", "\u{a0}N\u{a0}m"),
+        (" mm", "\u{a0}mm"),
+        (" deg", "\u{a0}deg"),
+        (" %", "\u{a0}%"),
+    ];
+    FIXED.iter().fold(text.to_string(), |text, (from, to)| text.replace(from, to))
 }
 
 /// What the verdict rests on, a sentence each.
@@ -42,7 +55,7 @@ pub fn grounds(found: &Diagnosis) -> Vec<String> {
     }
     let sure = percent(found.verdict.confidence);
     all.push(format!("The same verdict comes out of {sure} of the resamplings of whole {}.", found.held_out));
-    all
+    all.iter().map(|sentence| kept_together(sentence)).collect()
 }
 
 /// A share in whole percent.
@@ -60,8 +73,8 @@ fn whole(share: f64) -> String {
     format!("{:.0}", if rounded == 0.0 { 0.0 } else { rounded })
 }
 
-/// The largest shrink that any cause could reach: what the flexible fit recovers, as a shrink of the RMS above the floor.
-pub fn ceiling(found: &Diagnosis) -> f64 {
+/// What the flexible fit recovers, as a shrink of the RMS above the floor: the measure by which causes are judged.
+pub fn flexible_shrink(found: &Diagnosis) -> f64 {
     let share = found.gap.recoverable_nm / found.gap.explainable_nm.max(f64::MIN_POSITIVE);
     1.0 - (1.0 - share * share).max(0.0).sqrt()
 }

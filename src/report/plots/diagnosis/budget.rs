@@ -1,5 +1,6 @@
 //! What the mean square of the residual is made of: one bar, and its parts named below.
 
+use super::CONTACT;
 use crate::diagnose::{Cause, Diagnosis};
 use crate::report::chart::{Anchor, Canvas, Drawn, LABEL_PX, TEXT_PX, palette, svg};
 use crate::report::page::Drawing;
@@ -17,7 +18,7 @@ const WIDE_PX: f64 = 46.0;
 /// Parts below this share are told with their decimals.
 const SMALL: f64 = 0.01;
 /// Colours of the causes, in their order.
-const COLORS: [RGBColor; 4] = [palette::BLUE, palette::GREEN, palette::ORANGE, palette::PURPLE];
+const COLORS: [RGBColor; 3] = [palette::BLUE, palette::GREEN, palette::PURPLE];
 
 /// A part of the bar.
 struct Part {
@@ -58,18 +59,23 @@ fn parts(found: &Diagnosis) -> Vec<Part> {
         part("the model within its own confidence", budget.within_confidence, palette::GREY),
     ];
     for ((cause, square), color) in budget.causes.iter().zip(COLORS.into_iter().cycle()) {
-        let name = match cause {
-            Cause::Effect(id) => (*id).to_string(),
-            Cause::Stale(name) => format!("stale parameters: {name}"),
-        };
-        all.push(Part { name, square: *square, color });
+        all.push(match cause {
+            Cause::Effect("contact") => part("contact", *square, CONTACT),
+            Cause::Effect(id) => part(id, *square, color),
+            Cause::Stale(name) => part(&format!("stale parameters: {name}"), *square, color),
+        });
     }
     all.push(part("unexplained", budget.unexplained, palette::VERMILION));
+    all.retain(|part| part.square > 0.0);
     all
 }
 
 fn share_text(share: f64) -> String {
-    if share > 0.0 && share < SMALL { format!("{:.1} %", 100.0 * share) } else { format!("{:.0} %", 100.0 * share) }
+    match share {
+        s if s < SMALL / 10.0 => "below 0.1 %".to_string(),
+        s if s < SMALL => format!("{:.1} %", 100.0 * s),
+        s => format!("{:.0} %", 100.0 * s),
+    }
 }
 
 /// Parts side by side, a white line between them, their percentage in those that are wide enough.
@@ -103,7 +109,7 @@ fn level(at: usize) -> f64 {
 }
 
 fn head(canvas: &Canvas) -> Drawn {
-    for (x, text) in [(560.0, "of the square"), (700.0, "RMS")] {
+    for (x, text) in [(660.0, "of the square"), (RIGHT, "RMS")] {
         canvas.text((x, level(0)), text, TEXT_PX, palette::GREY, Anchor::Right)?;
     }
     Ok(())
@@ -113,6 +119,6 @@ fn line(canvas: &Canvas, part: &Part, whole: f64, units: &Units, at: usize) -> D
     let y = level(at + 1);
     canvas.fill((LEFT, y - 8.0), (LEFT + 22.0, y + 8.0), part.color, 1.0)?;
     canvas.text((LEFT + 34.0, y), &part.name, LABEL_PX, palette::INK, Anchor::Left)?;
-    canvas.text((560.0, y), &share_text(part.square / whole), LABEL_PX, palette::INK, Anchor::Right)?;
-    canvas.text((700.0, y), &units.torque(part.square.max(0.0).sqrt()), LABEL_PX, palette::INK, Anchor::Right)
+    canvas.text((660.0, y), &share_text(part.square / whole), LABEL_PX, palette::INK, Anchor::Right)?;
+    canvas.text((RIGHT, y), &units.torque(part.square.max(0.0).sqrt()), LABEL_PX, palette::INK, Anchor::Right)
 }

@@ -3,7 +3,7 @@
 use crate::diagnose::{Candidate, Diagnosis};
 use crate::report::chart::{Anchor, Axis, Canvas, Drawn, Frame, LABEL_PX, Mark, Panel, Stroke, TEXT_PX, palette, svg};
 use crate::report::diagnosis::names::Role;
-use crate::report::diagnosis::words::{ceiling, shrink};
+use crate::report::diagnosis::words::{flexible_shrink, shrink};
 use crate::report::page::Drawing;
 use plotters::style::RGBColor;
 
@@ -29,7 +29,7 @@ pub(super) fn draw(found: &Diagnosis) -> Drawn<Option<Drawing>> {
         let x = Axis::linear("how far the gap above the floor shrinks (%)", 100.0 * low - 2.0, 103.0);
         let y = Axis::linear("", -(shown.len() as f64), 0.0).without_ticks();
         let panel = canvas.panel(Frame { left: FRAME_X.0, top: TOP, right: FRAME_X.1, bottom }, x, y)?;
-        let most = 100.0 * ceiling(found);
+        let most = 100.0 * flexible_shrink(found);
         panel.line([(most, -(shown.len() as f64)), (most, 0.0)], Stroke::dashed(palette::INK, 1.4, 6.0, 4.0))?;
         canvas.text((panel.px((most, 0.0)).0, TOP - 10.0), "flexible fit", TEXT_PX, palette::INK, Anchor::Middle)?;
         for (at, candidate) in shown.iter().enumerate() {
@@ -41,8 +41,8 @@ pub(super) fn draw(found: &Diagnosis) -> Drawn<Option<Drawing>> {
         name: "candidates".to_string(),
         title: "Causes tried".to_string(),
         caption: "How far the gap shrinks with each cause on data that its fit never saw, with its 95 % interval from resampling. \
-                  The dashed line is what a flexible fit to the recorded motion reaches: about the most that any cause could. A \
-                  rival does as well as what was taken, within what these data can tell."
+                  The dashed line is what a flexible fit to the recorded motion reaches: a cause with \
+                  fewer numbers may do better still. A rival does as well as what was taken, within what these data can tell."
             .to_string(),
         svg: drawn,
     }))

@@ -1,6 +1,6 @@
 //! Where the residual lies: its RMS over position and speed, before and after.
 
-use super::{after_name, judged, residuals_nm};
+use super::{after_name, residuals};
 use crate::diagnose::Diagnosis;
 use crate::numerics::statistics::quantile;
 use crate::report::chart::{Anchor, Axis, Canvas, Colors, Drawn, Frame, LABEL_PX, palette, span, svg};
@@ -14,6 +14,8 @@ const UPWARDS: usize = 21;
 const SAMPLES_MIN: usize = 3;
 /// Slower than this share of the fastest, speeds gather about zero.
 const SLOW: f64 = 0.04;
+/// The scale reaches this many times the floor at least: noise alone does not look dark.
+const FLOORS: f64 = 3.0;
 /// The scale ends where this share of the cells lie below: one cell must not bleach the others.
 const SHOWN: f64 = 0.98;
 
@@ -33,6 +35,8 @@ pub(super) fn draw(found: &Diagnosis) -> Drawn<Option<Drawing>> {
         return Ok(None);
     }
     let (top, most) = (quantile(&mut all, SHOWN), span(all.iter().copied()).1);
+    let floor_nm = found.gap.floor.rms_nm;
+    let top = top.max(FLOORS * floor_nm);
     let (unit, factor) = units.torque_scale(top);
     let axis = Axis::linear(format!("RMS of the residual ({unit})"), 0.0, factor * top);
     let colors = Colors { goes_on: factor * most > 1.001 * axis.places.1, axis };
@@ -45,13 +49,14 @@ pub(super) fn draw(found: &Diagnosis) -> Drawn<Option<Drawing>> {
             canvas.text((left, 24.0), title, LABEL_PX, palette::INK, Anchor::Left)?;
             cells(canvas, frame, (map.x.clone(), y), rms_nm, (&colors, factor))?;
         }
-        canvas.color_bar(Frame { left: 760.0, top: 44.0, right: 776.0, bottom: 340.0 }, &colors)
+        let bar = Frame { left: 764.0, top: 44.0, right: 780.0, bottom: 340.0 };
+        canvas.color_bar(bar, &colors, (factor * floor_nm, "floor"))
     })?;
     Ok(Some(Drawing {
         name: "map".to_string(),
         title: "Where the gap lies: position and speed".to_string(),
         caption: "RMS of the residual in cells of position and signed speed, over all trials, by the model as delivered and with \
-                  what was found; one scale for both. White cells hold hardly any samples. Columns that stand out: the gap goes \
+                  what was found; one scale for both, the triangle at the floor. White cells hold hardly any samples. Columns that stand out: the gap goes \
                   with position; rows: with speed; the ends of the travel near zero speed: after reversals; above and below \
                   alike, but apart from the middle: with the direction."
             .to_string(),
@@ -61,27 +66,28 @@ pub(super) fn draw(found: &Diagnosis) -> Drawn<Option<Drawing>> {
 
 fn map(found: &Diagnosis, units: &Units) -> Map {
     let place = |position_rad: f64| units.position_factor * position_rad;
-    let rows = || found.views.iter().flat_map(|view| judged(view).map(move |i| (view, i)));
+    let rows = || {
+        found.views.iter().flat_map(|view| (0..view.judged.len()).filter(|i| view.judged[*i]).map(move |i| (view, i)))
+    };
     let (low, high) = span(rows().map(|(view, i)| place(view.position_rad[i])));
     let fastest = rows().map(|(view, i)| view.velocity_rad_s[i].abs()).fold(0.0, f64::max).max(f64::MIN_POSITIVE);
     let x = Axis::linear(format!("position ({})", units.position), low, high);
     let y = Axis::signed_log(format!("speed ({})", units.speed), -fastest, fastest, SLOW * fastest);
-    let mut sums = [vec![0.0; ACROSS * UPWARDS], vec![0.0; ACROSS * UPWARDS]];
-    let mut counts = vec![0usize; ACROSS * UPWARDS];
+    let mut sums = [(); 2].map(|()| vec![(0.0, 0usize); ACROSS * UPWARDS]);
     for view in &found.views {
-        let residuals = residuals_nm(view);
-        for i in judged(view) {
-            let column = cell(x.place_within(place(view.position_rad[i])), x.places, ACROSS);
-            let row = cell(y.place_within(view.velocity_rad_s[i]), y.places, UPWARDS);
-            let at = row * ACROSS + column;
-            counts[at] += 1;
-            sums.iter_mut().zip(&residuals).for_each(|(sum, r)| sum[at] += r[i] * r[i]);
+        for (sums, residual) in sums.iter_mut().zip(residuals(found, view)) {
+            for i in residual.rows() {
+                let column = cell(x.place_within(place(view.position_rad[i])), x.places, ACROSS);
+                let row = cell(y.place_within(view.velocity_rad_s[i]), y.places, UPWARDS);
+                let (sum, count) = &mut sums[row * ACROSS + column];
+                (*sum, *count) = (*sum + residual.nm[i] * residual.nm[i], *count + 1);
+            }
         }
     }
-    let rms = |(sum, count): (&f64, &usize)| {
+    let rms = |(sum, count): &(f64, usize)| {
         if *count >= SAMPLES_MIN { (sum / *count as f64).sqrt() } else { f64::NAN }
     };
-    Map { rms_nm: sums.map(|sums| sums.iter().zip(&counts).map(rms).collect()), x, y }
+    Map { rms_nm: sums.map(|sums| sums.iter().map(rms).collect()), x, y }
 }
 
 /// Which of `number` stretches of `low` to `high` holds `place`.

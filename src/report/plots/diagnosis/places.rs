@@ -45,6 +45,6 @@ fn row(canvas: &Canvas, at: &Place, units: &Units, top: f64) -> Drawn {
     canvas.text((FRAME_X.0 - 10.0, middle), place(at.region), LABEL_PX, palette::INK, Anchor::Right)?;
     canvas.text((end + 8.0, middle), &percent(at.share_of_gap), LABEL_PX, palette::INK, Anchor::Left)?;
     let samples = format!("{} of the samples, RMS {}", percent(at.share_of_samples), units.torque(at.rmse_nm));
-    let details = format!("{}: {samples}", at.detail);
+    let details = format!("{}: {samples}", at.detail.replace(" -", " \u{2212}").replace("^2", "²"));
     canvas.text((FRAME_X.0 + 6.0, top + 33.0), &details, TEXT_PX, palette::GREY, Anchor::Left)
 }

@@ -1,6 +1,6 @@
 //! The residual over position by direction, before and after, to one scale.
 
-use super::{ROOM, after_name, judged, reach_nm, residuals_nm};
+use super::{ROOM, after_name, reach_nm, residuals};
 use crate::diagnose::Diagnosis;
 use crate::model::Direction;
 use crate::report::chart::{Anchor, Axis, Drawn, Frame, LABEL_PX, Mark, Panel, Stroke, palette, span, svg, thin};
@@ -19,7 +19,7 @@ type Cloud = Vec<(f64, f64)>;
 /// Both clouds; `None` without samples.
 pub(super) fn draw(found: &Diagnosis) -> Drawn<Option<Drawing>> {
     let units = Units::of(found.before.joint.kind);
-    let reach_nm = reach_nm(&found.views);
+    let reach_nm = reach_nm(found, &found.views);
     let (unit, factor) = units.torque_scale(reach_nm);
     let clouds = [0, 1].map(|which| Direction::BOTH.map(|direction| cloud(found, which, direction, (&units, factor))));
     let (low, high) = span(clouds.iter().flatten().flatten().map(|p| p.0));
@@ -58,10 +58,10 @@ pub(super) fn draw(found: &Diagnosis) -> Drawn<Option<Drawing>> {
 fn cloud(found: &Diagnosis, which: usize, direction: Direction, (units, factor): (&Units, f64)) -> Cloud {
     let mut points = Vec::new();
     for view in &found.views {
-        let residual_nm = &residuals_nm(view)[which];
+        let residual = &residuals(found, view)[which];
         let moves = |i: &usize| (view.velocity_rad_s[*i] >= 0.0) == (direction == Direction::Up);
-        let rows = judged(view).filter(moves);
-        points.extend(rows.map(|i| (units.position_factor * view.position_rad[i], factor * residual_nm[i])));
+        let rows = residual.rows().filter(moves);
+        points.extend(rows.map(|i| (units.position_factor * view.position_rad[i], factor * residual.nm[i])));
     }
     points
 }

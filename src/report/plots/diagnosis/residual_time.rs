@@ -1,6 +1,6 @@
 //! The residual over time in the trial with the largest gap, before and after, to one scale.
 
-use super::{ROOM, after_name, judged, reach_nm, residuals_nm};
+use super::{CONTACT, ROOM, Residual, after_name, reach_nm, residuals};
 use crate::diagnose::{Diagnosis, View};
 use crate::report::chart::{
     Anchor, Axis, Canvas, Drawn, Frame, Mark, Panel, Stroke, TEXT_PX, palette, span, svg, thin,
@@ -14,37 +14,35 @@ use std::ops::Range;
 const BUCKETS: usize = 900;
 const LEFT: f64 = 92.0;
 const RIGHT: f64 = 840.0;
-/// Colours of shaded stretches.
-const CONTACT: RGBColor = palette::ORANGE;
+/// The colour of stretches at the end of the sensor's range.
 const CLIPPED: RGBColor = palette::PURPLE;
 const SHADE: f64 = 0.3;
 
 /// Position, residual before, residual after; `None` without samples.
 pub(super) fn draw(found: &Diagnosis) -> Drawn<Option<Drawing>> {
+    let energy = |view: &View| residuals(found, view)[0].mean_square();
     let Some(view) = found.views.iter().max_by(|a, b| energy(a).total_cmp(&energy(b))) else { return Ok(None) };
-    if judged(view).next().is_none() {
+    if view.judged.iter().all(|judged| !judged) {
         return Ok(None);
     }
     let units = Units::of(found.before.joint.kind);
-    let (unit, factor) = units.torque_scale(reach_nm([view]));
-    let reach = factor * reach_nm([view]) * (1.0 + ROOM);
+    let (unit, factor) = units.torque_scale(reach_nm(found, [view]));
+    let reach = factor * reach_nm(found, [view]) * (1.0 + ROOM);
     let (from_s, to_s) = span(view.time_s.iter().copied());
     let time = Axis::linear("time (s)", from_s, to_s);
     let drawn = svg(860, 560, "Residual over time, before and after", |canvas| {
         legend(canvas, found, view)?;
         position(canvas, view, &units, time.clone().without_texts())?;
-        let [before, after] = residuals_nm(view);
+        let [before, after] = residuals(found, view);
         let panels =
             [("as delivered", before, 190.0, palette::VERMILION), (after_name(found), after, 368.0, palette::BLUE)];
-        for (title, residual_nm, top, color) in panels {
+        for (title, residual, top, color) in panels {
             let time = if color == palette::BLUE { time.clone() } else { time.clone().without_texts() };
             let y = Axis::linear(format!("residual ({unit})"), -reach, reach);
             let panel = canvas.panel(frame(top, 136.0), time, y)?;
             shade(&panel, found, view)?;
-            lines(&panel, view, &residual_nm, factor, color)?;
-            let rms_nm = (judged(view).map(|i| residual_nm[i] * residual_nm[i]).sum::<f64>()
-                / judged(view).count() as f64)
-                .sqrt();
+            lines(&panel, view, &residual, factor, color)?;
+            let rms_nm = residual.mean_square().sqrt();
             let text = format!("{title}: RMS {}", units.torque(rms_nm));
             canvas.text((LEFT, top - 12.0), &text, TEXT_PX, palette::INK, Anchor::Left)?;
         }
@@ -54,7 +52,7 @@ pub(super) fn draw(found: &Diagnosis) -> Drawn<Option<Drawing>> {
         name: "residual_time".to_string(),
         title: format!("Residual over time: {}, the trial with the largest gap", view.file),
         caption: "Measured less predicted torque, low-passed, by the model as delivered and with what was found, to one scale. Pale \
-                  parts are not judged; shaded stretches are contacts, which no fit saw, or the sensor at the end of its range."
+                  parts do not count; shaded stretches are contacts, which no fit saw, or the sensor at the end of its range."
             .to_string(),
         svg: drawn,
     }))
@@ -64,15 +62,9 @@ fn frame(top: f64, height: f64) -> Frame {
     Frame { left: LEFT, top, right: RIGHT, bottom: top + height }
 }
 
-/// Mean square of the residual as delivered, (N m)^2.
-fn energy(view: &View) -> f64 {
-    let [before, _] = residuals_nm(view);
-    judged(view).map(|i| before[i] * before[i]).sum::<f64>() / judged(view).count().max(1) as f64
-}
-
 fn position(canvas: &Canvas, view: &View, units: &Units, time: Axis) -> Drawn {
     let positions: Vec<f64> = view.position_rad.iter().map(|x| units.position_factor * x).collect();
-    let y = Axis::around(units.position, positions.iter().copied(), 0.08);
+    let y = Axis::around("", positions.iter().copied(), 0.08).sparse();
     let panel = canvas.panel(frame(62.0, 84.0), time, y)?;
     canvas.text((LEFT, 50.0), &format!("position ({})", units.position), TEXT_PX, palette::INK, Anchor::Left)?;
     let points: Vec<(f64, f64)> = view.time_s.iter().copied().zip(positions).collect();
@@ -102,12 +94,12 @@ fn shade(panel: &Panel, found: &Diagnosis, view: &View) -> Drawn {
     contacts.try_for_each(|contact| band(contact.from_s, contact.to_s, CONTACT))
 }
 
-fn lines(panel: &Panel, view: &View, residual_nm: &[f64], factor: f64, color: RGBColor) -> Drawn {
-    for is_judged in [false, true] {
-        for run in runs(view.judged.len(), |i| view.judged[i] == is_judged) {
-            let points: Vec<(f64, f64)> = run.clone().map(|i| (view.time_s[i], factor * residual_nm[i])).collect();
+fn lines(panel: &Panel, view: &View, residual: &Residual, factor: f64, color: RGBColor) -> Drawn {
+    for counts in [false, true] {
+        for run in runs(view.judged.len(), |i| residual.counts[i] == counts) {
+            let points: Vec<(f64, f64)> = run.clone().map(|i| (view.time_s[i], factor * residual.nm[i])).collect();
             let buckets = (BUCKETS * run.len()).div_ceil(view.judged.len().max(1));
-            let stroke = Stroke::solid(if is_judged { color } else { palette::PALE }, 1.0);
+            let stroke = Stroke::solid(if counts { color } else { palette::PALE }, 1.0);
             panel.line(thin::envelope(&points, buckets.max(1)), stroke)?;
         }
     }
