@@ -7,6 +7,7 @@ mod cli;
 mod combination;
 mod compare;
 mod covariance;
+mod diagnose;
 mod evaluate;
 mod few;
 mod free;

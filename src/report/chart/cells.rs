@@ -16,6 +16,8 @@ const STOPS: [RGBColor; 9] = [
     RGBColor(71, 45, 123),
     RGBColor(68, 1, 84),
 ];
+/// How far a cell reaches under its neighbours, px.
+const LAP_PX: f64 = 0.6;
 /// Strips of a colour bar.
 const STRIPS: u32 = 90;
 
@@ -46,10 +48,11 @@ impl Colors {
 }
 
 impl Canvas<'_> {
-    /// A cell of `panel` between two corners, on whole pixels so that no seam shows between neighbours.
-    pub fn cell(&self, panel: &Panel, corner: (f64, f64), opposite: (f64, f64), value: f64, colors: &Colors) -> Drawn {
-        let whole = |(x, y): (f64, f64)| (x.round(), y.round());
-        self.fill(whole(panel.px(corner)), whole(panel.px(opposite)), colors.of(value), 1.0)
+    /// A cell of `panel` between its lower left and its upper right corner. It reaches a little further, so that no seam shows
+    /// to neighbours on the right and above, which are drawn later.
+    pub fn cell(&self, panel: &Panel, lower: (f64, f64), upper: (f64, f64), value: f64, colors: &Colors) -> Drawn {
+        let ((left, bottom), (right, top)) = (panel.px(lower), panel.px(upper));
+        self.fill((left.round(), bottom.round()), (right.round() + LAP_PX, top.round() - LAP_PX), colors.of(value), 1.0)
     }
 
     /// The bar of `colors`, upright, its ticks and label to the right; a triangle at the value of `marked`, named below.
@@ -77,7 +80,7 @@ impl Canvas<'_> {
         }
         // A sample's middle is 13 px to the right of its beginning.
         let (value, name) = marked;
-        let below = frame.bottom + 16.0;
+        let below = frame.bottom + 36.0;
         self.sample((frame.left - 20.0, level(colors.axis.place_within(value))), Mark::Rightwards, palette::INK)?;
         self.sample((frame.left - 20.0, below), Mark::Rightwards, palette::INK)?;
         self.text((frame.left + 2.0, below), name, TEXT_PX, palette::INK, Anchor::Left)

@@ -79,7 +79,7 @@ pub enum Role {
     Taken,
     /// It does as well as one that was taken.
     Rival,
-    /// It does worse.
+    /// It does worse, or adds too little to what was taken.
     Other,
 }
 
@@ -94,7 +94,7 @@ impl Role {
         }
     }
 
-    /// In a word; nothing for what does worse.
+    /// In a word; nothing for what was not taken.
     pub fn name(self) -> &'static str {
         match self {
             Self::Taken => "taken",

@@ -2,7 +2,7 @@
 
 use super::next::next_steps;
 use super::tables::{candidates_table, changes_table, contacts_table, places_table};
-use super::words::{flexible_shrink, grounds, percent, shrink, verdict};
+use super::words::{grounds, percent, shrink, verdict};
 use crate::diagnose::{Diagnosis, FloorSource, Kind};
 use crate::report::number::count;
 use crate::report::page::{Card, Drawing, Page};
@@ -57,10 +57,6 @@ fn cards(found: &Diagnosis) -> Vec<Card> {
         all.push(card("gap with what was found", units.torque(verdict.gap_after_nm), note));
     }
     all.push(card("floor", units.torque(gap.floor.rms_nm), source.to_string()));
-    let most = format!("by a flexible fit, a shrink of {}", percent(flexible_shrink(found)));
-    if verdict.kind != Kind::None {
-        all.push(card("recoverable", units.torque(gap.recoverable_nm), most));
-    }
     all.push(card("verdict", percent(verdict.confidence), "of the resamplings agree".to_string()));
     all
 }

@@ -74,7 +74,7 @@ fn one(fitted: &Fitted, before: Option<f64>, units: &Units) -> Shown {
     let value = factor * fitted.value;
     let ends = fitted.interval.map(|(low, high)| (factor * low, factor * high));
     let half = ends.map_or(f64::NAN, |(low, high)| (high - low) / 2.0);
-    let precise = match ends {
+    let precise = |value: f64| match ends {
         // A choice among whole numbers.
         None if value.fract() == 0.0 => format!("{value:.0}"),
         Some(_) if half > 0.0 && half < value.abs() => as_precise_as(value, half),
@@ -83,8 +83,8 @@ fn one(fitted: &Fitted, before: Option<f64>, units: &Units) -> Shown {
     Shown {
         name: name.to_string(),
         unit,
-        before: before.map(|x| significant(factor * x, 3)),
-        value: precise,
+        before: before.map(|x| precise(factor * x)),
+        value: precise(value),
         interval: ends.map_or(String::new(), |(low, high)| interval(value, low, high).replace(" to ", ", ")),
         doubt: fitted.doubt,
     }

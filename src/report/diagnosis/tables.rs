@@ -20,22 +20,26 @@ fn table(title: &str, intro: &str, heads: &[&str], rows: Vec<Vec<String>>) -> Op
 pub fn candidates_table(found: &Diagnosis) -> Option<Table> {
     let units = Units::of(found.before.joint.kind);
     let row = |candidate: &Candidate| {
-        let rivals: Vec<&str> = candidate.trades_with.iter().map(|cause| cause.name()).collect();
+        let rival_of = taken(found).filter(|taken| taken.trades_with.contains(&candidate.cause));
+        let role = match Role::of(candidate, found) {
+            Role::Rival => format!("rival of {}", rival_of.map(|c| c.cause.name()).collect::<Vec<_>>().join(", ")),
+            role => role.name().to_string(),
+        };
         vec![
             candidate.cause.name().to_string(),
-            Role::of(candidate, found).name().to_string(),
+            role,
             candidate.how.to_string(),
             shrink(candidate.shrink),
             units.torque(candidate.held_out_rmse_nm),
-            rivals.join(", "),
         ]
     };
     table(
         "Causes tried",
         "Best first. Each is fitted along with the model's own parameters, which move within their confidence, and judged on \
-         data that its fit never saw: how far the gap above the floor shrinks, with a 95 % interval from resampling. A rival \
-         does as well as what was taken, on these data.",
-        &["cause", "verdict", "how", "gap shrinks by", "RMSE held out", "trades with"],
+         data that its fit never saw: how far the gap above the floor shrinks, with a 95 % interval from resampling. \
+         Where several were found, they stand with all of them, and anything else on top. A rival does as well as what was \
+         taken, on these data.",
+        &["cause", "verdict", "how", "gap shrinks by", "RMSE held out"],
         found.candidates.iter().map(row).collect(),
     )
 }
@@ -53,8 +57,8 @@ pub fn changes_table(found: &Diagnosis) -> Option<Table> {
         ]
     };
     let of = |candidate: &Candidate| shown(candidate, found).iter().map(|p| row(candidate, p)).collect::<Vec<_>>();
-    let formulas: Vec<String> = taken(found).map(|c| format!("{}: {}.", claim(c.cause), formula(c.cause))).collect();
-    let intro = format!("What is added or moved, with 95 % intervals from resampling. {}", formulas.join(" "));
+    let formulas: Vec<String> = taken(found).map(|c| format!("{}: {}", claim(c.cause), formula(c.cause))).collect();
+    let intro = format!("What is added or moved, with 95 % intervals from resampling: {}", formulas.join("; ") + ".");
     let title =
         if found.verdict.kind == Kind::Unknown { "What fits best, though it is not enough" } else { "What was found" };
     table(

@@ -9,6 +9,8 @@ use crate::report::wording::Units;
 
 /// A flexible fit that recovers less than this share of the gap says that it does not follow the recorded motion.
 const FOLLOWS: f64 = 0.5;
+/// More than this share of the gap's square within the model's own confidence is worth a sentence.
+const MUCH: f64 = 0.1;
 
 /// The verdict in a sentence or three.
 pub fn verdict(found: &Diagnosis) -> String {
@@ -16,7 +18,11 @@ pub fn verdict(found: &Diagnosis) -> String {
     kept_together(&match found.verdict.kind {
         Kind::None => nothing(found, &units),
         Kind::Stale => format!("{} {}", stale(found), shrinks("Refitted, the gap", found, &units)),
-        Kind::Effect => format!("{} {}", effect(found), shrinks("With it the gap", found, &units)),
+        Kind::Effect => {
+            let outside = found.verdict.effects.iter().all(|cause| family(*cause) == Some(Family::Outside));
+            let what = if outside { "Without these the gap" } else { "With it the gap" };
+            format!("{} {}", effect(found), shrinks(what, found, &units))
+        }
         Kind::Several => format!("{} {}", several(found), shrinks("With all of them the gap", found, &units)),
         Kind::Ambiguous => format!("{} {}", ambiguous(found), shrinks("With the first the gap", found, &units)),
         Kind::Unknown => unknown(found, &units),
@@ -33,7 +39,14 @@ pub fn kept_together(text: &str) -> String {
         (" deg", "\u{a0}deg"),
         (" %", "\u{a0}%"),
     ];
-    FIXED.iter().fold(text.to_string(), |text, (from, to)| text.replace(from, to))
+    let text = FIXED.iter().fold(text.to_string(), |text, (from, to)| text.replace(from, to)).replace(" [", "\u{a0}[");
+    // An interval stays in one piece.
+    let mut inside = false;
+    let keep = |c: char| {
+        inside = c == '[' || inside && c != ']';
+        if inside && c == ' ' { '\u{a0}' } else { c }
+    };
+    text.chars().map(keep).collect()
 }
 
 /// What the verdict rests on, a sentence each.
@@ -50,12 +63,26 @@ pub fn grounds(found: &Diagnosis) -> Vec<String> {
         units.torque(gap.recoverable_nm),
         found.held_out,
     )];
+    all.extend(own_confidence(found));
     if found.verdict.kind != Kind::None {
         all.extend(found.places.first().map(|_| format!("The gap lies {}.", location(found))));
     }
     let sure = percent(found.verdict.confidence);
     all.push(format!("The same verdict comes out of {sure} of the resamplings of whole {}.", found.held_out));
     all.iter().map(|sentence| kept_together(sentence)).collect()
+}
+
+/// How much of the gap goes while the model stays what it is, where that is much.
+fn own_confidence(found: &Diagnosis) -> Option<String> {
+    let above_floor = found.gap.explainable_nm * found.gap.explainable_nm;
+    let share = found.budget.within_confidence / above_floor.max(f64::MIN_POSITIVE);
+    (share > MUCH).then(|| {
+        format!(
+            "{} of the gap's square goes already while the model's own parameters move within their confidence: know them \
+             better, and less is left to guess.",
+            percent(share.min(1.0))
+        )
+    })
 }
 
 /// A share in whole percent.

@@ -40,9 +40,10 @@ pub(super) fn draw(found: &Diagnosis) -> Drawn<Option<Drawing>> {
     Ok(Some(Drawing {
         name: "candidates".to_string(),
         title: "Causes tried".to_string(),
-        caption: "How far the gap shrinks with each cause on data that its fit never saw, with its 95 % interval from resampling. \
-                  The dashed line is what a flexible fit to the recorded motion reaches: a cause with \
-                  fewer numbers may do better still. A rival does as well as what was taken, within what these data can tell."
+        caption: "How far the gap shrinks with each cause on data that its fit never saw, with its 95 % interval from resampling; \
+                  where several were found, with all of them, and anything else on top. The dashed line is what a flexible fit \
+                  to the recorded motion reaches; a cause with fewer numbers may do better still. A rival does as well as what \
+                  was taken, within what these data can tell."
             .to_string(),
         svg: drawn,
     }))
@@ -72,7 +73,7 @@ fn row(canvas: &Canvas, panel: &Panel, candidate: &Candidate, role: Role, y: f64
 
 /// The roles that are there.
 fn legend(canvas: &Canvas, shown: &[Candidate], found: &Diagnosis) -> Drawn {
-    let names = [(Role::Taken, "taken"), (Role::Rival, "rival: does as well"), (Role::Other, "does worse")];
+    let names = [(Role::Taken, "taken"), (Role::Rival, "rival: does as well"), (Role::Other, "not taken")];
     let entries: Vec<(Mark, RGBColor, String)> = names
         .into_iter()
         .filter(|(role, _)| shown.iter().any(|candidate| Role::of(candidate, found) == *role))

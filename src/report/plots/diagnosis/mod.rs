@@ -12,8 +12,8 @@ use crate::report::chart::{Drawn, palette, thin};
 use crate::report::page::Drawing;
 use plotters::style::RGBColor;
 
-/// Figures that a reader sees first: what the gap is made of, and where it lies.
-pub const LEADING: usize = 2;
+/// Figures that a reader sees first: what the gap is made of, where it lies, what was tried.
+pub const LEADING: usize = 3;
 /// An axis holds all but this share of the samples: one peak must not flatten the rest.
 const BEYOND: f64 = 0.002;
 /// Room above and below, as a share of what is shown.
