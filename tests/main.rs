@@ -8,6 +8,7 @@ mod closed_loop;
 mod combination;
 mod compare;
 mod covariance;
+mod diagnose;
 mod effects;
 mod evaluate;
 mod few;

@@ -25,7 +25,7 @@ pub use floor::{Floor, FloorSource};
 pub use interval::Shrink;
 pub use locate::Place;
 pub use parameters::Fitted;
-pub use verdict::{Kind, Verdict};
+pub use verdict::{Kind, Verdict, signature};
 
 use crate::evaluate::fitted;
 use crate::log::Campaign;
@@ -38,7 +38,7 @@ use fit::{Bench, Ground};
 use interval::{Draws, above};
 use parts::Parts;
 use record::Records;
-use verdict::{Evidence, signature};
+use verdict::Evidence;
 
 /// Bursts whose RMS over all rows is above this share of the floor are told as a cause.
 const CONTACT_FLOORS: f64 = 0.5;
@@ -147,6 +147,8 @@ pub struct View {
     pub after_nm: Vec<f64>,
     /// Whether the row is judged.
     pub judged: Vec<bool>,
+    /// Whether the sensor clips there or beside it.
+    pub clipped: Vec<bool>,
 }
 
 /// Looks for what separates `model` from the recordings of `campaign`; `progress` hears of each trial read and each round of
@@ -381,6 +383,7 @@ impl Scene<'_> {
                 before_nm: self.ground.predicted_nm[range.clone()].to_vec(),
                 after_nm: after_nm[range.clone()].to_vec(),
                 judged: self.judged[range.clone()].to_vec(),
+                clipped: record.rows.iter().map(|i| record.clipped[*i]).collect(),
             }
         };
         self.bench.records.all.iter().zip(&self.bench.records.ranges).map(view).collect()

@@ -188,6 +188,7 @@ pub fn page(found: &Interaction, campaign: &str, model: &str, drawings: Vec<Draw
                 ),
             ),
         ],
+        ..Page::default()
     }
 }
 

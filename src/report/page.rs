@@ -24,10 +24,14 @@ pub struct Page {
     pub warnings: Vec<String>,
     /// Numbers to see first.
     pub cards: Vec<Card>,
+    /// What to do next, a sentence each.
+    pub next: Vec<String>,
     /// Tables.
     pub tables: Vec<Table>,
     /// Figures.
     pub drawings: Vec<Drawing>,
+    /// How many of the figures stand before the tables.
+    pub leading: usize,
     /// Name and value of what went in.
     pub provenance: Vec<(&'static str, String)>,
 }
@@ -70,6 +74,11 @@ pub struct Drawing {
 }
 
 impl Page {
+    /// The figures before the tables, and those after them.
+    fn parted(&self) -> (&[Drawing], &[Drawing]) {
+        self.drawings.split_at(self.leading.min(self.drawings.len()))
+    }
+
     /// Writes `report.html` and `plots/` to `output`; `pictures` asks for PNG beside the drawings.
     pub fn write(&self, output: &Output, pictures: bool) -> Result<()> {
         for drawing in &self.drawings {

@@ -20,7 +20,7 @@ const WIDTH: usize = 112;
 
 pub(super) const BOLD: Style = Style::new().bold();
 pub(super) const DIM: Style = Style::new().dimmed();
-const YELLOW: Style = AnsiColor::Yellow.on_default();
+pub(super) const YELLOW: Style = AnsiColor::Yellow.on_default();
 
 /// Writes the summary to `out`; `written` is where the files went.
 pub fn write_summary(
@@ -68,10 +68,11 @@ pub(super) fn heading(out: &mut impl Write, text: &str) -> io::Result<()> {
 }
 
 /// `text` in lines of at most `WIDTH` columns, all but the first set in by `indent`.
-fn wrapped(text: &str, indent: usize) -> String {
+pub(super) fn wrapped(text: &str, indent: usize) -> String {
     let mut lines = String::new();
     let mut column = indent;
-    for word in text.split_whitespace() {
+    // Spaces that do not break stay within their word, and are written as plain ones.
+    for word in text.split_ascii_whitespace() {
         let length = word.chars().count();
         if column + length > WIDTH && column > indent {
             lines.push('\n');
@@ -80,7 +81,7 @@ fn wrapped(text: &str, indent: usize) -> String {
         } else if column > indent {
             lines.push(' ');
         }
-        lines.push_str(word);
+        lines.push_str(&word.replace('\u{a0}', " "));
         column += length + 1;
     }
     lines

@@ -106,6 +106,13 @@ impl Axis {
         self.without_label()
     }
 
+    /// With every other tick: for a panel too low for all of them.
+    pub fn sparse(mut self) -> Self {
+        let mut at = 0..;
+        self.ticks.retain(|_| at.next().is_some_and(|at: usize| at.is_multiple_of(2)));
+        self
+    }
+
     /// Without ticks: for an axis of names.
     pub fn without_ticks(mut self) -> Self {
         self.ticks.clear();

@@ -4,10 +4,12 @@
 //! large and scaled down by the SVG's view box.
 
 mod axis;
+mod cells;
 mod panel;
 pub mod thin;
 
 pub use axis::{Axis, span};
+pub use cells::Colors;
 pub use panel::{Frame, Mark, Panel, Stroke};
 
 use plotters::coord::Shift;

@@ -86,6 +86,7 @@ pub struct Panel<'a> {
     pub x: Axis,
     /// The vertical axis.
     pub y: Axis,
+    frame: Frame,
     area: DrawingArea<SVGBackend<'a>, Cartesian2d<RangedCoordf64, RangedCoordf64>>,
 }
 
@@ -95,7 +96,7 @@ impl<'a> Canvas<'a> {
         let pixels = (fine(frame.left)..fine(frame.right), fine(frame.bottom)..fine(frame.top));
         let ranges = (x.places.0..x.places.1, y.places.0..y.places.1);
         let area = self.root.apply_coord_spec(Cartesian2d::new(ranges.0, ranges.1, pixels));
-        let panel = Panel { x, y, area };
+        let panel = Panel { x, y, frame, area };
         let (wide, tall) = (frame.right - frame.left, frame.bottom - frame.top);
         let across = |place: f64| frame.left + wide * share(place, panel.x.places);
         let upwards = |place: f64| frame.bottom - tall * share(place, panel.y.places);
@@ -148,6 +149,14 @@ impl<'a> Canvas<'a> {
 }
 
 impl Panel<'_> {
+    /// Where a point stands on the canvas, px; beyond the axes, at their ends.
+    pub fn px(&self, (x, y): (f64, f64)) -> (f64, f64) {
+        let Frame { left, top, right, bottom } = self.frame;
+        let across = share(self.x.place_within(x), self.x.places);
+        let upwards = share(self.y.place_within(y), self.y.places);
+        (left + (right - left) * across, bottom - (bottom - top) * upwards)
+    }
+
     /// A line through `points`, as far as it lies within the axes.
     pub fn line(&self, points: impl IntoIterator<Item = (f64, f64)>, stroke: Stroke) -> Drawn {
         let places = points.into_iter().map(|(x, y)| (self.x.place(x), self.y.place(y)));

@@ -1,31 +1,41 @@
-//! What `diagnose` writes.
+//! What `diagnose` writes: JSON, the summary on the terminal, the page.
+//!
+//! | file | what it makes |
+//! |---|---|
+//! | `json` | `diagnosis.json` |
+//! | `words`, `next` | the verdict and its grounds in sentences; what to do next |
+//! | `names`, `parameters` | what causes, regions and fitted numbers are called |
+//! | `terminal` | the summary |
+//! | `page`, `tables` | the page |
 
 mod json;
+pub mod names;
+mod next;
+mod page;
+mod parameters;
+mod tables;
+mod terminal;
+pub mod words;
 
 pub use json::to_json;
+pub use terminal::write_summary;
 
-use super::json_text;
 use super::output::Output;
+use super::{json_text, plots, unmade};
 use crate::diagnose::Diagnosis;
 use crate::problem::Result;
-use std::io::{self, Write};
-use std::path::Path;
 
 /// All that `diagnose` writes.
 pub const DIAGNOSIS_FILES: &[&str] =
     &["diagnosis.json", "model.json", "next_experiment.toml", "report.html", "plots/*.svg", "plots/*.png"];
 
-/// Writes the diagnosis of `campaign` with `model`.
+/// Writes the diagnosis of `campaign` with `model`: `diagnosis.json`, `model.json`, `plots/` and `report.html`; `png` asks for
+/// pictures beside the drawings.
 ///
 /// Errors: a file that cannot be written.
-pub fn write_diagnosis(found: &Diagnosis, campaign: &str, model: &str, output: &Output, _png: bool) -> Result<()> {
+pub fn write_diagnosis(found: &Diagnosis, campaign: &str, model: &str, output: &Output, png: bool) -> Result<()> {
     output.write("diagnosis.json", json_text(&to_json(found, campaign, model)))?;
-    output.write("model.json", json_text(&found.after.to_json()))
-}
-
-/// The verdict in a few lines.
-pub fn write_summary(out: &mut impl Write, found: &Diagnosis, campaign: &str, folder: &Path) -> io::Result<()> {
-    let names: Vec<&str> = found.verdict.effects.iter().map(|cause| cause.name()).collect();
-    writeln!(out, "{campaign}: {} {}", found.verdict.kind.name(), names.join(", "))?;
-    writeln!(out, "{}", folder.display())
+    output.write("model.json", json_text(&found.after.to_json()))?;
+    let drawings = plots::diagnosis::drawings(found).or_else(|error| unmade(output, "plots", error))?;
+    page::page(found, campaign, model, drawings, plots::diagnosis::LEADING).write(output, png)
 }

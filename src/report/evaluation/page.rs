@@ -36,6 +36,7 @@ pub fn page(found: &Evaluation, campaign: &str, model: &str, drawings: Vec<Drawi
             ("trials judged", count(found.trials.len())),
             ("low-pass", format!("{} Hz on both sides", significant(found.lowpass_hz, 3))),
         ],
+        ..Page::default()
     }
 }
 

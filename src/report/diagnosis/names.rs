@@ -1,0 +1,105 @@
+//! What causes and regions are called in a sentence.
+
+use crate::diagnose::{Candidate, Cause, Diagnosis, FloorSource};
+use crate::effects::{Family, Region, find};
+
+/// What `cause` means, in a few words without its name.
+pub fn means(cause: Cause) -> &'static str {
+    match cause {
+        Cause::Effect(id) => find(id).map_or(id, |effect| effect.about().means),
+        Cause::Stale("gravity") => "the gravity torque",
+        Cause::Stale("coulomb") => "Coulomb friction",
+        Cause::Stale("viscous") => "viscous friction",
+        Cause::Stale("backlash_width") => "the width of the clearance",
+        Cause::Stale("load_coefficient") => "the friction per load",
+        Cause::Stale("stribeck_level") => "the level of the Stribeck terms",
+        Cause::Stale("inertia") => "the inertia",
+        Cause::Stale(name) => name,
+    }
+}
+
+/// What `cause` would be, to stand beside rivals: "friction varies with position (friction_ripple)", "Coulomb friction out of
+/// date (coulomb)".
+pub fn claim(cause: Cause) -> String {
+    match cause {
+        Cause::Effect(id) => format!("{} ({id})", means(cause)),
+        Cause::Stale(name) => format!("{} out of date ({name})", means(cause)),
+    }
+}
+
+/// The formula that it adds; empty for the model's own parameters.
+pub fn formula(cause: Cause) -> &'static str {
+    match cause {
+        Cause::Effect(id) => find(id).map_or("", |effect| effect.about().formula),
+        Cause::Stale(_) => "the model's own parameters, refitted",
+    }
+}
+
+/// What an effect is of; `None` for the model's own parameters.
+pub fn family(cause: Cause) -> Option<Family> {
+    match cause {
+        Cause::Effect(id) => find(id).map(|effect| effect.about().family),
+        Cause::Stale(_) => None,
+    }
+}
+
+/// Where a gap lies, as a sentence goes on.
+pub fn place(region: Region) -> &'static str {
+    match region {
+        Region::AfterReversal => "after reversals",
+        Region::Rest => "at rest",
+        Region::LowSpeed => "at low speed",
+        Region::HighSpeed => "at high speed",
+        Region::Up => "moving up",
+        Region::Down => "moving down",
+        Region::Position => "with position",
+        Region::Load => "with load",
+        Region::Time => "over time",
+        Region::Acceleration => "with acceleration",
+        Region::OtherJoint => "with another joint",
+        Region::Frequency => "at one frequency",
+        Region::Clipped => "where the sensor clips",
+        Region::Bursts => "in bursts",
+        Region::Everywhere => "everywhere alike",
+    }
+}
+
+/// Where a floor comes from.
+pub fn floor_source(source: FloorSource) -> &'static str {
+    match source {
+        FloorSource::Repeats => "from repeats of one motion",
+        FloorSource::Spectrum => "from the torque's noise beyond the low-pass, for want of repeats",
+    }
+}
+
+/// What a candidate is to the verdict.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Role {
+    /// The verdict rests on it.
+    Taken,
+    /// It does as well as one that was taken.
+    Rival,
+    /// It does worse, or adds too little to what was taken.
+    Other,
+}
+
+impl Role {
+    /// Of `candidate` in `found`.
+    pub fn of(candidate: &Candidate, found: &Diagnosis) -> Self {
+        let is_rival = |taken: &Candidate| taken.taken && taken.trades_with.contains(&candidate.cause);
+        match candidate.taken {
+            true => Self::Taken,
+            false if found.candidates.iter().any(is_rival) => Self::Rival,
+            false => Self::Other,
+        }
+    }
+
+    /// In a word; nothing for what was not taken.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Taken => "taken",
+            Self::Rival => "rival",
+            Self::Other => "",
+        }
+    }
+}

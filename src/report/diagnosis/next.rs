@@ -1,0 +1,91 @@
+//! What to do next.
+
+use super::names::{family, means, place};
+use crate::diagnose::{Cause, Diagnosis, Kind, signature};
+use crate::effects::{Family, Region};
+
+/// What to do next, a sentence each, the first thing first.
+pub fn next_steps(found: &Diagnosis) -> Vec<String> {
+    match found.verdict.kind {
+        Kind::None => vec![
+            "Keep the model. To look closer, lower the floor (more repeats, less noise) or record motions that these trials \
+             do not hold."
+                .to_string(),
+        ],
+        Kind::Ambiguous => vec![ambiguous(found)],
+        Kind::Unknown => unknown(found),
+        Kind::Stale | Kind::Effect | Kind::Several => mend(&found.verdict.effects),
+    }
+}
+
+/// What to do about each of `causes`: the measurement first, since a model fitted to its faults is of no use elsewhere.
+fn mend(causes: &[Cause]) -> Vec<String> {
+    let of = |wanted: Option<Family>| causes.iter().copied().filter(move |cause| family(*cause) == wanted);
+    let mut steps: Vec<String> =
+        of(Some(Family::Fault)).map(|cause| mend_measurement(cause.name()).to_string()).collect();
+    if of(Some(Family::Outside)).next().is_some() {
+        let step = "Leave the stretches of contact out, or record again without anybody touching the joint; the model need not \
+                    change for it.";
+        steps.push(step.to_string());
+    }
+    let stale: Vec<&str> = of(None).map(means).collect();
+    if !stale.is_empty() {
+        steps.push(format!(
+            "Take the refitted model.json, or identify anew; then ask what changed {}: cable tension, wear, temperature, load.",
+            stale.join(" and ")
+        ));
+    }
+    let added: Vec<&str> = of(Some(Family::Physics)).map(Cause::name).collect();
+    if !added.is_empty() {
+        steps.push(format!("Take the model.json written here, which has {} added.", added.join(" and ")));
+    }
+    if !stale.is_empty() || !added.is_empty() {
+        steps.push("Judge it on a campaign of its own before you rely on it.".to_string());
+    }
+    steps
+}
+
+fn mend_measurement(id: &str) -> &'static str {
+    match id {
+        "sensor_bias" => "Tare the torque sensor, then record again; the model need not change for it.",
+        "sensor_gain" => "Calibrate the torque sensor against a known load; the model need not change for it.",
+        "sensor_drift" => {
+            "Let the torque sensor warm up and tare it before each trial; the model need not change for it."
+        }
+        "time_delay" => "Find where the recorder stamps torque and position apart; the model need not change for it.",
+        "saturation" => "Record with a wider range of the torque sensor, or with less load.",
+        _ => "Mend the measurement, then record again; the model need not change for it.",
+    }
+}
+
+/// Where each rival would show: a motion that separates these regions separates the rivals.
+fn ambiguous(found: &Diagnosis) -> String {
+    let how = |cause: Cause| found.candidates.iter().find(|c| c.cause == cause).map_or("", |candidate| candidate.how);
+    let shows: Vec<(Cause, Region)> =
+        found.verdict.effects.iter().map(|cause| (*cause, signature(*cause, how(*cause)))).collect();
+    let alike = shows.windows(2).all(|pair| pair[0].1 == pair[1].1);
+    let until = "Until then either is a guess.";
+    match shows.first() {
+        Some((_, region)) if alike => {
+            format!(
+                "Record a motion on which they differ; all of them show {}, so vary that widely. {until}",
+                place(*region)
+            )
+        }
+        _ => {
+            let one = |(cause, region): &(Cause, Region)| format!("{} shows {}", cause.name(), place(*region));
+            let signs: Vec<String> = shows.iter().map(one).collect();
+            format!("Record a motion on which they differ: {}. {until}", signs.join(", "))
+        }
+    }
+}
+
+fn unknown(found: &Diagnosis) -> Vec<String> {
+    let at = found.places.first().map_or("over time", |at| place(at.region));
+    vec![
+        format!(
+            "Look at the residual {at} (figures of the report): its shape there is the best hint of what is missing."
+        ),
+        "Check that joint, sensor and campaign.toml belong together: sign, radii, low-pass, units.".to_string(),
+    ]
+}

@@ -1,0 +1,109 @@
+//! The tables of a diagnosis's page.
+
+use super::names::{Role, claim, formula, place};
+use super::parameters::{Shown, shown};
+use super::words::{percent, shrink, taken};
+use crate::diagnose::{Candidate, Diagnosis, Kind};
+use crate::report::number::significant;
+use crate::report::page::Table;
+use crate::report::wording::Units;
+
+/// Contacts told, the largest first.
+const CONTACTS: usize = 20;
+
+fn table(title: &str, intro: &str, heads: &[&str], rows: Vec<Vec<String>>) -> Option<Table> {
+    let heads = heads.iter().map(|head| (*head).to_string()).collect();
+    (!rows.is_empty()).then(|| Table { title: title.to_string(), intro: intro.to_string(), heads, rows })
+}
+
+/// Every cause that was tried, best first.
+pub fn candidates_table(found: &Diagnosis) -> Option<Table> {
+    let units = Units::of(found.before.joint.kind);
+    let row = |candidate: &Candidate| {
+        let rival_of = taken(found).filter(|taken| taken.trades_with.contains(&candidate.cause));
+        let role = match Role::of(candidate, found) {
+            Role::Rival => format!("rival of {}", rival_of.map(|c| c.cause.name()).collect::<Vec<_>>().join(", ")),
+            role => role.name().to_string(),
+        };
+        vec![
+            candidate.cause.name().to_string(),
+            role,
+            candidate.how.to_string(),
+            shrink(candidate.shrink),
+            units.torque(candidate.held_out_rmse_nm),
+        ]
+    };
+    table(
+        "Causes tried",
+        "Best first. Each is fitted along with the model's own parameters, which move within their confidence, and judged on \
+         data that its fit never saw: how far the gap above the floor shrinks, with a 95 % interval from resampling. \
+         Where several were found, they stand with all of them, and anything else on top. A rival does as well as what was \
+         taken, on these data.",
+        &["cause", "verdict", "how", "gap shrinks by", "RMSE held out"],
+        found.candidates.iter().map(row).collect(),
+    )
+}
+
+/// What the causes that were taken change, parameter by parameter.
+pub fn changes_table(found: &Diagnosis) -> Option<Table> {
+    let row = |candidate: &Candidate, p: &Shown| {
+        vec![
+            format!("{} {}", candidate.cause.name(), p.name),
+            p.before.clone().unwrap_or_else(|| "–".to_string()),
+            p.value.clone(),
+            p.interval.clone(),
+            p.unit.clone(),
+            p.doubt.unwrap_or("").to_string(),
+        ]
+    };
+    let of = |candidate: &Candidate| shown(candidate, found).iter().map(|p| row(candidate, p)).collect::<Vec<_>>();
+    let formulas: Vec<String> = taken(found).map(|c| format!("{}: {}", claim(c.cause), formula(c.cause))).collect();
+    let intro = format!("What is added or moved, with 95 % intervals from resampling: {}", formulas.join("; ") + ".");
+    let title =
+        if found.verdict.kind == Kind::Unknown { "What fits best, though it is not enough" } else { "What was found" };
+    table(
+        title,
+        &intro,
+        &["parameter", "delivered", "fitted", "95 % interval", "unit", "doubt"],
+        taken(found).flat_map(of).collect(),
+    )
+}
+
+/// Where the gap lies.
+pub fn places_table(found: &Diagnosis) -> Option<Table> {
+    let units = Units::of(found.before.joint.kind);
+    let row = |at: &crate::diagnose::Place| {
+        vec![
+            place(at.region).to_string(),
+            percent(at.share_of_gap),
+            at.detail.clone(),
+            percent(at.share_of_samples),
+            units.torque(at.rmse_nm),
+        ]
+    };
+    table(
+        "Where the gap lies",
+        "Share of the gap's energy above the floor that goes with each quantity, and the bounds within which most of it \
+         stands. One gap may show in several ways, so the shares do not add up.",
+        &["where", "share of the gap", "bounds", "samples within", "RMS within"],
+        found.places.iter().map(row).collect(),
+    )
+}
+
+/// Stretches of contact, the largest first.
+pub fn contacts_table(found: &Diagnosis) -> Option<Table> {
+    let units = Units::of(found.before.joint.kind);
+    let mut all: Vec<&crate::diagnose::Contact> = found.contacts.iter().collect();
+    all.sort_by(|a, b| b.peak_nm.abs().total_cmp(&a.peak_nm.abs()));
+    let row = |contact: &&crate::diagnose::Contact| {
+        let from_to = format!("{} to {} s", significant(contact.from_s, 4), significant(contact.to_s, 4));
+        vec![contact.file.clone(), from_to, units.torque(contact.peak_nm)]
+    };
+    table(
+        "Stretches of contact",
+        "Torque that follows nothing recorded and is not there again when the motion is, the largest first. They are left out \
+         of every fit.",
+        &["trial", "from, to", "peak"],
+        all.iter().take(CONTACTS).map(row).collect(),
+    )
+}

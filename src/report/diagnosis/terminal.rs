@@ -1,0 +1,99 @@
+//! The summary of a diagnosis on the terminal.
+
+use super::names::{Role, floor_source, place};
+use super::next::next_steps;
+use super::parameters::{Shown, shown};
+use super::words::{flexible_shrink, kept_together, percent, shrink, verdict};
+use crate::diagnose::{Diagnosis, Kind};
+use crate::report::number::counted;
+use crate::report::terminal::{BOLD, DIM, distrust, heading, wrapped};
+use crate::report::wording::Units;
+use std::io::{self, Write};
+use std::path::Path;
+
+/// Places told.
+const PLACES: usize = 3;
+/// Candidates told.
+const CANDIDATES: usize = 5;
+/// Parameters told of a candidate that was not taken.
+const PARAMETERS: usize = 3;
+/// Columns before a candidate's parameters.
+const INDENT: usize = 6;
+
+/// Writes the summary to `out`; `written` is where the files went.
+pub fn write_summary(out: &mut impl Write, found: &Diagnosis, campaign: &str, written: &Path) -> io::Result<()> {
+    let trials = counted(found.views.len(), "trial", "trials");
+    let name = &found.before.joint.name;
+    writeln!(out, "{BOLD}{name}{BOLD:#}  {DIM}diagnosed on {trials} of campaign {campaign}{DIM:#}")?;
+    writeln!(out, "\n  {}", wrapped(&verdict(found), 2))?;
+    gap(out, found)?;
+    places(out, found)?;
+    candidates(out, found)?;
+    heading(out, "What to do next")?;
+    next_steps(found).iter().try_for_each(|step| writeln!(out, "  {}", wrapped(step, 2)))?;
+    distrust(out, &found.warnings)?;
+    writeln!(out, "\nwritten to {BOLD}{}{BOLD:#}: diagnosis.json, model.json, report.html, plots", written.display())
+}
+
+fn gap(out: &mut impl Write, found: &Diagnosis) -> io::Result<()> {
+    let units = Units::of(found.before.joint.kind);
+    let (gap, verdict) = (&found.gap, &found.verdict);
+    heading(out, &format!("Gap above the floor, on {} that no fit saw", found.held_out))?;
+    let mut row = |name: &str, value_nm: f64, note: String| {
+        writeln!(out, "  {name:<24} {:>12}  {DIM}{note}{DIM:#}", units.torque(value_nm))
+    };
+    row("as delivered", verdict.gap_before_nm, format!("RMSE {}", units.torque(gap.rmse_nm)))?;
+    if verdict.kind != Kind::None {
+        row("with what was found", verdict.gap_after_nm, format!("shrinks by {}", shrink(verdict.shrink)))?;
+    }
+    let most = format!("what a flexible fit recovers, a shrink of {}", percent(flexible_shrink(found)));
+    if verdict.kind != Kind::None {
+        row("recoverable", gap.recoverable_nm, most)?;
+    }
+    row("floor", gap.floor.rms_nm, floor_source(gap.floor.source).to_string())?;
+    writeln!(out, "  {:<24} {:>12}  {DIM}of the resamplings agree{DIM:#}", "verdict", percent(verdict.confidence))
+}
+
+fn places(out: &mut impl Write, found: &Diagnosis) -> io::Result<()> {
+    let units = Units::of(found.before.joint.kind);
+    if found.places.is_empty() || found.verdict.kind == Kind::None {
+        return Ok(());
+    }
+    heading(out, "Where it lies (one gap may show in several ways)")?;
+    for at in found.places.iter().take(PLACES) {
+        let samples = format!("{} of the samples, RMS {}", percent(at.share_of_samples), units.torque(at.rmse_nm));
+        let share = percent(at.share_of_gap);
+        writeln!(out, "  {:<24} {share:>12}  {}  {DIM}{samples}{DIM:#}", place(at.region), at.detail)?;
+    }
+    Ok(())
+}
+
+fn candidates(out: &mut impl Write, found: &Diagnosis) -> io::Result<()> {
+    if found.candidates.is_empty() {
+        return Ok(());
+    }
+    heading(out, "Causes tried, best first: how far the gap shrinks, with its 95 % interval")?;
+    for candidate in found.candidates.iter().take(CANDIDATES) {
+        let role = Role::of(candidate, found);
+        let (bold, plain) =
+            if role == Role::Taken { (format!("{BOLD}"), format!("{BOLD:#}")) } else { Default::default() };
+        let range = shrink(candidate.shrink);
+        let how =
+            [role.name(), candidate.how].into_iter().filter(|text| !text.is_empty()).collect::<Vec<_>>().join(", ");
+        writeln!(out, "  {bold}{:<24}{plain} {range:>18}  {how}", candidate.cause.name())?;
+        let all = shown(candidate, found);
+        let told = if role == Role::Taken { all.len() } else { PARAMETERS.min(all.len()) };
+        let mut parameters: Vec<String> = all[..told].iter().map(Shown::sentence).collect();
+        if told < all.len() {
+            parameters.push(format!("and {} more", all.len() - told));
+        }
+        if !parameters.is_empty() {
+            writeln!(out, "{:INDENT$}{DIM}{}{DIM:#}", "", wrapped(&kept_together(&parameters.join("; ")), INDENT))?;
+        }
+    }
+    let rest = found.candidates.len().saturating_sub(CANDIDATES);
+    if rest > 0 {
+        writeln!(out, "  {DIM}and {} more in the report{DIM:#}", counted(rest, "cause", "causes"))?;
+    }
+    Ok(())
+}

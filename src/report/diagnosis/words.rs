@@ -1,0 +1,207 @@
+//! A diagnosis in plain words with its numbers: the verdict, and its grounds.
+
+use super::names::{claim, family, floor_source, means, place};
+use super::parameters::shown;
+use crate::diagnose::{Candidate, Cause, Diagnosis, Kind, Shrink};
+use crate::effects::Family;
+use crate::report::number::{counted, significant};
+use crate::report::wording::Units;
+
+/// A flexible fit that recovers less than this share of the gap says that it does not follow the recorded motion.
+const FOLLOWS: f64 = 0.5;
+/// More than this share of the gap's square within the model's own confidence is worth a sentence.
+const MUCH: f64 = 0.1;
+
+/// The verdict in a sentence or three.
+pub fn verdict(found: &Diagnosis) -> String {
+    let units = Units::of(found.before.joint.kind);
+    kept_together(&match found.verdict.kind {
+        Kind::None => nothing(found, &units),
+        Kind::Stale => format!("{} {}", stale(found), shrinks("Refitted, the gap", found, &units)),
+        Kind::Effect => {
+            let outside = found.verdict.effects.iter().all(|cause| family(*cause) == Some(Family::Outside));
+            let what = if outside { "Without these the gap" } else { "With it the gap" };
+            format!("{} {}", effect(found), shrinks(what, found, &units))
+        }
+        Kind::Several => format!("{} {}", several(found), shrinks("With all of them the gap", found, &units)),
+        Kind::Ambiguous => format!("{} {}", ambiguous(found), shrinks("With the first the gap", found, &units)),
+        Kind::Unknown => unknown(found, &units),
+    })
+}
+
+/// `text` with spaces that do not break between a number and what belongs to it.
+pub fn kept_together(text: &str) -> String {
+    const FIXED: [(&str, &str); 6] = [
+        ("N m", "N\u{a0}m"),
+        (" mN", "\u{a0}mN"),
+        (" N\u{a0}m", "\u{a0}N\u{a0}m"),
+        (" mm", "\u{a0}mm"),
+        (" deg", "\u{a0}deg"),
+        (" %", "\u{a0}%"),
+    ];
+    let text = FIXED.iter().fold(text.to_string(), |text, (from, to)| text.replace(from, to)).replace(" [", "\u{a0}[");
+    // An interval stays in one piece.
+    let mut inside = false;
+    let keep = |c: char| {
+        inside = c == '[' || inside && c != ']';
+        if inside && c == ' ' { '\u{a0}' } else { c }
+    };
+    text.chars().map(keep).collect()
+}
+
+/// What the verdict rests on, a sentence each.
+pub fn grounds(found: &Diagnosis) -> Vec<String> {
+    let units = Units::of(found.before.joint.kind);
+    let gap = &found.gap;
+    let mut all = vec![format!(
+        "As delivered the model leaves {} RMSE. The floor, what no model could explain, is {}, {}; above it lie {}, of which \
+         a flexible fit to the recorded motion recovers {} on {} that it never saw.",
+        units.torque(gap.rmse_nm),
+        units.torque(gap.floor.rms_nm),
+        floor_source(gap.floor.source),
+        units.torque(gap.explainable_nm),
+        units.torque(gap.recoverable_nm),
+        found.held_out,
+    )];
+    all.extend(own_confidence(found));
+    if found.verdict.kind != Kind::None {
+        all.extend(found.places.first().map(|_| format!("The gap lies {}.", location(found))));
+    }
+    let sure = percent(found.verdict.confidence);
+    all.push(format!("The same verdict comes out of {sure} of the resamplings of whole {}.", found.held_out));
+    all.iter().map(|sentence| kept_together(sentence)).collect()
+}
+
+/// How much of the gap goes while the model stays what it is, where that is much.
+fn own_confidence(found: &Diagnosis) -> Option<String> {
+    let above_floor = found.gap.explainable_nm * found.gap.explainable_nm;
+    let share = found.budget.within_confidence / above_floor.max(f64::MIN_POSITIVE);
+    (share > MUCH).then(|| {
+        format!(
+            "{} of the gap's square goes already while the model's own parameters move within their confidence: know them \
+             better, and less is left to guess.",
+            percent(share.min(1.0))
+        )
+    })
+}
+
+/// A share in whole percent.
+pub fn percent(share: f64) -> String {
+    format!("{} %", whole(share))
+}
+
+/// "97 % [95, 98]".
+pub fn shrink(shrink: Shrink) -> String {
+    format!("{} [{}, {}]", percent(shrink.value), whole(shrink.low), whole(shrink.high))
+}
+
+fn whole(share: f64) -> String {
+    let rounded = (100.0 * share).round();
+    format!("{:.0}", if rounded == 0.0 { 0.0 } else { rounded })
+}
+
+/// What the flexible fit recovers, as a shrink of the RMS above the floor: the measure by which causes are judged.
+pub fn flexible_shrink(found: &Diagnosis) -> f64 {
+    let share = found.gap.recoverable_nm / found.gap.explainable_nm.max(f64::MIN_POSITIVE);
+    1.0 - (1.0 - share * share).max(0.0).sqrt()
+}
+
+/// The causes that were taken.
+pub fn taken(found: &Diagnosis) -> impl Iterator<Item = &Candidate> {
+    found.candidates.iter().filter(|candidate| candidate.taken)
+}
+
+fn shrinks(what: &str, found: &Diagnosis, units: &Units) -> String {
+    let verdict = &found.verdict;
+    format!(
+        "{what} shrinks by {}: {} before, {} after, above a floor of {}.",
+        shrink(verdict.shrink),
+        units.torque(verdict.gap_before_nm),
+        units.torque(verdict.gap_after_nm),
+        units.torque(found.gap.floor.rms_nm),
+    )
+}
+
+fn nothing(found: &Diagnosis, units: &Units) -> String {
+    let gap = &found.gap;
+    let rest = match gap.explainable_nm > 0.0 {
+        true => format!(
+            "; the {} above it are within the model's own confidence, or too little to name a cause",
+            units.torque(gap.explainable_nm)
+        ),
+        false => String::new(),
+    };
+    format!(
+        "The model lacks nothing that these data show: it leaves {} RMSE over a floor of {}{rest}.",
+        units.torque(gap.rmse_nm),
+        units.torque(gap.floor.rms_nm)
+    )
+}
+
+/// "Coulomb friction (both directions alike): friction.up.a_j 37.5 -> 42.1 N [41, 43]".
+fn moved(candidate: &Candidate, found: &Diagnosis) -> String {
+    let how = if candidate.how.is_empty() { String::new() } else { format!(", {}", candidate.how) };
+    let values: Vec<String> = shown(candidate, found).iter().map(super::parameters::Shown::sentence).collect();
+    let values = if values.is_empty() { String::new() } else { format!(": {}", values.join("; ")) };
+    format!("{} ({}{how}){values}", means(candidate.cause), candidate.cause.name())
+}
+
+fn stale(found: &Diagnosis) -> String {
+    let all: Vec<String> = taken(found).map(|candidate| moved(candidate, found)).collect();
+    format!("The model has the right form, but is out of date in {}.", all.join(", and in "))
+}
+
+fn effect(found: &Diagnosis) -> String {
+    let Some(cause) = found.verdict.effects.first().copied() else { return String::new() };
+    match family(cause) {
+        Some(Family::Fault) => format!("The measurement is at fault, not the joint: {}.", claim(cause)),
+        Some(Family::Outside) => {
+            let stretches = counted(found.contacts.len(), "stretch", "stretches");
+            format!("Something outside acts on the joint: {}, in {stretches}.", claim(cause))
+        }
+        _ => format!("The joint has what the model lacks: {}.", claim(cause)),
+    }
+}
+
+fn several(found: &Diagnosis) -> String {
+    let told = |cause: &Cause| match found.candidates.iter().find(|c| c.taken && c.cause == *cause) {
+        Some(candidate) if matches!(cause, Cause::Stale(_)) => format!("out of date is {}", moved(candidate, found)),
+        _ => claim(*cause),
+    };
+    let all: Vec<String> = found.verdict.effects.iter().map(told).collect();
+    format!("Several causes together: {}.", all.join("; "))
+}
+
+fn ambiguous(found: &Diagnosis) -> String {
+    let all: Vec<String> = found.verdict.effects.iter().map(|cause| claim(*cause)).collect();
+    format!("These data cannot tell apart: {}.", all.join(", or "))
+}
+
+fn unknown(found: &Diagnosis, units: &Units) -> String {
+    let (verdict, gap) = (&found.verdict, &found.gap);
+    let recovered = units.torque(gap.recoverable_nm);
+    let nature = match gap.recoverable_nm > FOLLOWS * gap.explainable_nm {
+        true => format!("A flexible fit recovers {recovered} of it, so it follows the recorded motion"),
+        false => format!("A flexible fit recovers only {recovered} of it, so it hardly follows the recorded motion"),
+    };
+    let lies = if found.places.is_empty() { String::new() } else { format!(" It lies {}.", location(found)) };
+    format!(
+        "Nothing in the library closes the gap: of {} above a floor of {}, {} are left at best.{lies} {nature}.",
+        units.torque(verdict.gap_before_nm),
+        units.torque(gap.floor.rms_nm),
+        units.torque(verdict.gap_after_nm),
+    )
+}
+
+/// "after reversals (travel 0 to 2.1 deg): 71 % of the gap in 6 % of the samples".
+fn location(found: &Diagnosis) -> String {
+    let one = |at: &crate::diagnose::Place| {
+        let samples = if at.share_of_samples < 0.995 {
+            format!(", in {} % of the samples", significant(100.0 * at.share_of_samples, 2))
+        } else {
+            String::new()
+        };
+        format!("{} ({}): {} of it{samples}", place(at.region), at.detail, percent(at.share_of_gap))
+    };
+    found.places.first().map_or(String::new(), one)
+}

@@ -1,0 +1,98 @@
+//! The figures of a diagnosis.
+
+mod budget;
+mod candidates;
+mod map;
+mod places;
+mod residual_position;
+mod residual_time;
+
+use crate::diagnose::{Cause, Diagnosis, View};
+use crate::report::chart::{Drawn, palette, thin};
+use crate::report::page::Drawing;
+use plotters::style::RGBColor;
+
+/// Figures that a reader sees first: what the gap is made of, where it lies, what was tried.
+pub const LEADING: usize = 3;
+/// An axis holds all but this share of the samples: one peak must not flatten the rest.
+const BEYOND: f64 = 0.002;
+/// Room above and below, as a share of what is shown.
+const ROOM: f64 = 0.12;
+/// Stretches of contact, the same in every figure.
+const CONTACT: RGBColor = palette::ORANGE;
+
+/// All figures that there are data for.
+pub fn drawings(found: &Diagnosis) -> Drawn<Vec<Drawing>> {
+    let all = [
+        Some(budget::draw(found)?),
+        map::draw(found)?,
+        candidates::draw(found)?,
+        places::draw(found)?,
+        residual_time::draw(found)?,
+        residual_position::draw(found)?,
+    ];
+    Ok(all.into_iter().flatten().collect())
+}
+
+/// The residual of one trial under one model.
+struct Residual {
+    /// Measured less predicted, N m.
+    nm: Vec<f64>,
+    /// Whether the row counts.
+    counts: Vec<bool>,
+}
+
+impl Residual {
+    /// Rows that count.
+    fn rows(&self) -> impl Iterator<Item = usize> {
+        (0..self.counts.len()).filter(|i| self.counts[*i])
+    }
+
+    /// Mean square over the rows that count, (N m)^2.
+    fn mean_square(&self) -> f64 {
+        self.rows().map(|i| self.nm[i] * self.nm[i]).sum::<f64>() / self.rows().count().max(1) as f64
+    }
+}
+
+/// Whether contact is among the causes: what happens within one is then explained, though by no model.
+fn names_contact(found: &Diagnosis) -> bool {
+    found.budget.causes.iter().any(|(cause, _)| *cause == Cause::Effect("contact"))
+}
+
+/// The residuals of `view`: by the model as delivered, and with what was found.
+fn residuals(found: &Diagnosis, view: &View) -> [Residual; 2] {
+    let less = |predicted_nm: &[f64]| view.measured_nm.iter().zip(predicted_nm).map(|(y, p)| y - p).collect();
+    let mut outside = view.judged.clone();
+    if names_contact(found) {
+        for contact in found.contacts.iter().filter(|contact| contact.file == view.file) {
+            let within = |time_s: &f64| (contact.from_s..=contact.to_s).contains(time_s);
+            view.time_s.iter().zip(&mut outside).for_each(|(time_s, counts)| *counts &= !within(time_s));
+        }
+    }
+    [
+        Residual { nm: less(&view.before_nm), counts: view.judged.clone() },
+        Residual { nm: less(&view.after_nm), counts: outside },
+    ]
+}
+
+/// What the second of two pictures shows.
+fn after_name(found: &Diagnosis) -> &'static str {
+    let found_more = found.budget.causes.iter().any(|(cause, _)| *cause != Cause::Effect("contact"));
+    match (found_more, names_contact(found)) {
+        (true, true) => "with what was found, contacts aside",
+        (true, false) => "with what was found",
+        (false, true) => "contacts aside",
+        (false, false) => "within the model's own confidence",
+    }
+}
+
+/// The magnitude that nearly all residuals, before and after, stay below, N m.
+fn reach_nm<'v>(found: &Diagnosis, views: impl IntoIterator<Item = &'v View>) -> f64 {
+    let of = |view: &View| {
+        let both = residuals(found, view);
+        both.iter()
+            .flat_map(|residual| residual.rows().map(|i| residual.nm[i]).collect::<Vec<f64>>())
+            .collect::<Vec<_>>()
+    };
+    thin::magnitude(views.into_iter().flat_map(of), BEYOND)
+}

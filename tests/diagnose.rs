@@ -1,0 +1,127 @@
+//! `tautline diagnose` end to end: what it writes, prints and refuses. One run on the bundled da Vinci campaign serves all tests.
+
+use crate::cli::tautline;
+use resvg::usvg::roxmltree::Document;
+use serde_json::Value;
+use std::path::{Path, PathBuf};
+use std::sync::LazyLock;
+use tempfile::TempDir;
+
+const CAMPAIGN: &str = "data/davinci_l4";
+const MODEL: &str = "data/davinci_l4/base_model.json";
+/// Every figure that this campaign has data for, with labels that it must bear.
+const FIGURES: [(&str, &[&str]); 6] = [
+    ("budget", &["of the square", "RMS", "unexplained"]),
+    ("map", &["position (deg)", "speed (rad/s)", "as delivered", "floor"]),
+    ("candidates", &["how far the gap above the floor shrinks (%)", "taken", "flexible fit"]),
+    ("where", &["share of the gap's energy above the floor (%)"]),
+    ("residual_time", &["time (s)", "position (deg)", "as delivered: RMS"]),
+    ("residual_position", &["position (deg)", "moving up", "moving down", "median"]),
+];
+
+/// A run with `--json`: its folder and what it printed.
+struct Run {
+    folder: TempDir,
+    printed: Vec<u8>,
+}
+
+static RUN: LazyLock<Run> = LazyLock::new(|| {
+    let folder = TempDir::new().unwrap();
+    let to = folder.path().join("r").to_string_lossy().into_owned();
+    let done = tautline(&["diagnose", CAMPAIGN, "--model", MODEL, "-o", &to, "--json"]);
+    assert_eq!(done.status.code(), Some(0), "{}", String::from_utf8_lossy(&done.stderr));
+    Run { folder, printed: done.stdout }
+});
+
+fn path(name: &str) -> PathBuf {
+    RUN.folder.path().join("r").join(name)
+}
+
+fn read(name: &str) -> String {
+    std::fs::read_to_string(path(name)).unwrap_or_else(|error| panic!("{name}: {error}"))
+}
+
+#[test]
+fn json_is_what_the_file_holds() {
+    let printed: Value = serde_json::from_slice(&RUN.printed).unwrap();
+    let written: Value = serde_json::from_str(&read("diagnosis.json")).unwrap();
+    assert_eq!(printed, written);
+    assert_eq!(written["format"], "diagnosis/1");
+    assert_ne!(written["verdict"]["kind"], "none", "the base model lacks what its README tells");
+    assert!(written["gap"]["rmse_nm"].as_f64().unwrap() > 0.01 && !written["where"].as_array().unwrap().is_empty());
+}
+
+#[test]
+fn the_parts_of_the_gap_add_up() {
+    let written: Value = serde_json::from_str(&read("diagnosis.json")).unwrap();
+    let budget = &written["budget"];
+    let part = |name: &str| budget[name].as_f64().unwrap();
+    let causes: f64 = budget["causes"].as_array().unwrap().iter().map(|c| c["square"].as_f64().unwrap()).sum();
+    let whole = part("floor") + part("within_confidence") + causes + part("unexplained");
+    let rmse_nm = written["gap"]["rmse_nm"].as_f64().unwrap();
+    assert!((whole.sqrt() / rmse_nm - 1.0).abs() < 1e-6, "{} against {rmse_nm}", whole.sqrt());
+}
+
+#[test]
+fn every_figure_is_well_formed_and_labelled() {
+    for (name, labels) in FIGURES {
+        let svg = read(&format!("plots/{name}.svg"));
+        let drawing = Document::parse(&svg).unwrap_or_else(|error| panic!("{name}: {error}"));
+        let texts: Vec<&str> = drawing.descendants().filter(|n| n.is_text()).filter_map(|n| n.text()).collect();
+        for label in labels {
+            assert!(texts.iter().any(|text| text.trim().starts_with(label)), "{name} lacks `{label}`: {texts:?}");
+        }
+    }
+    let drawn = std::fs::read_dir(path("plots")).unwrap().count();
+    assert_eq!(drawn, FIGURES.len(), "a figure that this test does not know");
+}
+
+#[test]
+fn the_report_stands_alone() {
+    let page = read("report.html").replace("xmlns=\"http://www.w3.org/2000/svg\"", "");
+    for link in ["http:", "https:", "src=", "href=", "@import", "url("] {
+        assert!(!page.contains(link), "the report links to something outside: {link}");
+    }
+    for heading in ["What to do next", "At a glance", "Causes tried", "Where the gap lies", "Provenance"] {
+        assert!(page.contains(heading), "{heading}");
+    }
+    assert_eq!(page.matches("<svg").count(), FIGURES.len());
+}
+
+#[test]
+fn the_model_is_written_with_what_was_found() {
+    let model = tautline::model::Model::read(&path("model.json")).unwrap();
+    let base = tautline::model::Model::read(Path::new(MODEL)).unwrap();
+    assert_eq!(model.joint.name, base.joint.name);
+}
+
+#[test]
+fn quiet_prints_nothing_and_the_summary_its_headings() {
+    let out = TempDir::new().unwrap();
+    let to = |name: &str| out.path().join(name).to_string_lossy().into_owned();
+    // Two trials do for the wording.
+    let quick = crate::campaigns::record(&crate::campaigns::truth(), &crate::campaigns::plan());
+    let (campaign, model) = (quick.path().to_string_lossy().into_owned(), "data/elbow/truth/model.json");
+    let quiet = tautline(&["diagnose", &campaign, "--model", model, "-o", &to("q"), "--quiet"]);
+    assert_eq!(quiet.status.code(), Some(0), "{}", String::from_utf8_lossy(&quiet.stderr));
+    assert!(quiet.stdout.is_empty() && quiet.stderr.is_empty());
+    let told = tautline(&["diagnose", &campaign, "--model", model, "-o", &to("t"), "--png"]);
+    let told = String::from_utf8(told.stdout).unwrap();
+    for part in ["diagnosed on 8 trials", "Gap above the floor", "What to do next", "written to"] {
+        assert!(told.contains(part), "{told}");
+    }
+    assert!(!told.contains('\u{1b}') && !told.contains('\u{a0}'), "{told}");
+    assert!(out.path().join("t/plots/budget.png").exists());
+}
+
+#[test]
+fn bad_input_is_refused() {
+    let out = TempDir::new().unwrap();
+    let to = out.path().join("r").to_string_lossy().into_owned();
+    for (campaign, model) in [("data/nowhere", MODEL), (CAMPAIGN, "data/nowhere.json"), ("data/elbow", MODEL)] {
+        let done = tautline(&["diagnose", campaign, "--model", model, "-o", &to]);
+        assert_eq!(done.status.code(), Some(2), "{campaign} {model}");
+        assert!(done.stdout.is_empty() && !done.stderr.is_empty());
+        assert!(!Path::new(&to).exists(), "something was left behind");
+    }
+}
