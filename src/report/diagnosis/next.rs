@@ -23,6 +23,10 @@ fn mend(causes: &[Cause]) -> Vec<String> {
     let of = |wanted: Option<Family>| causes.iter().copied().filter(move |cause| family(*cause) == wanted);
     let mut steps: Vec<String> =
         of(Some(Family::Fault)).map(|cause| mend_measurement(cause.name()).to_string()).collect();
+    if !steps.is_empty() {
+        let step = "The model.json written here holds the fault too: it foretells these recordings, not the joint.";
+        steps.push(step.to_string());
+    }
     if of(Some(Family::Outside)).next().is_some() {
         let step = "Leave the stretches of contact out, or record again without anybody touching the joint; the model need not \
                     change for it.";
@@ -68,7 +72,7 @@ fn ambiguous(found: &Diagnosis) -> String {
     match shows.first() {
         Some((_, region)) if alike => {
             format!(
-                "Record a motion on which they differ; all of them show {}, so vary that widely. {until}",
+                "Record a motion on which they differ; all of them show {}, so vary widely what happens there. {until}",
                 place(*region)
             )
         }
