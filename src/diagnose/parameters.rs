@@ -76,11 +76,12 @@ pub fn of_cause(bench: &Bench<'_>, draws: &Draws, fit: &Fit, cause: Cause) -> Ve
     found
 }
 
+/// A positive range is compared in its logarithm, for it spans decades.
 fn doubt(knob: Knob, model: &Model) -> Option<&'static str> {
     let (low, high) = knob.bounds(model);
-    let (value, range) = (knob.value(model), (high - low).min(1e6));
-    ((value - low).abs() < AT_BOUND * range.abs() || (high - value).abs() < AT_BOUND * range.abs())
-        .then_some("at its bound")
+    let value = knob.value(model);
+    let share = if low > 0.0 { (value / low).ln() / (high / low).ln() } else { (value - low) / (high - low) };
+    (share < AT_BOUND || share > 1.0 - AT_BOUND).then_some("at its bound")
 }
 
 impl Bench<'_> {
