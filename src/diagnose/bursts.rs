@@ -24,6 +24,8 @@ const FORETOLD: f64 = 0.5;
 /// What is there again at this share of its size, in one row of five in the same state elsewhere, is repeated.
 const REPEATED: f64 = 0.4;
 const OFTEN: f64 = 0.8;
+/// Repeats of one motion show the same burst when its peak comes within this share of the range of positions.
+const SAME_PLACE: f64 = 0.02;
 /// The same state: position within this share of the range, ...
 const NEAR: f64 = 0.05;
 /// ... speed within this factor, or both slower than this share of the fastest; so many rows at least.
@@ -59,8 +61,21 @@ pub fn find(bench: &Bench<'_>, columns: &[Vec<f64>], target_nm: &[f64]) -> (Vec<
         fitted = flexible::fit(bench, columns, target_nm, &used);
     }
     let states = states(bench);
-    bursts.retain(|burst| !is_repeated(bench, &states, &fitted.residual_nm, burst));
+    let once = |burst: &Burst| {
+        !is_repeated(bench, &states, &fitted.residual_nm, burst)
+            && !recurs(bench, &states, &fitted.residual_nm, &bursts, burst)
+    };
+    let bursts = bursts.iter().filter(|burst| once(burst)).cloned().collect();
     (bursts, fitted)
+}
+
+/// The row of a burst's peak.
+fn peak_row(residual_nm: &[f64], burst: &Burst) -> usize {
+    burst
+        .rows
+        .clone()
+        .max_by(|a, b| residual_nm[*a].abs().total_cmp(&residual_nm[*b].abs()))
+        .unwrap_or(burst.rows.start)
 }
 
 /// Where the residual's level rises far above what is usual.
@@ -126,8 +141,7 @@ fn states(bench: &Bench<'_>) -> Vec<[f64; 3]> {
 /// Whether the joint, when it is there again in the same motion, shows the like.
 fn is_repeated(bench: &Bench<'_>, states: &[[f64; 3]], residual_nm: &[f64], burst: &Burst) -> bool {
     let range = bench.extent.position_rad.1 - bench.extent.position_rad.0;
-    let peak = burst.rows.clone().max_by(|a, b| residual_nm[*a].abs().total_cmp(&residual_nm[*b].abs())).unwrap_or(0);
-    let [q, v, travel] = states[peak];
+    let [q, v, travel] = states[peak_row(residual_nm, burst)];
     let slow_rad_s = SLOW * bench.extent.speed_rad_s.1;
     let same = |i: &usize| {
         let [other_q, other_v, other_travel] = states[*i];
@@ -139,4 +153,21 @@ fn is_repeated(bench: &Bench<'_>, states: &[[f64; 3]], residual_nm: &[f64], burs
     let far = |i: &usize| *i + 10 < burst.rows.start || *i > burst.rows.end + 10;
     let mut others: Vec<f64> = (0..states.len()).filter(far).filter(same).map(|i| residual_nm[i].abs()).collect();
     others.len() >= ROWS_MIN && quantile(&mut others, OFTEN) > REPEATED * burst.peak_nm.abs()
+}
+
+/// Whether most other repeats of the burst's trial have a burst of the same sign and the like size at the same place, in the
+/// same direction.
+fn recurs(bench: &Bench<'_>, states: &[[f64; 3]], residual_nm: &[f64], bursts: &[Burst], burst: &Burst) -> bool {
+    let name = &bench.records.all[burst.record].repeats;
+    let is_repeat = |record: &usize| *record != burst.record && bench.records.all[*record].repeats == *name;
+    let repeats: Vec<usize> = (0..bench.records.all.len()).filter(is_repeat).collect();
+    let range = bench.extent.position_rad.1 - bench.extent.position_rad.0;
+    let [q, v, _] = states[peak_row(residual_nm, burst)];
+    let like = |other: &&Burst| {
+        let [other_q, other_v, _] = states[peak_row(residual_nm, other)];
+        let same_place = (other_q - q).abs() < SAME_PLACE * range && other_v * v >= 0.0;
+        same_place && (REPEATED..1.0 / REPEATED).contains(&(other.peak_nm / burst.peak_nm))
+    };
+    let has_like = |record: &&usize| bursts.iter().filter(|other| other.record == **record).any(|other| like(&other));
+    name.is_some() && !repeats.is_empty() && 2 * repeats.iter().filter(has_like).count() >= repeats.len()
 }

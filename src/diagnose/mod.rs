@@ -203,6 +203,7 @@ pub fn run(campaign: &Campaign, model: &Model, progress: &(dyn Fn() + Sync)) -> 
         delivered_nm: &delivered_nm,
         judged: &judged,
         bursts: &bursts,
+        ceiling: flexible.held_out,
     };
     let evidence = scene.evidence(&draws, floor.rms_nm);
     let verdict = verdict::verdict(&bench, &choice, &evidence);
@@ -241,6 +242,8 @@ struct Scene<'s> {
     delivered_nm: &'s [f64],
     judged: &'s [bool],
     bursts: &'s [Burst],
+    /// Mean square that the flexible fit leaves on held-out units, (N m)^2.
+    ceiling: f64,
 }
 
 impl Scene<'_> {
@@ -266,6 +269,7 @@ impl Scene<'_> {
             last: add(&self.choice.last.held_out, if contact { &explained } else { &of_bursts }),
             rows,
             delivered,
+            ceiling: self.ceiling,
             contact,
             draws,
             floor_nm,
@@ -320,7 +324,7 @@ impl Scene<'_> {
                 &taken,
                 found.rivals.clone(),
                 true,
-                parameters::of_cause(self.bench, evidence.draws, last, found.cause),
+                parameters::of_cause(self.bench, evidence.draws, last, (found.cause, found.how)),
             ));
         }
         let tried = self.choice.found.iter().flat_map(|found| &found.tried).chain(&self.choice.refused);
@@ -328,7 +332,8 @@ impl Scene<'_> {
         others.sort_by(|a, b| a.score(self.bench).total_cmp(&b.score(self.bench)));
         for tried in others {
             if all.iter().all(|known| known.cause != tried.cause) {
-                let parameters = parameters::of_cause(self.bench, evidence.draws, &tried.fit, tried.cause);
+                let named = (tried.cause, tried.how);
+                let parameters = parameters::of_cause(self.bench, evidence.draws, &tried.fit, named);
                 all.push(self.candidate(evidence, tried, Vec::new(), false, parameters));
             }
         }

@@ -230,6 +230,9 @@ pub fn group_of(knob: Knob) -> &'static str {
     }
 }
 
+/// How viscous friction moves where it takes Coulomb friction along: a line per direction.
+pub const WHOLE_LINE: &str = "each direction by itself, with its coulomb";
+
 /// A group of the model's own parameters that may have gone stale, in one of the ways in which that happens.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Stale {
@@ -287,6 +290,13 @@ pub fn stale(model: &Model) -> Vec<Stale> {
                 vec![free(vec![(up, Turn::Add(unit))]), free(vec![(down, Turn::Add(unit))])],
             );
         }
+    }
+    // A model of Coulomb and viscous friction alone has a line per direction: its two numbers, fitted together, make up for each
+    // other, so that neither is right where the other is not.
+    let is_line = |d: Direction| [2, 4].iter().all(|at| Knob::Friction(d, *at).value(model) == 0.0);
+    if Direction::BOTH.into_iter().all(is_line) && size(1) > 0.0 && size(6) > 0.0 {
+        let unit = |at: usize| both(at).map(|knob| free(vec![(knob, Turn::Add(size(at)))]));
+        add("viscous", WHOLE_LINE, [unit(6), unit(1)].concat());
     }
     let amplitudes: Vec<Vec<(Knob, Turn)>> = Direction::BOTH
         .map(|d| [2, 4].map(|at| Knob::Friction(d, at)).into_iter().map(|k| (k, Turn::Add(k.value(model)))).collect())

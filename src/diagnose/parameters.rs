@@ -4,7 +4,7 @@ use super::candidates::Cause;
 use super::choose::Choice;
 use super::fit::{Bench, Fit, Ground};
 use super::interval::Draws;
-use super::moves::Knob;
+use super::moves::{self, Knob};
 use crate::model::Model;
 use crate::numerics::statistics::standard_deviation;
 
@@ -38,7 +38,7 @@ pub fn settled(choice: &Choice, ground: &Ground) -> Model {
 }
 
 /// The parameters of `cause` in `fit`, whose last effect it is if it is one alone.
-pub fn of_cause(bench: &Bench<'_>, draws: &Draws, fit: &Fit, cause: Cause) -> Vec<Fitted> {
+pub fn of_cause(bench: &Bench<'_>, draws: &Draws, fit: &Fit, (cause, how): (Cause, &str)) -> Vec<Fitted> {
     let deviations = bench.deviations(draws, fit, DRAWS);
     let mut found = Vec::new();
     for (way, deviation) in fit.moves.iter().zip(&deviations) {
@@ -46,7 +46,10 @@ pub fn of_cause(bench: &Bench<'_>, draws: &Draws, fit: &Fit, cause: Cause) -> Ve
             let belongs = match (knob, cause) {
                 (Knob::Effect(at, _), Cause::Effect(id)) => fit.model.effects[at].id() == id,
                 (Knob::Effect(..), Cause::Stale(_)) | (_, Cause::Effect(_)) => false,
-                (_, Cause::Stale(name)) => super::moves::group_of(knob) == name,
+                (_, Cause::Stale(name)) => {
+                    let group = moves::group_of(knob);
+                    group == name || how == moves::WHOLE_LINE && group == "coulomb"
+                }
             };
             if belongs && deviation.is_finite() {
                 let at = |x: f64| {

@@ -191,7 +191,7 @@ impl Record {
     /// `trial` thinned. K_f is known from where `model` and any wider clearance would know it.
     fn new(campaign: &Campaign, model: &Model, trial: &Trial) -> Result<Self> {
         let (lowpass_hz, rate_hz) = (campaign.signal.lowpass_hz, trial.log.rate_hz);
-        let step = ((rate_hz / (SAMPLES_PER_PERIOD * lowpass_hz)).round() as usize).max(1);
+        let step = ((rate_hz / (SAMPLES_PER_PERIOD * lowpass_hz)) as usize).max(1);
         let thinned_hz = rate_hz / step as f64;
         let order = campaign.signal.lowpass_order;
         let Some(lowpass) = LowPass::new(order, lowpass_hz, thinned_hz) else {
@@ -207,10 +207,13 @@ impl Record {
         };
         let backlash_rad = model.backlash_m() / model.joint.pulley_radius_m;
         let (_, known_from) = settle(&trial.followed_rad, backlash_rad, trial.deadband_rad);
-        let first = (known_from + forgotten(rate_hz, lowpass_hz)).div_ceil(step);
+        let memory = forgotten(rate_hz, lowpass_hz);
+        let first = (known_from + memory).div_ceil(step);
+        // Acceleration is not known at a log's end, where position has nothing after it.
+        let last = at.len().saturating_sub(memory.div_ceil(step));
         let rests = rests(&trial.followed_rad, rate_hz, trial.deadband_rad);
-        let compared = ((thinned_hz / (ROWS_PER_PERIOD * lowpass_hz)).round() as usize).max(1);
-        let rows = (first..at.len()).step_by(compared).collect();
+        let compared = ((thinned_hz / (ROWS_PER_PERIOD * lowpass_hz)) as usize).max(1);
+        let rows = (first..last).step_by(compared).collect();
         let entry = &trial.entry;
         let named = entry.trajectory.is_some() || entry.protocol != crate::log::Protocol::Free;
         let in_range = trial.in_range(lowpass_hz);

@@ -10,6 +10,11 @@ use crate::effects::Region;
 const UNKNOWN_FLOORS: f64 = 1.0;
 /// ... if more than this share of what the base leaves is still there after the causes that were found.
 const UNKNOWN_SHARE: f64 = 0.4;
+/// Causes that win so much of what the flexible fit wins on held-out units (position, speed, time, load and direction, without
+/// physics) explain what these recordings show to depend on anything ...
+const CEILING_SHARE: f64 = 0.7;
+/// ... if that is this share of what the base leaves above the floor.
+const CEILING_GAP_SHARE: f64 = 0.25;
 
 /// What kind of answer it is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -69,6 +74,8 @@ pub struct Evidence<'e> {
     pub rest: Vec<f64>,
     /// By the causes that were found, held out, bursts explained.
     pub last: Vec<f64>,
+    /// Mean square that the flexible fit leaves on held-out units, (N m)^2.
+    pub ceiling: f64,
     /// Whether bursts are among the causes.
     pub contact: bool,
     /// How to resample.
@@ -88,7 +95,13 @@ pub fn verdict(bench: &Bench<'_>, choice: &Choice, evidence: &Evidence<'_>) -> V
     }
     let is_open = |rest: f64, last: f64, floor_square: f64| {
         let left = above(last, floor_square);
-        left > UNKNOWN_FLOORS * floor_square.sqrt() && left > UNKNOWN_SHARE * above(rest, floor_square)
+        let won = rest - last;
+        let reaches_ceiling = !choice.found.is_empty()
+            && won > CEILING_SHARE * (rest - evidence.ceiling)
+            && won > CEILING_GAP_SHARE * (rest - floor_square);
+        left > UNKNOWN_FLOORS * floor_square.sqrt()
+            && left > UNKNOWN_SHARE * above(rest, floor_square)
+            && !reaches_ceiling
     };
     let (rest, last) = (mean(&evidence.rest), mean(&evidence.last));
     let kind = if is_open(rest, last, floor_square) {

@@ -16,7 +16,7 @@ static ABOUT: About = About {
     parameters: &[
         Parameter::shape("backlash_m", 1e-7, 1.0),
         Parameter::shape("p", 0.05, 50.0),
-        Parameter::shape("n", 0.2, 5.0),
+        Parameter::shape("n", 0.05, 5.0),
     ],
 };
 
@@ -33,7 +33,7 @@ impl Effect for ReversalTransition {
         let own_m = (extent.backlash_m > 0.0).then_some(extent.backlash_m);
         spaced(WIDTHS.0 * range_m, WIDTHS.1 * range_m, 8)
             .chain(own_m)
-            .flat_map(|width_m| [(0.3, 1.0), (3.0, 1.0), (0.3, 2.0)].map(|(p, n)| vec![width_m, p, n]))
+            .flat_map(|width_m| [(0.3, 0.2), (0.3, 1.0), (3.0, 1.0), (0.3, 2.0)].map(|(p, n)| vec![width_m, p, n]))
             .collect()
     }
 
