@@ -76,7 +76,14 @@ pub fn choose(bench: &Bench<'_>, model: &Model, progress: &(dyn Fn() + Sync)) ->
         let Some(best) = simplest(bench, &tried, start) else { break };
         if std::env::var("TDEBUG").is_ok() {
             for t in tried.iter().take(6) {
-                eprintln!("{:.5} {:.5} {:.1} {:?} {}", t.score(bench).sqrt(), t.fit.cost.mean_square.sqrt(), t.fit.cost.surprise, t.cause, t.how);
+                eprintln!(
+                    "{:.5} {:.5} {:.1} {:?} {}",
+                    t.score(bench).sqrt(),
+                    t.fit.cost.mean_square.sqrt(),
+                    t.fit.cost.surprise,
+                    t.cause,
+                    t.how
+                );
             }
             eprintln!("-> {:?} now {:.5}", tried[best].cause, now.sqrt());
         }
@@ -242,7 +249,9 @@ fn drop_idle(
 /// Causes other than `taken` that do as well with no more numbers; one that a spring over a short way is mistaken for may have
 /// one less.
 fn rivals(bench: &Bench<'_>, taken: &Tried, tried: &[Tried], start: f64) -> Vec<Cause> {
-    let spare = |cause: Cause| usize::from(taken.cause == Cause::Effect("gravity_phase") && cause == Cause::Effect("elastic_spring"));
+    let spare = |cause: Cause| {
+        usize::from(taken.cause == Cause::Effect("gravity_phase") && cause == Cause::Effect("elastic_spring"))
+    };
     let mut found: Vec<Cause> = Vec::new();
     for other in tried.iter().filter(|other| other.cause != taken.cause && is_tie(bench, taken, other, start)) {
         if other.count() <= taken.count() + spare(other.cause) && !found.contains(&other.cause) {

@@ -163,8 +163,10 @@ pub(super) fn spectral_nm(trial: &Trial, signal: &Signal) -> f64 {
     let (rate_hz, order) = (trial.log.rate_hz, signal.lowpass_order);
     let edges: Vec<f64> =
         BANDS.iter().map(|factor| factor * signal.lowpass_hz).filter(|edge_hz| *edge_hz < BELOW * rate_hz).collect();
-    let levels: Option<Vec<Vec<f64>>> =
-        edges.iter().map(|edge_hz| Some(LowPass::new(order, *edge_hz, rate_hz)?.zero_phase(&trial.log.torque_nm))).collect();
+    let levels: Option<Vec<Vec<f64>>> = edges
+        .iter()
+        .map(|edge_hz| Some(LowPass::new(order, *edge_hz, rate_hz)?.zero_phase(&trial.log.torque_nm)))
+        .collect();
     let Some(mut levels) = levels.filter(|levels| !levels.is_empty()) else { return f64::NAN };
     levels.push(trial.log.torque_nm.clone());
     let stretch = ((STRETCH_S * rate_hz) as usize).max(8);

@@ -38,7 +38,9 @@ impl Effect for SensorDrift {
 
     fn starts(&self, extent: &Extent) -> Vec<Vec<f64>> {
         let clocks = [(1.0, extent.trial_s), (0.0, extent.campaign_s)];
-        clocks.map(|(restarts, horizon_s)| vec![restarts, horizon_s, horizon_s / 8.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0]).to_vec()
+        clocks
+            .map(|(restarts, horizon_s)| vec![restarts, horizon_s, horizon_s / 8.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0])
+            .to_vec()
     }
 
     fn reading_nm(&self, p: &[f64], sample: &Sample<'_>, torque_nm: f64) -> f64 {

@@ -41,7 +41,8 @@ impl Effect for WarmUp {
     fn starts(&self, extent: &Extent) -> Vec<Vec<f64>> {
         let clocks = [(1.0, extent.trial_s), (0.0, extent.campaign_s)];
         let of = |(restarts, horizon_s): (f64, f64)| {
-            spaced(horizon_s / 20.0, horizon_s * 1.5, 4).map(move |constant_s| vec![restarts, 0.0, 0.0, 0.0, constant_s, 0.9])
+            spaced(horizon_s / 20.0, horizon_s * 1.5, 4)
+                .map(move |constant_s| vec![restarts, 0.0, 0.0, 0.0, constant_s, 0.9])
         };
         clocks.into_iter().flat_map(of).collect()
     }

@@ -3,6 +3,7 @@
 mod amplitude;
 pub mod comparison;
 mod confidence;
+pub mod diagnosis;
 pub mod evaluation;
 mod friction;
 pub mod interaction;

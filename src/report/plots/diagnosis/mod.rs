@@ -1,0 +1,3 @@
+//! The figures of a diagnosis.
+
+pub mod motion;
