@@ -2,7 +2,7 @@
 //!
 //! Logs need not begin at the same moment of the command. The shift at which the positions agree best is found, but a joint
 //! under a controller may lag for good reason (drag delays it, whatever the clocks): so the shift is taken for the clocks'
-//! only if it leaves much less unexplained than the controller does without it.
+//! only if the torques then differ less from what the controller answers to the positions than without it.
 
 use super::controller;
 use super::pairs::Pair;
@@ -19,12 +19,13 @@ const SAMPLES_PER_PERIOD: f64 = 10.0;
 const LAG_MAX_S: f64 = 5.0;
 /// ... and the largest as a share of the shorter log.
 const LAG_SHARE: f64 = 0.2;
-/// Steps of the search, s: each about the best of the one before. Cubes of sines differ visibly within the first.
+/// Steps of the search, s: each about the best of the one before; no motion turns round within the first.
 const STEPS_S: [f64; 4] = [0.05, 0.005, 5e-4, 5e-5];
 /// Samples compared in a search.
 const COMPARED: usize = 4000;
-/// A shift is the clocks' if it leaves less than this share of what the controller leaves without.
-const CLEARER: f64 = 0.25;
+/// A shift is the clocks' if torques then leave less than this share of what the controller leaves of them without: the noise of
+/// both torques is in either.
+const CLEARER: f64 = 0.95;
 /// Shifts below this are nobody's, s: a sample at 1 kHz.
 const LEAST_S: f64 = 1e-3;
 

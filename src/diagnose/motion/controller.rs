@@ -28,7 +28,7 @@ pub struct Follows {
     pub offset_rad: f64,
 }
 
-/// One sample: position difference, torque difference and its rate.
+/// One sample: what is explained, what explains it, and the rate of that.
 type Row = [f64; 3];
 
 /// What the causes that `real` names add to the model's torque along `trial`, N m; not a number where nothing is known of it.
@@ -81,23 +81,30 @@ pub(super) fn follows(
     Some(Follows { share, rad_per_nm: a, rad_s_per_nm: b, offset_rad: c })
 }
 
-/// Mean square of what the whole difference in torque leaves of the position difference of `trial`, rad^2.
+/// Mean square of the torque difference of `trial` that is not the controller's answer to the position difference, (N m)^2:
+/// K dq + D d(dq)/dt = -dtau as it stands, for positions are known better than torques.
 pub(super) fn left_square(trial: &MotionTrial, lowpass: Option<&LowPass>) -> f64 {
-    let rows = rows(trial, &trial.torque_difference_nm(), lowpass);
-    let [a, b, c] = fit(&rows).unwrap_or_default();
-    rows.iter().map(|[dq, x, rate]| (dq - a * x - b * rate - c).powi(2)).sum::<f64>() / rows.len().max(1) as f64
+    let apart_rad = low_passed(trial.position_difference_rad(), lowpass);
+    let rate = velocity(&apart_rad, trial.rate_hz);
+    let row = |(i, y): (usize, f64)| [y, apart_rad[i], rate[i]];
+    let rows: Vec<Row> = trial.torque_difference_nm().into_iter().enumerate().map(row).collect();
+    let [k, d, c] = fit(&rows).unwrap_or_default();
+    rows.iter().map(|[y, dq, rate]| (y - k * dq - d * rate - c).powi(2)).sum::<f64>() / rows.len().max(1) as f64
 }
 
 /// The samples of `trial` at which `torque_nm` is known, its position low-passed as the torque is.
 fn rows(trial: &MotionTrial, torque_nm: &[f64], lowpass: Option<&LowPass>) -> Vec<Row> {
-    let apart_rad = trial.position_difference_rad();
-    let apart_rad = lowpass.map_or_else(|| apart_rad.clone(), |lowpass| lowpass.zero_phase(&apart_rad));
+    let apart_rad = low_passed(trial.position_difference_rad(), lowpass);
     let rate = velocity(torque_nm, trial.rate_hz);
     let row = |i: usize| [apart_rad[i], torque_nm[i], rate[i]];
     (0..apart_rad.len()).map(row).filter(|row| row.iter().all(|x| x.is_finite())).collect()
 }
 
-/// a, b and c by least squares; without c where a torque that never changes leaves no room for it.
+fn low_passed(values: Vec<f64>, lowpass: Option<&LowPass>) -> Vec<f64> {
+    lowpass.map_or_else(|| values.clone(), |lowpass| lowpass.zero_phase(&values))
+}
+
+/// a, b and c of y = a x + b z + c by least squares; without c where an x that never changes leaves no room for it.
 fn fit(rows: &[Row]) -> Option<[f64; 3]> {
     if rows.len() < SAMPLES_MIN {
         return None;
