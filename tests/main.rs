@@ -19,6 +19,7 @@ mod interaction;
 mod load;
 mod log;
 mod model;
+mod motion;
 mod recovery;
 mod reference;
 mod simulate;

@@ -1,7 +1,7 @@
 //! `tautline diagnose`.
 
 use super::interrupt;
-use super::judged::{Judged, campaign_name, model_name};
+use super::judged::{Judged, campaign_for, campaign_name, model_name};
 use super::outcome::Talk;
 use super::progress;
 use crate::diagnose;
@@ -13,10 +13,16 @@ use std::process::ExitCode;
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Examples:
   tautline diagnose data/davinci_l4 --model data/davinci_l4/base_model.json -o diagnosed
-  tautline evaluate data/davinci_l4 --model diagnosed -o judged")]
+  tautline evaluate data/davinci_l4 --model diagnosed -o judged
+  tautline diagnose recorded --model model.json --simulated played -o diagnosed
+                                            what separates a joint from its simulation, in motion too")]
 pub struct Arguments {
     #[command(flatten)]
     judged: Judged,
+    /// A simulator's own log of the same commands, as a campaign: the difference in motion is located and explained too. Trials are
+    /// matched by their logs' names, else by protocol, speed, trajectory and repeat
+    #[arg(long, value_name = "CAMPAIGN")]
+    simulated: Option<PathBuf>,
     /// Folder to write: diagnosis.json, model.json with what was added, report.html, plots/
     #[arg(short, long)]
     output: PathBuf,
@@ -30,9 +36,15 @@ pub struct Arguments {
 
 pub fn run(arguments: &Arguments, talk: &Talk) -> Result<ExitCode> {
     let (campaign, model) = arguments.judged.read()?;
+    let simulated = arguments.simulated.as_ref().map(|path| campaign_for(&model, path)).transpose()?;
     let output = interrupt::output(&arguments.output, arguments.force, DIAGNOSIS_FILES)?;
-    let bar = progress::bar(talk, "reading", campaign.trials.len());
-    let found = diagnose::run(&campaign, &model, &|| progress::step(&bar, "trying causes"));
+    let trials = campaign.trials.len() + simulated.as_ref().map_or(0, |simulated| simulated.trials.len());
+    let bar = progress::bar(talk, "reading", trials);
+    let step = || progress::step(&bar, "trying causes");
+    let found = match &simulated {
+        Some(simulated) => diagnose::beside(&campaign, simulated, &model, &step),
+        None => diagnose::run(&campaign, &model, &step),
+    };
     bar.finish_and_clear();
     let found = found?;
     let (name, model_name) = (campaign_name(&campaign), model_name(&arguments.judged.model_file()));

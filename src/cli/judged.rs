@@ -25,9 +25,14 @@ impl Judged {
     /// Both, read.
     pub fn read(&self) -> Result<(Campaign, Model)> {
         let model = Model::read(&self.model_file())?;
-        let campaign = Campaign::read(&self.campaign)?;
-        Ok((if model.needs_clock() { campaign.with_clock()? } else { campaign }, model))
+        Ok((campaign_for(&model, &self.campaign)?, model))
     }
+}
+
+/// The campaign in `path`, with its clock where `model` goes by it.
+pub fn campaign_for(model: &Model, path: &Path) -> Result<Campaign> {
+    let campaign = Campaign::read(path)?;
+    if model.needs_clock() { campaign.with_clock() } else { Ok(campaign) }
 }
 
 /// What reports call the campaign: its folder's name, whatever the path that led there.

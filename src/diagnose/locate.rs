@@ -17,7 +17,7 @@ const WINDOW_SHARE: f64 = 0.7;
 /// A constant that accounts for this share of what any quantity does leaves nothing to locate.
 const FLAT: f64 = 0.85;
 /// Regions below this share are not told.
-const SHARE_MIN: f64 = 0.03;
+pub(super) const SHARE_MIN: f64 = 0.03;
 
 /// A region of the gap.
 #[derive(Debug, Clone, PartialEq)]
@@ -35,11 +35,13 @@ pub struct Place {
 }
 
 /// One quantity over all rows.
-struct Quantity {
-    region: Region,
-    values: Vec<f64>,
+pub(super) struct Quantity {
+    /// Where a gap lies that follows it.
+    pub region: Region,
+    /// In SI.
+    pub values: Vec<f64>,
     /// For people: what it is, its unit, and what one of the unit is.
-    means: (&'static str, &'static str, f64),
+    pub means: (&'static str, &'static str, f64),
 }
 
 /// The regions of `residual_nm`, by share.
@@ -50,7 +52,8 @@ pub fn locate(bench: &Bench<'_>, ground: &Ground, residual_nm: &[f64], bursts: &
     };
     let whole = excess(&mut (0..residual_nm.len())).max(f64::MIN_POSITIVE);
     let sign = signs(bench, ground);
-    let survey = Survey { bench, residual_nm, sign: &sign, whole, floor_square };
+    let rows_per_independent = bench.records.rows_per_independent;
+    let survey = Survey { rows_per_independent, residual: residual_nm, sign: &sign, whole, floor_square };
     let mut in_burst = vec![false; residual_nm.len()];
     bursts.iter().for_each(|burst| in_burst[burst.rows.clone()].fill(true));
     let mut found: Vec<Place> = quantities(bench).iter().filter_map(|quantity| survey.place(quantity)).collect();
@@ -136,25 +139,31 @@ fn quantities(bench: &Bench<'_>) -> Vec<Quantity> {
     all
 }
 
-struct Survey<'s> {
-    bench: &'s Bench<'s>,
-    residual_nm: &'s [f64],
-    sign: &'s [f64],
-    whole: f64,
-    floor_square: f64,
+/// What a gap is held against, quantity by quantity.
+pub(super) struct Survey<'s> {
+    /// Compared rows per independent one.
+    pub rows_per_independent: f64,
+    /// The gap at each row: N m, or rad.
+    pub residual: &'s [f64],
+    /// The sign of the motion at each row, -1 to 1.
+    pub sign: &'s [f64],
+    /// Its energy above the floor: the sum of squares.
+    pub whole: f64,
+    /// The floor's square.
+    pub floor_square: f64,
 }
 
 impl Survey<'_> {
     /// Share of the energy that one constant and one change with the direction account for.
     fn constant(&self) -> f64 {
-        self.explained(&vec![0; self.residual_nm.len()], 1)
+        self.explained(&vec![0; self.residual.len()], 1)
     }
 
     /// Share of the energy that means over bins, with and without the sign, account for.
     fn explained(&self, bins: &[usize], count: usize) -> f64 {
         // r = a + b s in each bin, by least squares.
         let mut sums = vec![[0.0; 6]; count];
-        for ((bin, r), s) in bins.iter().zip(self.residual_nm).zip(self.sign) {
+        for ((bin, r), s) in bins.iter().zip(self.residual).zip(self.sign) {
             let sum = &mut sums[*bin];
             for (slot, x) in sum.iter_mut().zip([1.0, *s, s * s, *r, r * s, r * r]) {
                 *slot += x;
@@ -177,18 +186,20 @@ impl Survey<'_> {
             }
         }
         // So many means take their part of pure noise, too.
-        let noise = used * self.bench.records.rows_per_independent * self.floor_square;
+        let noise = used * self.rows_per_independent * self.floor_square;
         ((explained - noise) / self.whole).clamp(0.0, 1.0)
     }
 
-    fn place(&self, quantity: &Quantity) -> Option<Place> {
+    /// What follows `quantity`, and within what bounds most of the gap stands; none of a quantity that never changes.
+    /// `rmse_nm` has the gap's unit.
+    pub fn place(&self, quantity: &Quantity) -> Option<Place> {
         let corners = corners(&quantity.values)?;
         let bins: Vec<usize> =
             quantity.values.iter().map(|x| corners.partition_point(|c| c <= x).min(BINS - 1)).collect();
         let share_of_gap = self.explained(&bins, BINS);
         let mut energy = [0.0; BINS];
         let mut count = [0usize; BINS];
-        for (bin, r) in bins.iter().zip(self.residual_nm) {
+        for (bin, r) in bins.iter().zip(self.residual) {
             energy[*bin] += (r * r - self.floor_square).max(0.0);
             count[*bin] += 1;
         }
@@ -206,7 +217,7 @@ impl Survey<'_> {
             detail,
             share_of_gap,
             share_of_samples: count[from..=to].iter().sum::<usize>() as f64 / bins.len().max(1) as f64,
-            rmse_nm: rms((0..bins.len()).filter(inside).map(|i| self.residual_nm[i])),
+            rmse_nm: rms((0..bins.len()).filter(inside).map(|i| self.residual[i])),
         })
     }
 }
@@ -238,7 +249,7 @@ fn bounds(values: &[f64], bins: &[usize], from: usize, to: usize) -> (f64, f64) 
     inside.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| (low.min(x), high.max(x)))
 }
 
-fn rms(values: impl Iterator<Item = f64>) -> f64 {
+pub(super) fn rms(values: impl Iterator<Item = f64>) -> f64 {
     let (sum, count) = values.fold((0.0, 0usize), |(sum, count), x| (sum + x * x, count + 1));
     (sum / count.max(1) as f64).sqrt()
 }

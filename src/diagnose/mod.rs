@@ -13,6 +13,7 @@ mod floor;
 mod gram;
 mod interval;
 mod locate;
+mod motion;
 mod moves;
 mod parameters;
 mod parts;
@@ -24,6 +25,7 @@ pub use candidates::Cause;
 pub use floor::{Floor, FloorSource};
 pub use interval::Shrink;
 pub use locate::Place;
+pub use motion::{Follows, MotionGap, MotionPlace, MotionTrial, beside};
 pub use parameters::Fitted;
 pub use verdict::{Kind, Verdict, signature};
 
@@ -66,6 +68,8 @@ pub struct Diagnosis {
     pub views: Vec<View>,
     /// What was held out in turn: "trials" or "motion cycles".
     pub held_out: &'static str,
+    /// What separates the recordings in motion from a simulator's log of the same commands, where there is one.
+    pub motion: Option<MotionGap>,
     /// What to distrust.
     pub warnings: Vec<String>,
 }
@@ -226,6 +230,7 @@ pub fn run(campaign: &Campaign, model: &Model, progress: &(dyn Fn() + Sync)) -> 
         gap,
         verdict,
         held_out: parts.held_out,
+        motion: None,
         warnings,
     })
 }

@@ -1,5 +1,6 @@
 //! `diagnosis.json`.
 
+use super::motion;
 use crate::diagnose::{Candidate, Cause, Diagnosis, Kind, Place, Shrink};
 use serde_json::{Map, Value, json};
 
@@ -34,6 +35,7 @@ pub fn to_json(found: &Diagnosis, campaign: &str, model: &str) -> Value {
         "contacts": found.contacts.iter().map(|c| json!({
             "file": c.file, "from_s": c.from_s, "to_s": c.to_s, "peak_nm": c.peak_nm,
         })).collect::<Vec<Value>>(),
+        "motion": found.motion.as_ref().map(motion::to_json),
         "held_out": found.held_out,
         "warnings": found.warnings,
         "provenance": { "tautline": env!("CARGO_PKG_VERSION"), "campaign": campaign, "model": model },

@@ -5,10 +5,12 @@
 //! | `json` | `diagnosis.json` |
 //! | `words`, `next` | the verdict and its grounds in sentences; what to do next |
 //! | `names`, `parameters` | what causes, regions and fitted numbers are called |
+//! | `motion` | the gap in motion, in each of these |
 //! | `terminal` | the summary |
 //! | `page`, `tables` | the page |
 
 mod json;
+pub mod motion;
 pub mod names;
 mod next;
 mod page;

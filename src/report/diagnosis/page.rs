@@ -56,6 +56,10 @@ fn cards(found: &Diagnosis) -> Vec<Card> {
         let note = format!("held out; shrinks by {}", shrink(verdict.shrink));
         all.push(card("gap with what was found", units.torque(verdict.gap_after_nm), note));
     }
+    if let Some(motion) = &found.motion {
+        let (name, value, note) = super::motion::card(motion, found.before.joint.kind);
+        all.push(Card { name, value, note });
+    }
     all.push(card("floor", units.torque(gap.floor.rms_nm), source.to_string()));
     all.push(card("verdict", percent(verdict.confidence), "of the resamplings agree".to_string()));
     all

@@ -29,6 +29,7 @@ pub fn write_summary(out: &mut impl Write, found: &Diagnosis, campaign: &str, wr
     gap(out, found)?;
     places(out, found)?;
     candidates(out, found)?;
+    motion(out, found)?;
     heading(out, "What to do next")?;
     next_steps(found).iter().try_for_each(|step| writeln!(out, "  {}", wrapped(step, 2)))?;
     distrust(out, &found.warnings)?;
@@ -52,6 +53,14 @@ fn gap(out: &mut impl Write, found: &Diagnosis) -> io::Result<()> {
     }
     row("floor", gap.floor.rms_nm, floor_source(gap.floor.source).to_string())?;
     writeln!(out, "  {:<24} {:>12}  {DIM}of the resamplings agree{DIM:#}", "verdict", percent(verdict.confidence))
+}
+
+/// The gap in motion, where a simulator's log was compared.
+fn motion(out: &mut impl Write, found: &Diagnosis) -> io::Result<()> {
+    let Some(gap) = &found.motion else { return Ok(()) };
+    heading(out, "Beside the simulator's log")?;
+    let lines = super::motion::lines(gap, found.before.joint.kind);
+    lines.iter().try_for_each(|line| writeln!(out, "  {}", wrapped(line, 2)))
 }
 
 fn places(out: &mut impl Write, found: &Diagnosis) -> io::Result<()> {

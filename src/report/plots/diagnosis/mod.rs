@@ -3,6 +3,7 @@
 mod budget;
 mod candidates;
 mod map;
+pub mod motion;
 mod places;
 mod residual_position;
 mod residual_time;
@@ -30,8 +31,14 @@ pub fn drawings(found: &Diagnosis) -> Drawn<Vec<Drawing>> {
         places::draw(found)?,
         residual_time::draw(found)?,
         residual_position::draw(found)?,
+        motion_of(found)?,
     ];
     Ok(all.into_iter().flatten().collect())
+}
+
+/// The gap in motion, where a simulator's log was compared.
+fn motion_of(found: &Diagnosis) -> Drawn<Option<Drawing>> {
+    found.motion.as_ref().map_or(Ok(None), |gap| motion::draw(gap, found.before.joint.kind))
 }
 
 /// The residual of one trial under one model.
