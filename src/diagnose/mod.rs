@@ -14,6 +14,7 @@ mod gram;
 mod interval;
 mod locate;
 mod moves;
+mod next;
 mod parameters;
 mod parts;
 mod record;
@@ -24,6 +25,7 @@ pub use candidates::Cause;
 pub use floor::{Floor, FloorSource};
 pub use interval::Shrink;
 pub use locate::Place;
+pub use next::{BlindSpot, NextExperiment};
 pub use parameters::Fitted;
 pub use verdict::{Kind, Verdict};
 
@@ -68,6 +70,10 @@ pub struct Diagnosis {
     pub held_out: &'static str,
     /// What to distrust.
     pub warnings: Vec<String>,
+    /// What to record next, if that would say more.
+    pub next: Option<NextExperiment>,
+    /// What the recordings cannot show at all.
+    pub blind_spots: Vec<BlindSpot>,
 }
 
 /// The gap over all samples that are judged, low-passed, N m.
@@ -200,6 +206,15 @@ pub fn run(campaign: &Campaign, model: &Model, progress: &(dyn Fn() + Sync)) -> 
     };
     let evidence = scene.evidence(&draws, floor.rms_nm);
     let verdict = verdict::verdict(&bench, &choice, &evidence);
+    let situation = next::Situation {
+        bench: &bench,
+        campaign,
+        ground: &ground,
+        found: &choice.found,
+        verdict: &verdict,
+        floor_nm: floor.rms_nm,
+    };
+    let (next, blind_spots) = situation.propose();
     let delivered = mean(&evidence.delivered, &evidence.rows);
     let floor_square = floor.rms_nm * floor.rms_nm;
     let gap = Gap {
@@ -220,6 +235,8 @@ pub fn run(campaign: &Campaign, model: &Model, progress: &(dyn Fn() + Sync)) -> 
         verdict,
         held_out: parts.held_out,
         warnings,
+        next,
+        blind_spots,
     })
 }
 
