@@ -15,6 +15,7 @@ mod interval;
 mod locate;
 mod motion;
 mod moves;
+mod next;
 mod parameters;
 mod parts;
 mod record;
@@ -26,6 +27,7 @@ pub use floor::{Floor, FloorSource};
 pub use interval::Shrink;
 pub use locate::Place;
 pub use motion::{Follows, MotionGap, MotionPlace, MotionTrial, beside};
+pub use next::{BlindSpot, NextExperiment};
 pub use parameters::Fitted;
 pub use verdict::{Kind, Verdict, signature};
 
@@ -72,6 +74,10 @@ pub struct Diagnosis {
     pub motion: Option<MotionGap>,
     /// What to distrust.
     pub warnings: Vec<String>,
+    /// What to record next, if that would say more.
+    pub next: Option<NextExperiment>,
+    /// What the recordings cannot show at all.
+    pub blind_spots: Vec<BlindSpot>,
 }
 
 /// The gap over all samples that are judged, low-passed, N m.
@@ -211,6 +217,15 @@ pub fn run(campaign: &Campaign, model: &Model, progress: &(dyn Fn() + Sync)) -> 
     };
     let evidence = scene.evidence(&draws, floor.rms_nm);
     let verdict = verdict::verdict(&bench, &choice, &evidence);
+    let situation = next::Situation {
+        bench: &bench,
+        campaign,
+        ground: &ground,
+        found: &choice.found,
+        verdict: &verdict,
+        floor_nm: floor.rms_nm,
+    };
+    let (next, blind_spots) = situation.propose();
     let delivered = mean(&evidence.delivered, &evidence.rows);
     let floor_square = floor.rms_nm * floor.rms_nm;
     let gap = Gap {
@@ -232,6 +247,8 @@ pub fn run(campaign: &Campaign, model: &Model, progress: &(dyn Fn() + Sync)) -> 
         held_out: parts.held_out,
         motion: None,
         warnings,
+        next,
+        blind_spots,
     })
 }
 

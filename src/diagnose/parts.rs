@@ -39,6 +39,11 @@ impl Parts {
         self.units.iter().map(|unit| used[unit.clone()].iter().filter(|used| **used).count()).collect()
     }
 
+    /// `rows` that are all one.
+    pub fn whole(rows: usize) -> Self {
+        Self { units: vec![0..rows], fold: vec![0], record: vec![0], cluster: vec![0], held_out: "" }
+    }
+
     /// Of `records`.
     pub fn new(records: &Records) -> Self {
         let by_trial = records.all.iter().filter(|record| !record.rows.is_empty()).count() >= TRIALS_MIN;

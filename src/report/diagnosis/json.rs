@@ -25,7 +25,8 @@ pub fn to_json(found: &Diagnosis, campaign: &str, model: &str) -> Value {
             "gap_before_nm": verdict.gap_before_nm,
             "gap_after_nm": verdict.gap_after_nm,
         },
-        "next_experiment": null,
+        "next_experiment": super::experiment::next_json(found),
+        "blind_spots": super::experiment::blind_json(found),
         "budget": {
             "floor": found.budget.floor,
             "within_confidence": found.budget.within_confidence,

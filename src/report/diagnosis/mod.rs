@@ -6,9 +6,11 @@
 //! | `words`, `next` | the verdict and its grounds in sentences; what to do next |
 //! | `names`, `parameters` | what causes, regions and fitted numbers are called |
 //! | `motion` | the gap in motion, in each of these |
+//! | `experiment` | the next experiment: its file, its words |
 //! | `terminal` | the summary |
 //! | `page`, `tables` | the page |
 
+mod experiment;
 mod json;
 pub mod motion;
 pub mod names;
@@ -38,6 +40,7 @@ pub const DIAGNOSIS_FILES: &[&str] =
 pub fn write_diagnosis(found: &Diagnosis, campaign: &str, model: &str, output: &Output, png: bool) -> Result<()> {
     output.write("diagnosis.json", json_text(&to_json(found, campaign, model)))?;
     output.write("model.json", json_text(&found.after.to_json()))?;
+    experiment::next_toml(found).map_or(Ok(()), |text| output.write(experiment::FILE, text))?;
     let drawings = plots::diagnosis::drawings(found).or_else(|error| unmade(output, "plots", error))?;
     page::page(found, campaign, model, drawings, plots::diagnosis::LEADING).write(output, png)
 }

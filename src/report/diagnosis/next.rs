@@ -1,12 +1,20 @@
 //! What to do next.
 
+use super::experiment::sentences;
 use super::names::{family, means, place};
 use crate::diagnose::{Cause, Diagnosis, Kind, signature};
 use crate::effects::{Family, Region};
 
 /// What to do next, a sentence each, the first thing first.
 pub fn next_steps(found: &Diagnosis) -> Vec<String> {
+    let mut steps = by_verdict(found);
+    steps.extend(sentences(found));
+    steps
+}
+
+fn by_verdict(found: &Diagnosis) -> Vec<String> {
     match found.verdict.kind {
+        Kind::Ambiguous if found.next.is_some() => Vec::new(),
         Kind::None => vec![
             "Keep the model. To look closer, lower the floor (more repeats, less noise) or record motions that these trials \
              do not hold."

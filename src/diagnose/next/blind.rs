@@ -1,0 +1,195 @@
+//! What the recordings cannot show at all, whatever the joint has: causes that they hide.
+
+use super::motions::Motion;
+use super::words;
+use crate::diagnose::fit::{Bench, Ground};
+use crate::numerics::statistics::{extent, quantile, root_mean_square};
+use crate::trajectory::Trajectory;
+
+/// A load is one load if it varies by less than this share of its size, or by less than so many floors at the winch.
+const LOAD_SHARE: f64 = 0.25;
+const LOAD_FLOORS: f64 = 2.0;
+/// Speeds are one speed if the 90th percentile is less than so many times the 10th.
+const SPEED_RATIO: f64 = 1.5;
+/// A revolute joint that moves less, rad (30 deg), shows functions of position as straight lines.
+const WAY_RAD: f64 = std::f64::consts::FRAC_PI_6;
+/// A shorter campaign shows neither drift nor warm-up, s.
+const CAMPAIGN_S: f64 = 240.0;
+/// A delay that matters, s: its torque error must reach the floor to be seen.
+const DELAY_S: f64 = 0.02;
+/// Radius of gyration of a limb, m, where the model has no inertia: what its weight's arm would be.
+const ARM_M: f64 = 0.3;
+/// Another joint that stays within this, rad, does not move.
+const STILL_RAD: f64 = 0.02;
+/// Share of the range that counts as a reversal.
+const REVERSAL_SHARE: f64 = 0.02;
+
+/// Something that the excitation lacks.
+#[derive(Debug, Clone, PartialEq)]
+pub struct BlindSpot {
+    /// What it is: "one load only (0.41 to 0.44 N m at the joint)".
+    pub what: String,
+    /// Causes that cannot show.
+    pub hides: Vec<&'static str>,
+    /// What would show them.
+    pub advice: String,
+    /// The motion that would, where one does.
+    pub trajectory: Option<Trajectory>,
+}
+
+/// What `bench`'s recordings hide, of all `motions` the one that shows it.
+pub fn blind_spots(bench: &Bench<'_>, ground: &Ground, motions: &[Motion]) -> Vec<BlindSpot> {
+    let sight = Sight { bench, ground, motions };
+    [sight.load(), sight.reversal(), sight.speed(), sight.way(), sight.pace(), sight.time(), sight.other()]
+        .into_iter()
+        .flatten()
+        .collect()
+}
+
+struct Sight<'s> {
+    bench: &'s Bench<'s>,
+    ground: &'s Ground,
+    motions: &'s [Motion],
+}
+
+impl Sight<'_> {
+    /// A spot that `motion` would light, or what `otherwise` says.
+    fn spot(&self, what: String, hides: &[&'static str], motion: &str, otherwise: &str) -> Option<BlindSpot> {
+        let found = self.motions.iter().find(|m| m.trajectory.name == motion);
+        let advice = match found {
+            Some(motion) => words::record(motion, super::REPEATS_MIN, &self.bench.extent),
+            None => otherwise.to_string(),
+        };
+        let trajectory = found.map(|m| Trajectory { repeats: Some(super::REPEATS_MIN), ..m.trajectory.clone() });
+        Some(BlindSpot { what, hides: hides.to_vec(), advice, trajectory })
+    }
+
+    fn load(&self) -> Option<BlindSpot> {
+        let model = &self.ground.model;
+        let mut loads = self.bench.records.rows(|record, i| record.load_nm(i, model));
+        let (low, high) = (quantile(&mut loads, 0.02), quantile(&mut loads, 0.98));
+        let limit = (LOAD_SHARE * low.abs().max(high.abs()))
+            .max(LOAD_FLOORS * self.bench.floor_nm / model.joint.transmission());
+        if high - low > limit {
+            return None;
+        }
+        let unit = if self.bench.extent.turns { "N m" } else { "N" };
+        let weighs = model.chain.is_some() || (self.bench.extent.turns && model.dynamics.gravity_nm != 0.0);
+        self.spot(
+            format!("one load only ({low:.3} to {high:.3} {unit} at the joint): load dependence cannot be shown"),
+            &["load_dependent_friction", "load_coefficient", "sensor_gain", "cable_elasticity", "gravity"],
+            if weighs { "wide_slow_sweeps" } else { "" },
+            "Record the same motion again with a second, known load",
+        )
+    }
+
+    fn reversal(&self) -> Option<BlindSpot> {
+        let (low, high) = self.bench.extent.position_rad;
+        let limit = REVERSAL_SHARE * (high - low);
+        let turns = |record: &super::super::record::Record| {
+            let travel = record.travel_rad();
+            record.rows.windows(2).any(|pair| travel[pair[0]] - travel[pair[1]] > limit)
+        };
+        if self.bench.records.all.iter().any(turns) {
+            return None;
+        }
+        self.spot(
+            "no reversal: what happens after one cannot be shown".to_string(),
+            &["reversal_transition", "presliding", "backlash_width"],
+            "small_reversals",
+            "Record motion back and forth",
+        )
+    }
+
+    fn speed(&self) -> Option<BlindSpot> {
+        let (_, fastest) = self.bench.extent.speed_rad_s;
+        let speeds = self.bench.records.rows(|record, i| record.own[i].velocity.abs());
+        let mut moving: Vec<f64> = speeds.into_iter().filter(|v| *v > 0.05 * fastest).collect();
+        let (slow, fast) = (quantile(&mut moving, 0.1), quantile(&mut moving, 0.9));
+        if fast > SPEED_RATIO * slow {
+            return None;
+        }
+        self.spot(
+            format!(
+                "one speed only ({fast:.3} {}): dependence on speed cannot be shown",
+                words::speed(&self.bench.extent)
+            ),
+            &["stribeck", "quadratic_viscous", "viscous", "stribeck_level"],
+            "sweeps",
+            "Record at several speeds",
+        )
+    }
+
+    fn way(&self) -> Option<BlindSpot> {
+        let (low, high) = self.bench.extent.position_rad;
+        if !self.bench.extent.turns || high - low > WAY_RAD {
+            return None;
+        }
+        let range = words::range(&self.bench.extent, (low, high));
+        self.spot(
+            format!("a short way only ({range}): functions of position look like straight lines"),
+            &["gravity_phase", "elastic_spring", "gravity", "end_stop", "torque_ripple", "friction_ripple"],
+            "wide_sweeps",
+            "Record a wider range",
+        )
+    }
+
+    /// Neither inertia nor a delay changes the torque by the floor.
+    fn pace(&self) -> Option<BlindSpot> {
+        let (bench, model) = (self.bench, &self.ground.model);
+        let inertia = match model.dynamics.inertia_kg_m2 {
+            known if known > 0.0 => known,
+            _ => model.dynamics.gravity_nm.abs() * ARM_M / crate::dynamics::GRAVITY_M_S2,
+        };
+        let asks = bench.records.rows(|record, i| model.joint.transmission() * inertia * record.own[i].acceleration);
+        let steps = bench.records.all.iter().zip(&bench.records.ranges).flat_map(|(record, range)| {
+            let row_s = record.rows.get(1).map_or(1.0, |next| (next - record.rows[0]) as f64 / record.rate_hz);
+            let of_record = &bench.measured_nm[range.clone()];
+            of_record.windows(2).map(move |y| (y[1] - y[0]) / row_s).collect::<Vec<f64>>()
+        });
+        let late = DELAY_S * root_mean_square(&steps.collect::<Vec<f64>>());
+        let (blind_inertia, blind_delay) =
+            (model.chain.is_none() && root_mean_square(&asks) < bench.floor_nm / 2.0, late < bench.floor_nm / 2.0);
+        let hides: Vec<&'static str> =
+            [("inertia", blind_inertia), ("time_delay", blind_delay)].iter().filter(|x| x.1).map(|x| x.0).collect();
+        if hides.is_empty() {
+            return None;
+        }
+        let what = format!("no fast motion: {} hardly reaches the noise floor", words::listed(&hides));
+        self.spot(what, &hides, "fast_cosines", "Record faster motion")
+    }
+
+    fn time(&self) -> Option<BlindSpot> {
+        let whole_s = self.bench.extent.campaign_s;
+        if whole_s > CAMPAIGN_S {
+            return None;
+        }
+        self.spot(
+            format!("{whole_s:.0} s in all: what takes minutes cannot be shown"),
+            &["sensor_drift", "warm_up"],
+            "long_dwells",
+            "Record for some minutes",
+        )
+    }
+
+    fn other(&self) -> Option<BlindSpot> {
+        let others = others_rad(self.bench);
+        let what = match others.is_empty() {
+            true => "no other joint is recorded",
+            false if others.iter().all(|(low, high)| high - low < STILL_RAD) => "no other joint moves",
+            false => return None,
+        };
+        self.spot(
+            format!("{what}: what another joint does to this one cannot be shown"),
+            &["joint_coupling"],
+            "other_1_alone",
+            "Where another joint's cables pass this one, record its position too (other_position), moving alone",
+        )
+    }
+}
+
+/// Lowest and highest position of every other joint, rad.
+pub fn others_rad(bench: &Bench<'_>) -> Vec<(f64, f64)> {
+    let of = |joint: usize| extent(&bench.records.rows(|record, i| record.other(joint, i).position));
+    (0..bench.records.others()).map(of).collect()
+}

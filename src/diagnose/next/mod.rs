@@ -1,0 +1,192 @@
+//! The experiment that would say more: a motion along which rivals differ most, or one that shows what the recordings hide.
+
+mod blind;
+mod motions;
+mod stage;
+mod words;
+
+pub use blind::BlindSpot;
+
+use super::candidates::Cause;
+use super::choose::Found;
+use super::fit::{Bench, Ground};
+use super::verdict::{Kind, Verdict};
+use crate::log::Campaign;
+use crate::numerics::filter::LowPass;
+use crate::numerics::statistics::mean;
+use crate::trajectory::Trajectory;
+use motions::{Beyond, Motion, Reach, duration_s};
+use rayon::prelude::*;
+use stage::{Rival, Stage};
+
+/// Fewest and most repeats that are asked for: a floor needs some, a person has no time for more.
+const REPEATS_MIN: u32 = 3;
+const REPEATS_MAX: u32 = 20;
+/// Rivals that differ by less than this share of the floor along the best motion ...
+const APART_FLOORS: f64 = 0.3;
+/// ... or by less than this share of the gap, are not told apart by motion: the verdict would tie again.
+const APART_GAPS: f64 = 0.04;
+/// A decision is clear if it exceeds its own error so many times.
+const CLEAR_ERRORS: f64 = 3.0;
+/// A motion beyond what was recorded must show so many times as much to be proposed.
+const WORTH_BEYOND: f64 = 1.5;
+
+/// What to record next.
+#[derive(Debug, Clone, PartialEq)]
+pub struct NextExperiment {
+    /// Why, in a sentence.
+    pub reason: String,
+    /// The motion, with its repeats; nothing where no motion helps.
+    pub trajectory: Option<Trajectory>,
+    /// The causes that it tells apart, or shows.
+    pub separates: Vec<&'static str>,
+    /// How far the two that are closest lie apart along it, root mean square, N m.
+    pub difference_nm: Option<f64>,
+    /// The same in noise floors.
+    pub difference_over_floor: Option<f64>,
+    /// What to do.
+    pub instruction: String,
+}
+
+/// What a proposal is drawn from.
+pub struct Situation<'s> {
+    pub bench: &'s Bench<'s>,
+    pub campaign: &'s Campaign,
+    /// The base within its confidence, on which the rivals were fitted.
+    pub ground: &'s Ground,
+    pub found: &'s [Found],
+    pub verdict: &'s Verdict,
+    pub floor_nm: f64,
+}
+
+impl Situation<'_> {
+    /// The next experiment, if one would say more, and what the recordings hide.
+    pub fn propose(&self) -> (Option<NextExperiment>, Vec<BlindSpot>) {
+        let reach = Reach::of(&self.bench.extent, blind::others_rad(self.bench));
+        let motions = reach.map_or_else(Vec::new, |reach| reach.motions(self.bench.extent.turns));
+        let spots = blind::blind_spots(self.bench, self.ground, &motions);
+        let next = match (self.verdict.kind, self.found) {
+            (Kind::Ambiguous, [found]) => Some(self.between(&self.rivals(found), &motions)),
+            (Kind::None | Kind::Unknown, _) => advice(&spots),
+            _ => None,
+        };
+        (next, spots)
+    }
+
+    /// The cause that was taken and those that do as well, each in its best way.
+    fn rivals(&self, found: &Found) -> Vec<Rival> {
+        let is_taken = |cause: Cause, how: &str| cause == found.cause && how == found.how;
+        let taken = found.tried.iter().find(|t| is_taken(t.cause, t.how));
+        let others = found.rivals.iter().filter_map(|rival| found.tried.iter().find(|t| t.cause == *rival));
+        taken.into_iter().chain(others).map(|tried| Rival::new(tried, self.ground)).collect()
+    }
+
+    /// The motion that tells `rivals` apart.
+    fn between(&self, rivals: &[Rival], motions: &[Motion]) -> NextExperiment {
+        let names: Vec<&'static str> = rivals.iter().map(|rival| rival.name).collect();
+        let pairs: Vec<(usize, usize)> =
+            (0..rivals.len()).flat_map(|a| (a + 1..rivals.len()).map(move |b| (a, b))).collect();
+        let apart = self.apart_nm(rivals, &pairs, motions);
+        let limit_nm = (APART_FLOORS * self.floor_nm).max(APART_GAPS * self.verdict.gap_before_nm);
+        let best = |pair: usize| apart.iter().map(|of| of[pair]).fold(0.0, f64::max);
+        let (open, tied): (Vec<usize>, Vec<usize>) = (0..pairs.len()).partition(|pair| best(*pair) > limit_nm);
+        let of = |chosen: &[usize]| -> Vec<&'static str> {
+            let is_in = |i: usize| chosen.iter().any(|pair| pairs[*pair].0 == i || pairs[*pair].1 == i);
+            (0..names.len()).filter(|i| is_in(*i)).map(|i| names[i]).collect()
+        };
+        let closest = |at: usize| open.iter().map(|pair| apart[at][*pair]).fold(f64::INFINITY, f64::min);
+        let worth = |at: usize| match motions[at].beyond {
+            Beyond::Nothing => closest(at),
+            Beyond::Speed | Beyond::Range => closest(at) / WORTH_BEYOND,
+        };
+        let chosen = (0..motions.len()).filter(|_| !open.is_empty()).max_by(|a, b| worth(*a).total_cmp(&worth(*b)));
+        let Some(chosen) = chosen else { return self.by_hand(&names) };
+        self.proposal(&motions[chosen], closest(chosen), &of(&open), &of(&tied))
+    }
+
+    /// How far apart each pair is along each motion, N m.
+    fn apart_nm(&self, rivals: &[Rival], pairs: &[(usize, usize)], motions: &[Motion]) -> Vec<Vec<f64>> {
+        let Some(stage) = self.stage() else { return vec![vec![0.0; pairs.len()]; motions.len()] };
+        let along = |motion: &Motion| {
+            let foretold: Vec<_> = rivals.iter().map(|rival| stage.foretold(rival, &motion.trajectory)).collect();
+            pairs.iter().map(|(a, b)| stage.apart_nm(&foretold[*a], &foretold[*b])).collect()
+        };
+        motions.par_iter().with_max_len(1).map(along).collect()
+    }
+
+    fn stage(&self) -> Option<Stage<'_>> {
+        let signal = &self.campaign.signal;
+        let records = self.bench.records;
+        let rate_hz = records.all.first()?.rate_hz;
+        let model = &self.ground.model;
+        let gravity = |own: f64| model.dynamics.gravity_nm(model.joint.kind, own);
+        let loads = records.rows(|record, i| {
+            let inertia = model.dynamics.inertia_kg_m2 * record.own[i].acceleration;
+            record.load_nm(i, model) - gravity(record.own[i].position) - inertia
+        });
+        let chain = self.campaign.arm.as_ref().map(|arm| &arm.chain);
+        Some(Stage {
+            chain,
+            rate_hz,
+            lowpass: LowPass::new(signal.lowpass_order, signal.lowpass_hz, rate_hz)?,
+            lowpass_hz: signal.lowpass_hz,
+            floor_nm: self.floor_nm,
+            // A chain's share cannot be told from a measured load's here; the chain itself is on the stage.
+            load_nm: if chain.is_some() { 0.0 } else { mean(&loads) },
+        })
+    }
+
+    fn proposal(&self, motion: &Motion, apart_nm: f64, open: &[&'static str], tied: &[&'static str]) -> NextExperiment {
+        let floors = apart_nm / self.floor_nm;
+        let independent = 2.0 * self.campaign.signal.lowpass_hz * duration_s(&motion.trajectory.own);
+        // The squares left by two rivals d apart differ by N d^2 with an error of 2 d floor sqrt(N).
+        let needed = (2.0 * CLEAR_ERRORS / floors).powi(2) / independent.max(1.0);
+        let repeats = (needed.ceil().min(f64::from(REPEATS_MAX)) as u32).max(REPEATS_MIN);
+        let mut reason = format!(
+            "{} explain these recordings equally well; along {} they differ by {:.1} mN m even at their best, {floors:.1} noise floors",
+            words::listed(open),
+            motion.means,
+            1e3 * apart_nm
+        );
+        let mut instruction = words::record(motion, repeats, &self.bench.extent);
+        if !tied.is_empty() {
+            reason.push_str(&format!("; no motion tells {} apart", words::listed(tied)));
+            instruction = format!("{instruction}. {}", words::checks(tied));
+        }
+        NextExperiment {
+            reason,
+            trajectory: Some(Trajectory { repeats: Some(repeats), ..motion.trajectory.clone() }),
+            separates: open.to_vec(),
+            difference_nm: Some(apart_nm),
+            difference_over_floor: floors.is_finite().then_some(floors),
+            instruction,
+        }
+    }
+
+    fn by_hand(&self, names: &[&'static str]) -> NextExperiment {
+        NextExperiment {
+            reason: format!(
+                "{} explain these recordings equally well, and no motion of this joint tells them apart",
+                words::listed(names)
+            ),
+            trajectory: None,
+            separates: names.to_vec(),
+            difference_nm: None,
+            difference_over_floor: None,
+            instruction: words::checks(names),
+        }
+    }
+}
+
+/// A motion that shows what the recordings hide, where nothing else is open.
+fn advice(spots: &[BlindSpot]) -> Option<NextExperiment> {
+    let spot = spots.iter().find(|spot| spot.trajectory.is_some())?;
+    Some(NextExperiment {
+        reason: format!("The recordings cannot show everything: {}", spot.what),
+        trajectory: spot.trajectory.clone(),
+        separates: spot.hides.clone(),
+        difference_nm: None,
+        difference_over_floor: None,
+        instruction: spot.advice.clone(),
+    })
+}

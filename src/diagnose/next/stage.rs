@@ -1,0 +1,134 @@
+//! How differently two refitted rivals foretell a motion that nobody has recorded yet.
+//!
+//! Rival a is taken for the truth along the motion and b is fitted to what it foretells: b's own numbers free, the base within
+//! its confidence. What b cannot follow, root mean square, and the same with the two exchanged: the smaller counts (the
+//! T-optimal design of Atkinson & Fedorov, Biometrika 62:57, 1975, after Hunter & Reiner, Technometrics 7:307, 1965). An exact
+//! tie then shows as next to nothing along every motion.
+
+use super::super::candidates::Tried;
+use super::super::fit::Ground;
+use super::super::gram::{Gram, Prior};
+use super::super::moves::Move;
+use super::super::parts::Parts;
+use crate::dynamics::Chain;
+use crate::effects::{Added, find};
+use crate::model::{Model, settle};
+use crate::numerics::filter::LowPass;
+use crate::simulate::{Course, Sensors, record};
+use crate::trajectory::Trajectory;
+
+/// Rows compared per independent sample: twice what the low-pass lets through.
+const OVERSAMPLING: f64 = 2.0;
+
+/// A rival at its best on the recordings, base and all.
+pub struct Rival {
+    pub name: &'static str,
+    model: Model,
+    /// What of it moves: the base's numbers, within their deviations, then the cause's own.
+    moves: Vec<(Move, f64)>,
+}
+
+impl Rival {
+    pub fn new(tried: &Tried, ground: &Ground) -> Self {
+        let mut model = tried.fit.model.clone();
+        ground.moves.iter().zip(&tried.fit.ground_x).for_each(|(way, x)| way.apply(&mut model, *x));
+        let base = ground.moves.iter().map(|way| (way.clone(), way.prior));
+        let own = tried.fit.moves.iter().map(|way| (way.clone(), way.stride));
+        Self { name: tried.cause.name(), model, moves: base.chain(own).collect() }
+    }
+}
+
+/// What a motion is foretold with.
+pub struct Stage<'c> {
+    pub chain: Option<&'c Chain>,
+    pub rate_hz: f64,
+    pub lowpass: LowPass,
+    pub lowpass_hz: f64,
+    pub floor_nm: f64,
+    /// The measured load, as it was on average, N m at the joint.
+    pub load_nm: f64,
+}
+
+/// A rival along one motion: what it foretells, and how that changes with each of its numbers.
+pub struct Foretold {
+    reading_nm: Vec<f64>,
+    columns: Vec<Vec<f64>>,
+    deviations: Vec<f64>,
+}
+
+impl Stage<'_> {
+    /// Seconds between rows that are compared.
+    fn thinned(&self) -> usize {
+        ((self.rate_hz / (2.0 * OVERSAMPLING * self.lowpass_hz)) as usize).max(1)
+    }
+
+    /// `rival` along `trajectory`.
+    pub fn foretold(&self, rival: &Rival, trajectory: &Trajectory) -> Foretold {
+        let position_rad = trajectory.positions_rad(self.rate_hz);
+        let samples = position_rad.len();
+        let other = |path: &crate::trajectory::Path| {
+            let mut positions_rad = path.positions_rad(self.rate_hz);
+            positions_rad.resize(samples, path.end_rad());
+            positions_rad
+        };
+        let others_rad = trajectory.others.iter().map(other).collect();
+        let course = Course { position_rad, others_rad, ..Course::default() };
+        let joint = &rival.model.joint;
+        let (_, known_from) = settle(&course.position_rad, rival.model.backlash_m() / joint.pulley_radius_m, 0.0);
+        let reading_nm = self.reading_nm(&rival.model, &course, known_from);
+        let column = |(way, _): &(Move, f64)| {
+            let mut moved = rival.model.clone();
+            way.apply(&mut moved, way.probe);
+            let ahead = self.reading_nm(&moved, &course, known_from);
+            ahead.iter().zip(&reading_nm).map(|(a, y)| (a - y) / way.probe).collect()
+        };
+        let columns = rival.moves.iter().map(column).collect();
+        Foretold { columns, deviations: rival.moves.iter().map(|(_, deviation)| *deviation).collect(), reading_nm }
+    }
+
+    fn reading_nm(&self, model: &Model, course: &Course, from: usize) -> Vec<f64> {
+        let exact = Sensors { torque_noise_nm: 0.0, encoder_counts: 0.0 };
+        let loaded = self.loaded(model);
+        let torque_nm = record(loaded.as_ref().unwrap_or(model), self.chain, course, self.rate_hz, exact, 0).torque_nm;
+        let filtered = self.lowpass.zero_phase(&torque_nm);
+        filtered.into_iter().skip(from).step_by(self.thinned()).collect()
+    }
+
+    /// `model` under the measured load: a spring without stiffness adds the same at the joint.
+    fn loaded(&self, model: &Model) -> Option<Model> {
+        let effect = find("elastic_spring").filter(|_| self.load_nm != 0.0)?;
+        let mut loaded = model.clone();
+        loaded.effects.push(Added { effect, parameters: vec![0.0, self.load_nm] });
+        Some(loaded)
+    }
+
+    /// What two rivals cannot make up for between them, root mean square, N m.
+    pub fn apart_nm(&self, a: &Foretold, b: &Foretold) -> f64 {
+        self.left_nm(a, b).min(self.left_nm(b, a))
+    }
+
+    /// What `b`, its numbers free, leaves of `a`.
+    fn left_nm(&self, a: &Foretold, b: &Foretold) -> f64 {
+        // The two may know friction's state from different samples on; their ends are the same.
+        let rows = a.reading_nm.len().min(b.reading_nm.len());
+        if rows == 0 {
+            return 0.0;
+        }
+        let end = |series: &'_ [f64]| -> Vec<f64> { series[series.len() - rows..].to_vec() };
+        let target: Vec<f64> = end(&a.reading_nm).iter().zip(end(&b.reading_nm)).map(|(x, y)| x - y).collect();
+        let columns: Vec<Vec<f64>> = b.columns.iter().map(|column| end(column)).collect();
+        let columns: Vec<&[f64]> = columns.iter().map(Vec::as_slice).collect();
+        let gram = Gram::new(&Parts::whole(rows), &columns, &target);
+        let prior = Prior {
+            rows: &[rows],
+            deviations: &b.deviations,
+            floor_square: self.floor_nm * self.floor_nm,
+            rows_per_independent: self.rows_per_independent(),
+        };
+        (gram.solve(prior).square / rows as f64).max(0.0).sqrt()
+    }
+
+    fn rows_per_independent(&self) -> f64 {
+        (self.rate_hz / self.thinned() as f64 / (2.0 * self.lowpass_hz)).max(1.0)
+    }
+}
