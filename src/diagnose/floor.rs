@@ -43,6 +43,13 @@ pub struct Floor {
     pub relative_error: f64,
 }
 
+impl Floor {
+    /// The floor's square with its standard error, (N m)^2: what lies above is a gap for all that the floor is not known better.
+    pub fn upper_square(&self) -> f64 {
+        self.rms_nm * self.rms_nm * (1.0 + self.relative_error)
+    }
+}
+
 /// Where a floor comes from.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum FloorSource {

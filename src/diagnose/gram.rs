@@ -45,8 +45,6 @@ pub struct Solution {
     pub square: f64,
     /// Sum of (x / deviation)^2 over the columns that have a prior.
     pub surprise: f64,
-    /// Noise that it was weighed with, (N m)^2.
-    pub noise_square: f64,
 }
 
 impl Gram {
@@ -137,8 +135,7 @@ fn solve(sum: &DMatrix<f64>, rows: usize, prior: Prior<'_>) -> Solution {
     let per_row = |square: f64| square / rows.max(1) as f64;
     let known = prior.deviations.iter().filter(|d| d.is_finite()).count() as f64;
     let limit = known + SURPRISE_ERRORS * (2.0 * known).sqrt();
-    let mut found =
-        Solution { x: DVector::zeros(n), square: sum[(n, n)], surprise: 0.0, noise_square: per_row(sum[(n, n)]) };
+    let mut found = Solution { x: DVector::zeros(n), square: sum[(n, n)], surprise: 0.0 };
     let mut firmness = 1.0;
     for round in 0..ROUNDS + FIRMER_MAX {
         if round >= ROUNDS {
@@ -158,7 +155,7 @@ fn solve(sum: &DMatrix<f64>, rows: usize, prior: Prior<'_>) -> Solution {
         let scaled = cholesky.solve(&right);
         let x = DVector::from_fn(n, |a, _| scaled[a] / scales[a]);
         let surprise = (0..n).map(|a| (x[a] / prior.deviations[a]).powi(2)).sum();
-        found = Solution { square: square_left(sum, &x), x, surprise, noise_square };
+        found = Solution { square: square_left(sum, &x), x, surprise };
     }
     found
 }

@@ -63,15 +63,14 @@ impl Draws {
         self.weights.iter().map(mean).collect()
     }
 
-    /// How far the gap shrinks from `before` to `after`, squares left in each unit, over `rows`, above `floor_nm`.
-    pub fn shrink(&self, before: &[f64], after: &[f64], rows: &[f64], floor_nm: f64) -> Shrink {
+    /// How far the gap shrinks from `before` to `after`, squares left in each unit, over `rows`, above the floor's square.
+    pub fn shrink(&self, before: &[f64], after: &[f64], rows: &[f64], floor_square: f64) -> Shrink {
         let all = |squares: &[f64]| squares.iter().sum::<f64>() / rows.iter().sum::<f64>().max(1.0);
         let share = |before: f64, after: f64, floor_square: f64| {
             let gap = above(before, floor_square);
             if gap > 0.0 { 1.0 - above(after, floor_square) / gap } else { 0.0 }
         };
         let (b, a) = (self.mean_squares(before, rows), self.mean_squares(after, rows));
-        let floor_square = floor_nm * floor_nm;
         let mut drawn: Vec<f64> =
             (0..b.len()).map(|i| share(b[i], a[i], self.floor_factor[i] * floor_square)).collect();
         let value = share(all(before), all(after), floor_square);

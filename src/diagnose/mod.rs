@@ -123,6 +123,8 @@ pub struct Candidate {
     pub trades_with: Vec<Cause>,
     /// Whether the verdict rests on it.
     pub taken: bool,
+    /// Whether the fit settled; if not, a longer search might do better.
+    pub settled: bool,
 }
 
 /// A stretch of contact.
@@ -215,7 +217,7 @@ pub fn run(campaign: &Campaign, model: &Model, progress: &(dyn Fn() + Sync)) -> 
         bursts: &bursts,
         ceiling: flexible.held_out,
     };
-    let evidence = scene.evidence(&draws, floor.rms_nm);
+    let evidence = scene.evidence(&draws, &floor);
     let verdict = verdict::verdict(&bench, &choice, &evidence);
     let situation = next::Situation {
         bench: &bench,
@@ -227,11 +229,11 @@ pub fn run(campaign: &Campaign, model: &Model, progress: &(dyn Fn() + Sync)) -> 
     };
     let (next, blind_spots) = situation.propose();
     let delivered = mean(&evidence.delivered, &evidence.rows);
-    let floor_square = floor.rms_nm * floor.rms_nm;
+    let floor_square = floor.upper_square();
     let gap = Gap {
         rmse_nm: delivered.sqrt(),
         floor,
-        explainable_nm: above(delivered, floor_square),
+        explainable_nm: above(delivered, floor.rms_nm * floor.rms_nm),
         recoverable_nm: above(delivered, flexible.held_out.min(mean(&evidence.last, &evidence.rows)).max(floor_square)),
     };
     Ok(Diagnosis {
@@ -270,7 +272,8 @@ struct Scene<'s> {
 
 impl Scene<'_> {
     /// Squares left in each unit, bursts put back.
-    fn evidence<'e>(&self, draws: &'e Draws, floor_nm: f64) -> Evidence<'e> {
+    fn evidence<'e>(&self, draws: &'e Draws, floor: &Floor) -> Evidence<'e> {
+        let floor_nm = floor.rms_nm;
         let of_units = |of: &dyn Fn(usize) -> f64| -> Vec<f64> {
             self.bench.parts.units.iter().map(|unit| unit.clone().map(of).sum()).collect()
         };
@@ -294,14 +297,14 @@ impl Scene<'_> {
             ceiling: self.ceiling,
             contact,
             draws,
-            floor_nm,
+            floor_square: floor.upper_square(),
         }
     }
 
     fn budget(&self, evidence: &Evidence<'_>) -> Budget {
         let of = |squares: &[f64]| mean(squares, &evidence.rows);
         let (delivered, rest, last) = (of(&evidence.delivered), of(&evidence.rest), of(&evidence.last));
-        let floor = (evidence.floor_nm * evidence.floor_nm).min(delivered);
+        let floor = evidence.floor_square.min(delivered);
         let mut weights: Vec<(Cause, f64)> = self
             .choice
             .found
@@ -376,10 +379,11 @@ impl Scene<'_> {
             cause: tried.cause,
             how: tried.how,
             held_out_rmse_nm: mean(&left, &evidence.rows).sqrt(),
-            shrink: evidence.draws.shrink(&evidence.delivered, &left, &evidence.rows, evidence.floor_nm),
+            shrink: evidence.draws.shrink(&evidence.delivered, &left, &evidence.rows, evidence.floor_square),
             parameters,
             trades_with,
             taken,
+            settled: tried.fit.converged,
         }
     }
 

@@ -25,8 +25,6 @@ pub struct Parts {
     pub units: Vec<Range<usize>>,
     /// The fold in which each unit is held out.
     pub fold: Vec<usize>,
-    /// The record that each unit is of.
-    pub record: Vec<usize>,
     /// What is resampled as a whole, for each unit: its trial, or itself.
     pub cluster: Vec<usize>,
     /// What is held out, for people: "trials" or "motion cycles".
@@ -41,7 +39,7 @@ impl Parts {
 
     /// `rows` that are all one.
     pub fn whole(rows: usize) -> Self {
-        Self { units: vec![0..rows], fold: vec![0], record: vec![0], cluster: vec![0], held_out: "" }
+        Self { units: vec![0..rows], fold: vec![0], cluster: vec![0], held_out: "" }
     }
 
     /// Of `records`.
@@ -68,7 +66,7 @@ impl Parts {
             (0..units.len()).collect()
         };
         let held_out = if by_trial { "trials" } else { "motion cycles" };
-        Self { units, fold, record: record_of, cluster, held_out }
+        Self { units, fold, cluster, held_out }
     }
 }
 

@@ -26,8 +26,6 @@ const REST_S: f64 = 0.1;
 /// One trial thinned.
 #[derive(Debug)]
 pub struct Record {
-    /// Position in the campaign's list.
-    pub trial: usize,
     /// Its log's name.
     pub file: String,
     /// What it repeats: trials of one protocol, speed and trajectory share it.
@@ -129,11 +127,6 @@ impl Records {
         Ok(Self { all, ranges, rows_per_independent, lowpass_hz, kind: campaign.joint.kind })
     }
 
-    /// Rows in all.
-    pub fn count(&self) -> usize {
-        self.ranges.last().map_or(0, |range| range.end)
-    }
-
     /// What `of` says of each row: of the record and the thinned sample.
     pub fn rows<T: Send>(&self, of: impl Fn(&Record, usize) -> T + Sync) -> Vec<T> {
         self.all.iter().flat_map(|record| record.rows.iter().map(|i| of(record, *i)).collect::<Vec<T>>()).collect()
@@ -221,7 +214,6 @@ impl Record {
         let clips: Vec<f64> = trial.log.clipped.iter().map(levels).collect();
         let spectral_floor_nm = super::floor::spectral_nm(trial, &campaign.signal);
         Ok(Self {
-            trial: trial.index,
             file: entry.file.clone(),
             repeats: named.then(|| format!("{:?} {:?}", entry.protocol, entry.trajectory)),
             rate_hz: thinned_hz,

@@ -80,13 +80,13 @@ pub struct Evidence<'e> {
     pub contact: bool,
     /// How to resample.
     pub draws: &'e Draws,
-    /// The floor, N m.
-    pub floor_nm: f64,
+    /// The floor's square with its error, (N m)^2.
+    pub floor_square: f64,
 }
 
 /// Draws the verdict.
 pub fn verdict(bench: &Bench<'_>, choice: &Choice, evidence: &Evidence<'_>) -> Verdict {
-    let floor_square = evidence.floor_nm * evidence.floor_nm;
+    let floor_square = evidence.floor_square;
     let rows: f64 = evidence.rows.iter().sum::<f64>().max(1.0);
     let mean = |squares: &[f64]| squares.iter().sum::<f64>() / rows;
     let mut effects: Vec<Cause> = choice.found.iter().map(|found| found.cause).collect();
@@ -138,7 +138,7 @@ pub fn verdict(bench: &Bench<'_>, choice: &Choice, evidence: &Evidence<'_>) -> V
         confidence,
         gap_before_nm: above(delivered, floor_square),
         gap_after_nm: above(last, floor_square),
-        shrink: evidence.draws.shrink(&evidence.delivered, &evidence.last, &evidence.rows, evidence.floor_nm),
+        shrink: evidence.draws.shrink(&evidence.delivered, &evidence.last, &evidence.rows, evidence.floor_square),
     }
 }
 
