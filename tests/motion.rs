@@ -72,12 +72,12 @@ fn what_a_simulation_lacks_shows_in_motion_and_is_explained() {
     let real = played(&folder, "real", "2", &["--effect", spring]);
     let found = diagnosed(&folder, &real, &simulated);
     let motion = &found["motion"];
-    assert_eq!(motion["simulator"]["kind"], "none", "{motion}");
+    assert_eq!(motion["warnings"], serde_json::json!([]), "the model is the simulator's: {motion}");
     assert_eq!(motion["separates"], serde_json::json!(["elastic_spring"]), "{motion}");
     assert_eq!(motion["is_there"], true);
-    // 0.5 N m/rad within 0.5 rad of where it rests, against the controller's 100 N m/rad.
+    // 0.5 N m/rad within 1 rad of where it rests, against the controller's 100 N m/rad, friction in proportion on top.
     let rmse_rad = motion["rmse_rad"].as_f64().unwrap();
-    assert!((0.001..0.004).contains(&rmse_rad), "{rmse_rad}");
+    assert!((0.003..0.004).contains(&rmse_rad), "{rmse_rad}");
     assert_eq!(motion["where"][0]["region"], "position", "{motion}");
     assert!(motion["where"][0]["share_of_gap"].as_f64().unwrap() > 0.9);
     let follows = &motion["follows"];
@@ -113,7 +113,7 @@ fn clocks_that_begin_apart_are_no_gap_but_drag_that_delays_is() {
         assert!((trial["shifted_s"].as_f64().unwrap() + 0.3).abs() < 0.002, "{trial}");
     }
     assert!(motion["rmse_rad"].as_f64().unwrap() < 2e-4, "{motion}");
-    let drag = played(&folder, "drag", "2", &["--effect", "quadratic_viscous:up_nm_s2_rad2=0.2,down_nm_s2_rad2=-0.2"]);
+    let drag = played(&folder, "drag", "2", &["--effect", "quadratic_viscous:up_nm_s2_rad2=0.2,down_nm_s2_rad2=0.2"]);
     let motion = &diagnosed(&folder, &drag, &simulated)["motion"];
     for trial in motion["trials"].as_array().unwrap() {
         assert_eq!(trial["shifted_s"], 0.0, "{trial}");

@@ -25,6 +25,9 @@ const NEGLIGIBLE: f64 = 1e-4;
 /// ... and so is one below so many floors.
 const FLOORS: f64 = 1.5;
 
+/// A gap between the model and the simulator's own log below this share of the recordings' gap separates nothing.
+const SHARED: f64 = 0.1;
+
 /// What separates the recordings from a simulator's log, in motion.
 #[derive(Debug, Clone)]
 pub struct MotionGap {
@@ -105,7 +108,7 @@ fn gap(
     let of_causes = |trial: &MotionTrial| controller::of_causes_nm(real, trial);
     let names_causes = is_there && !separates.is_empty();
     warnings.extend(trials.iter().filter_map(MotionTrial::doubt));
-    if simulator.verdict.kind != Kind::None {
+    if differs(real, simulator) {
         warnings.push(simulator_differs(simulator));
     }
     let folder = std::path::absolute(&simulated.folder).unwrap_or_else(|_| simulated.folder.clone());
@@ -135,9 +138,14 @@ fn pooled(trials: &[MotionTrial], of: impl Fn(&MotionTrial) -> f64) -> f64 {
     (whole / trials.iter().map(count).sum::<f64>().max(1.0)).sqrt()
 }
 
+/// Whether the model is not the simulator's, by more than hardly matters here.
+fn differs(real: &Diagnosis, simulator: &Diagnosis) -> bool {
+    simulator.verdict.kind != Kind::None && simulator.verdict.gap_before_nm > SHARED * real.verdict.gap_before_nm
+}
+
 /// Causes that `real` names and `simulator` does not.
 fn separating(real: &Diagnosis, simulator: &Diagnosis) -> Vec<Cause> {
-    let shared = |cause: &Cause| simulator.verdict.kind != Kind::None && simulator.verdict.effects.contains(cause);
+    let shared = |cause: &Cause| differs(real, simulator) && simulator.verdict.effects.contains(cause);
     match real.verdict.kind {
         Kind::None => Vec::new(),
         _ => real.verdict.effects.iter().copied().filter(|cause| !shared(cause)).collect(),

@@ -8,6 +8,8 @@ use serde_json::{Value, json};
 
 /// Places told.
 const PLACES: usize = 2;
+/// A floor below this share of the difference is not told.
+const FLOOR_MIN: f64 = 0.01;
 /// Below this share of the square nothing is said to follow.
 const FOLLOWS_MIN: f64 = 0.05;
 
@@ -22,7 +24,8 @@ pub fn lines(gap: &MotionGap, kind: JointKind) -> Vec<String> {
             gap.simulated
         )];
     }
-    let floor = gap.floor_rad.map_or_else(String::new, |floor| format!("; repeats differ by {}", length(floor, kind)));
+    let floor = gap.floor_rad.filter(|floor| *floor > FLOOR_MIN * gap.rmse_rad);
+    let floor = floor.map_or_else(String::new, |floor| format!("; repeats differ by {}", length(floor, kind)));
     let mut all = vec![format!(
         "The joint moves otherwise than {}: positions differ by {rmse} (RMS; at most {peak}{floor}), torques by {torque}",
         gap.simulated
