@@ -18,6 +18,7 @@ mod interaction;
 mod load;
 mod log;
 mod model;
+mod next;
 mod recovery;
 mod reference;
 mod simulate;

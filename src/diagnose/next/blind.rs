@@ -155,7 +155,7 @@ impl Sight<'_> {
         if hides.is_empty() {
             return None;
         }
-        let what = format!("no fast motion: {} hardly reaches the noise floor", words::listed(&hides));
+        let what = format!("no fast motion: {} cannot be shown above the noise floor", words::listed(&hides));
         self.spot(what, &hides, "fast_cosines", "Record faster motion")
     }
 
