@@ -4,7 +4,7 @@ use crate::campaigns::{plan, record, truth};
 use tautline::diagnose::{Diagnosis, Kind, run};
 use tautline::effects::Added;
 use tautline::log::{Campaign, Signal};
-use tautline::model::Model;
+use tautline::model::{Combination, Model};
 use tautline::report::diagnosis::{next_lines, next_toml, to_json};
 use tautline::simulate::{Plan, Sensors};
 use tautline::trajectory::{Path, Segment, Trajectory};
@@ -29,13 +29,24 @@ fn narrow() -> Trajectory {
 
 /// `trajectory` recorded from the elbow with `effects`, and diagnosed with the elbow's model.
 fn diagnosed(effects: &[&str], trajectory: Trajectory, seed: u64) -> Diagnosis {
-    let mut joint: Model = truth();
+    diagnosed_with(&truth(), 0.02, effects, trajectory, seed)
+}
+
+/// The same for a joint like `model`, with so much noise.
+fn diagnosed_with(
+    model: &Model,
+    torque_noise_nm: f64,
+    effects: &[&str],
+    trajectory: Trajectory,
+    seed: u64,
+) -> Diagnosis {
+    let mut joint = model.clone();
     joint.effects.extend(effects.iter().map(|text| Added::parse(text).unwrap()));
-    let sensors = Sensors { torque_noise_nm: 0.02, encoder_counts: 0.0 };
+    let sensors = Sensors { torque_noise_nm, encoder_counts: 0.0 };
     let signal = Signal { torque_sign: -1.0, lowpass_hz: 3.0, lowpass_order: 4 };
     let wanted = Plan { speeds: 0, trajectories: vec![trajectory], rate_hz: 100.0, sensors, signal, seed, ..plan() };
     let folder = record(&joint, &wanted);
-    run(&Campaign::read(folder.path()).unwrap(), &truth(), &|| ()).unwrap()
+    run(&Campaign::read(folder.path()).unwrap(), model, &|| ()).unwrap()
 }
 
 fn named(found: &Diagnosis) -> (Kind, Vec<&'static str>) {
@@ -106,4 +117,19 @@ fn what_no_motion_tells_apart_is_left_to_a_hand() {
     assert!(told["next_experiment"]["trajectory_file"].is_null());
     let instruction = told["next_experiment"]["instruction"].as_str().unwrap();
     assert!(instruction.contains("take the cable off"), "{instruction}");
+}
+
+/// A few sweeps leave open how friction changes over, and the form with fewer numbers is named, wrongly.
+#[test]
+fn a_verdict_that_rests_on_being_simplest_says_what_would_settle_it() {
+    let jumps = Model { combination: Combination::Sign, ..truth() };
+    let sweep = |(to_rad, speed_rad_s)| Segment::Sweep { to_rad, speed_rad_s, acceleration_rad_s2: 4.0 };
+    let segments = [(1.2, 0.4), (0.2, 0.4), (1.2, 0.8), (0.2, 0.8)].into_iter().map(sweep).collect();
+    let few = Trajectory { own: Path { start_rad: 0.2, segments }, repeats: Some(3), ..narrow() };
+    let passes = "reversal_transition:backlash_m=0.0016,p=1,n=1";
+    let open = diagnosed_with(&jumps, 0.1, &[passes], few, 7);
+    let next = open.next.as_ref().unwrap();
+    assert_eq!((named(&open).1, &next.separates[..]), (vec!["presliding"], &["presliding", "reversal_transition"][..]));
+    let settled = diagnosed_with(&jumps, 0.1, &[passes], proposed(&open), 8);
+    assert_eq!(named(&settled), (Kind::Effect, vec!["reversal_transition"]));
 }
