@@ -20,6 +20,7 @@ mod load;
 mod log;
 mod model;
 mod motion;
+mod next;
 mod recovery;
 mod reference;
 mod simulate;

@@ -3,6 +3,7 @@
 use super::candidates::{Cause, Tried, score, try_all};
 use super::fit::{Bench, Fit, Ground};
 use super::moves::{Move, within_confidence};
+use crate::effects::find;
 use crate::model::Model;
 use crate::numerics::statistics::standard_deviation;
 
@@ -56,6 +57,8 @@ pub struct Found {
     pub tried: Vec<Tried>,
     /// Causes that do as well with no more numbers.
     pub rivals: Vec<Cause>,
+    /// Causes that it is known to be mistaken for, and that do as well with more numbers.
+    pub seconds: Vec<Cause>,
 }
 
 /// Looks for the causes of what `model` leaves.
@@ -74,6 +77,7 @@ pub fn choose(bench: &Bench<'_>, model: &Model, progress: &(dyn Fn() + Sync)) ->
             cause: step.taken.cause,
             how: step.taken.how,
             rivals: rivals(bench, &step.taken, &step.tried, start),
+            seconds: seconds(bench, &step.taken, &step.tried, start),
             without: score(bench, &step.without),
             tried: step.tried,
         })
@@ -264,4 +268,24 @@ fn rivals(bench: &Bench<'_>, taken: &Tried, tried: &[Tried], start: f64) -> Vec<
         }
     }
     found
+}
+/// Causes that `taken` is known to be mistaken for and that do as well: only their numbers speak against them.
+fn seconds(bench: &Bench<'_>, taken: &Tried, tried: &[Tried], start: f64) -> Vec<Cause> {
+    let known = rivals(bench, taken, tried, start);
+    let mut found: Vec<Cause> = Vec::new();
+    for other in tried.iter().filter(|other| other.cause != taken.cause && is_tie(bench, taken, other, start)) {
+        let is_new = !known.contains(&other.cause) && !found.contains(&other.cause);
+        if is_new && (names(taken.cause, other.cause) || names(other.cause, taken.cause)) {
+            found.push(other.cause);
+        }
+    }
+    found
+}
+
+/// Whether `cause`, an effect, says that it can be mistaken for `other`.
+fn names(cause: Cause, other: Cause) -> bool {
+    match cause {
+        Cause::Effect(id) => find(id).is_some_and(|effect| effect.about().trades_with.contains(&other.name())),
+        Cause::Stale(_) => false,
+    }
 }

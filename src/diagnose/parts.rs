@@ -39,7 +39,7 @@ impl Parts {
 
     /// `rows` that are all one.
     pub fn whole(rows: usize) -> Self {
-        Self { units: vec![0..rows], fold: vec![0], cluster: vec![0], held_out: "" }
+        Self { units: std::iter::once(0..rows).collect(), fold: vec![0], cluster: vec![0], held_out: "" }
     }
 
     /// Of `records`.

@@ -17,7 +17,7 @@ const WAY_RAD: f64 = std::f64::consts::FRAC_PI_6;
 const CAMPAIGN_S: f64 = 240.0;
 /// A delay that matters, s: its torque error must reach the floor to be seen.
 const DELAY_S: f64 = 0.02;
-/// Radius of gyration of a limb, m, where the model has no inertia: what its weight's arm would be.
+/// Radius of gyration of a limb, m, where the model has no inertia: what its weight's arm would be. Without weight nothing is said.
 const ARM_M: f64 = 0.3;
 /// Another joint that stays within this, rad, does not move.
 const STILL_RAD: f64 = 0.02;
@@ -148,14 +148,16 @@ impl Sight<'_> {
             of_record.windows(2).map(move |y| (y[1] - y[0]) / row_s).collect::<Vec<f64>>()
         });
         let late = DELAY_S * root_mean_square(&steps.collect::<Vec<f64>>());
-        let (blind_inertia, blind_delay) =
-            (model.chain.is_none() && root_mean_square(&asks) < bench.floor_nm / 2.0, late < bench.floor_nm / 2.0);
+        let (blind_inertia, blind_delay) = (
+            model.chain.is_none() && inertia > 0.0 && root_mean_square(&asks) < bench.floor_nm / 2.0,
+            late < bench.floor_nm / 2.0,
+        );
         let hides: Vec<&'static str> =
             [("inertia", blind_inertia), ("time_delay", blind_delay)].iter().filter(|x| x.1).map(|x| x.0).collect();
         if hides.is_empty() {
             return None;
         }
-        let what = format!("no fast motion: {} hardly reaches the noise floor", words::listed(&hides));
+        let what = format!("no fast motion: {} cannot be shown above the noise floor", words::listed(&hides));
         self.spot(what, &hides, "fast_cosines", "Record faster motion")
     }
 

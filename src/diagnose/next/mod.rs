@@ -66,23 +66,29 @@ impl Situation<'_> {
         let motions = reach.map_or_else(Vec::new, |reach| reach.motions(self.bench.extent.turns));
         let spots = blind::blind_spots(self.bench, self.ground, &motions);
         let next = match (self.verdict.kind, self.found) {
-            (Kind::Ambiguous, [found]) => Some(self.between(&self.rivals(found), &motions)),
+            (Kind::Ambiguous, [found]) => {
+                let rivals = self.rivals(found, &found.rivals);
+                Some(self.between(&rivals, &motions).unwrap_or_else(|| by_hand(&rivals)))
+            }
+            (Kind::Effect | Kind::Stale, [found]) if !found.seconds.is_empty() => {
+                self.between(&self.rivals(found, &found.seconds), &motions).map(|next| simplest(found.cause, next))
+            }
             (Kind::None | Kind::Unknown, _) => advice(&spots),
             _ => None,
         };
         (next, spots)
     }
 
-    /// The cause that was taken and those that do as well, each in its best way.
-    fn rivals(&self, found: &Found) -> Vec<Rival> {
+    /// The cause that was taken and `others` that do as well, each in its best way.
+    fn rivals(&self, found: &Found, others: &[Cause]) -> Vec<Rival> {
         let is_taken = |cause: Cause, how: &str| cause == found.cause && how == found.how;
         let taken = found.tried.iter().find(|t| is_taken(t.cause, t.how));
-        let others = found.rivals.iter().filter_map(|rival| found.tried.iter().find(|t| t.cause == *rival));
+        let others = others.iter().filter_map(|rival| found.tried.iter().find(|t| t.cause == *rival));
         taken.into_iter().chain(others).map(|tried| Rival::new(tried, self.ground)).collect()
     }
 
-    /// The motion that tells `rivals` apart.
-    fn between(&self, rivals: &[Rival], motions: &[Motion]) -> NextExperiment {
+    /// The motion that tells `rivals` apart, if one does.
+    fn between(&self, rivals: &[Rival], motions: &[Motion]) -> Option<NextExperiment> {
         let names: Vec<&'static str> = rivals.iter().map(|rival| rival.name).collect();
         let pairs: Vec<(usize, usize)> =
             (0..rivals.len()).flat_map(|a| (a + 1..rivals.len()).map(move |b| (a, b))).collect();
@@ -100,8 +106,8 @@ impl Situation<'_> {
             Beyond::Speed | Beyond::Range => closest(at) / WORTH_BEYOND,
         };
         let chosen = (0..motions.len()).filter(|_| !open.is_empty()).max_by(|a, b| worth(*a).total_cmp(&worth(*b)));
-        let Some(chosen) = chosen else { return self.by_hand(&names) };
-        self.proposal(&motions[chosen], closest(chosen), &of(&open), &of(&tied))
+        let chosen = chosen?;
+        Some(self.proposal(&motions[chosen], closest(chosen), &of(&open), &of(&tied)))
     }
 
     /// How far apart each pair is along each motion, N m.
@@ -162,20 +168,28 @@ impl Situation<'_> {
             instruction,
         }
     }
+}
 
-    fn by_hand(&self, names: &[&'static str]) -> NextExperiment {
-        NextExperiment {
-            reason: format!(
-                "{} explain these recordings equally well, and no motion of this joint tells them apart",
-                words::listed(names)
-            ),
-            trajectory: None,
-            separates: names.to_vec(),
-            difference_nm: None,
-            difference_over_floor: None,
-            instruction: words::checks(names),
-        }
+/// What to do about rivals that no motion tells apart.
+fn by_hand(rivals: &[Rival]) -> NextExperiment {
+    let names: Vec<&'static str> = rivals.iter().map(|rival| rival.name).collect();
+    NextExperiment {
+        reason: format!(
+            "{} explain these recordings equally well, and no motion of this joint tells them apart",
+            words::listed(&names)
+        ),
+        trajectory: None,
+        difference_nm: None,
+        difference_over_floor: None,
+        instruction: words::checks(&names),
+        separates: names,
     }
+}
+
+/// The same where the verdict rests on `taken` being the simpler alone.
+fn simplest(taken: Cause, next: NextExperiment) -> NextExperiment {
+    let reason = format!("{}. {} is named as the simplest; this would settle it", next.reason, taken.name());
+    NextExperiment { reason, ..next }
 }
 
 /// A motion that shows what the recordings hide, where nothing else is open.

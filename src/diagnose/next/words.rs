@@ -4,7 +4,7 @@ use super::motions::{Beyond, Motion, duration_s};
 use crate::effects::Extent;
 
 /// How a cause shows by itself, without the joint's motion: the only way out where no motion tells rivals apart.
-pub fn check(cause: &str) -> Option<&'static str> {
+fn check(cause: &str) -> Option<&'static str> {
     Some(match cause {
         "sensor_bias" => "take the cable off the winch and read the torque sensor at rest: what it reads is the bias",
         "sensor_gain" => {
@@ -29,9 +29,41 @@ pub fn check(cause: &str) -> Option<&'static str> {
     })
 }
 
-/// The checks of several causes as one sentence each.
+/// Pairs that look alike along every motion and under every load, and what tells them apart.
+const TIES: [(&str, &str, &str); 4] = [
+    (
+        "sensor_bias",
+        "coulomb",
+        "take the cable off the winch and read the torque sensor at rest: a reading is the sensor's bias, none means that Coulomb \
+         friction changed",
+    ),
+    (
+        "sensor_gain",
+        "load_coefficient",
+        "hang a known weight on the winch without the joint: a wrong reading is the sensor's gain, a right one means that \
+         load-dependent friction changed",
+    ),
+    (
+        "sensor_gain",
+        "gravity",
+        "hang a known weight on the winch without the joint: a wrong reading is the sensor's gain, a right one means that the weight \
+         changed",
+    ),
+    (
+        "load_coefficient",
+        "gravity",
+        "weigh the moving part: if its weight is what the model has, load-dependent friction changed",
+    ),
+];
+
+/// What tells `causes` apart where motion does not: what is known of each pair, else how each shows by itself.
 pub fn checks(causes: &[&'static str]) -> String {
-    let known: Vec<String> = causes.iter().filter_map(|cause| Some(format!("{cause}: {}", check(cause)?))).collect();
+    let is_of = |a: &str, b: &str| causes.contains(&a) && causes.contains(&b);
+    let pairs = TIES.iter().filter(|(a, b, _)| is_of(a, b));
+    let of_pairs: Vec<String> = pairs.clone().map(|(_, _, check)| (*check).to_string()).collect();
+    let others = causes.iter().filter(|cause| pairs.clone().all(|(a, b, _)| a != *cause && b != *cause));
+    let alone = others.filter_map(|cause| Some(format!("{cause}: {}", check(cause)?)));
+    let known: Vec<String> = of_pairs.into_iter().chain(alone).collect();
     match known.is_empty() {
         true => "No motion of this joint alone tells them apart; measure one of them by itself".to_string(),
         false => format!("By hand: {}", known.join("; ")),

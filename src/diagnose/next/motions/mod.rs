@@ -1,7 +1,10 @@
 //! Motions that could tell causes apart, within what a campaign has shown the joint to reach and moderately beyond.
 
+mod shapes;
+
 use crate::effects::Extent;
 use crate::trajectory::{Path, Segment, Trajectory};
+use shapes::{rounded, significant};
 
 /// A revolute joint may be asked to go so much beyond either end of the recorded range, rad: 45 deg, half of 0 to 90 deg.
 const WIDER_RAD: f64 = std::f64::consts::FRAC_PI_4;
@@ -10,18 +13,9 @@ const FASTER: f64 = 2.0;
 /// Slow motion is so many times as slow as fast motion at least, and no slower than this share of it: slower is always safe.
 const SLOWER: f64 = 5.0;
 const SLOWEST: f64 = 0.02;
-/// Ramps reach their speed within this share of the way, so that sweeps are sweeps.
-const RAMP_SHARE: f64 = 0.05;
-/// No sweep takes longer, s.
-const SWEEP_S: f64 = 30.0;
 /// Reversals go back by so many clearances, and by this share of the range at least.
 const BACK_CLEARANCES: f64 = 3.0;
 const BACK_SHARE: f64 = 0.06;
-/// Places at which small reversals are tried, as shares of the range.
-const PLACES: [f64; 4] = [0.1, 0.4, 0.65, 0.9];
-/// A pause in which a joint cools or a sensor drifts, s, and how many.
-const DWELL_S: f64 = 120.0;
-const DWELLS: usize = 2;
 /// A rest at an end, s.
 const REST_S: f64 = 2.0;
 /// How far another joint swings about where it was recorded, rad, where it hardly moved; and its period, s.
@@ -151,78 +145,6 @@ impl Reach {
         Motion { trajectory: Trajectory { name: name.to_string(), repeats: None, own, others }, means, beyond }
     }
 
-    fn sweep(&self, to_rad: f64, speed_rad_s: f64) -> Segment {
-        let speed_rad_s = speed_rad_s.max(self.span() / SWEEP_S);
-        let acceleration_rad_s2 = speed_rad_s * speed_rad_s / (2.0 * RAMP_SHARE * self.span());
-        Segment::Sweep {
-            to_rad: rounded(to_rad),
-            speed_rad_s: significant(speed_rad_s),
-            acceleration_rad_s2: significant(acceleration_rad_s2),
-        }
-    }
-
-    fn sweeps(&self, speed_rad_s: f64, times: usize) -> Vec<Segment> {
-        let pair = || [self.sweep(self.high_rad, speed_rad_s), self.sweep(self.low_rad, speed_rad_s)];
-        (0..times).flat_map(|_| pair()).collect()
-    }
-
-    /// Periods whose peak speed is the fastest, a half and an eighth of it.
-    fn cosines(&self, fast_rad_s: f64) -> Vec<Segment> {
-        let fastest_s = std::f64::consts::PI * self.span() / fast_rad_s;
-        let period = |(slower, periods): (f64, u32)| Segment::Cosine {
-            low_rad: rounded(self.low_rad),
-            high_rad: rounded(self.high_rad),
-            period_s: significant(slower * fastest_s),
-            periods,
-        };
-        [(8.0, 1), (2.0, 2), (1.0, 4)].into_iter().map(period).collect()
-    }
-
-    /// Back and forth at some places: by less than the clearance, by as much, by several times as much.
-    fn reversals(&self) -> Vec<Segment> {
-        let mut segments = Vec::new();
-        let speed = (self.slow_rad_s * self.fast_rad_s).sqrt().min(self.back_rad);
-        let all = PLACES.into_iter().chain(PLACES.into_iter().rev());
-        for place in all {
-            let at = self.low_rad + place * self.span();
-            segments.push(self.sweep(at, self.fast_rad_s));
-            for share in [0.15, 0.4, 1.0] {
-                let away = if place > 0.5 { at - share * self.back_rad } else { at + share * self.back_rad };
-                segments.extend([self.slow(away, speed), self.slow(at, speed)]);
-            }
-        }
-        segments.push(self.sweep(self.low_rad, self.fast_rad_s));
-        segments
-    }
-
-    /// A short sweep, as slow as it is short.
-    fn slow(&self, to_rad: f64, speed_rad_s: f64) -> Segment {
-        let acceleration_rad_s2 = speed_rad_s * speed_rad_s / (0.1 * self.back_rad);
-        Segment::Sweep {
-            to_rad: rounded(to_rad),
-            speed_rad_s: significant(speed_rad_s),
-            acceleration_rad_s2: significant(acceleration_rad_s2),
-        }
-    }
-
-    fn rests(&self) -> Vec<Segment> {
-        let rest = || Segment::Rest { duration_s: REST_S };
-        let at = |speed: f64| [self.sweep(self.high_rad, speed), rest(), self.sweep(self.low_rad, speed), rest()];
-        [self.fast_rad_s, self.fast_rad_s, (self.slow_rad_s * self.fast_rad_s).sqrt()]
-            .into_iter()
-            .flat_map(at)
-            .collect()
-    }
-
-    fn dwells(&self) -> Vec<Segment> {
-        let mut segments = self.sweeps(self.fast_rad_s, 3);
-        for _ in 0..DWELLS {
-            segments.push(Segment::Rest { duration_s: DWELL_S });
-            segments.extend(self.sweeps(self.fast_rad_s, 3));
-        }
-        segments
-    }
-
     /// Each other joint swinging while this one sweeps, then rests.
     fn others_alone(&self) -> Vec<Motion> {
         let swing = |at: usize| {
@@ -266,20 +188,4 @@ pub fn duration_s(path: &Path) -> f64 {
         took_s
     };
     path.segments.iter().map(step).sum()
-}
-
-/// To a tenth of a mrad (or of a mm): what a person can read in the file.
-fn rounded(position: f64) -> f64 {
-    (position * 1e4).round() / 1e4
-}
-
-/// To three digits.
-fn significant(x: f64) -> f64 {
-    if x <= 0.0 || !x.is_finite() {
-        return x;
-    }
-    let unit = 10f64.powf(x.log10().floor() - 2.0);
-    let scaled = (x / unit).round();
-    // Dividing by a whole power leaves fewer digits than multiplying by its inverse.
-    if unit < 1.0 { scaled / (1.0 / unit).round() } else { scaled * unit }
 }
