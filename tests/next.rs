@@ -5,7 +5,7 @@ use tautline::diagnose::{Diagnosis, Kind, run};
 use tautline::effects::Added;
 use tautline::log::{Campaign, Signal};
 use tautline::model::{Combination, Model};
-use tautline::report::diagnosis::{next_lines, next_toml, to_json};
+use tautline::report::diagnosis::{next_toml, sentences, to_json};
 use tautline::simulate::{Plan, Sensors};
 use tautline::trajectory::{Path, Segment, Trajectory};
 use tempfile::TempDir;
@@ -91,7 +91,7 @@ fn what_one_load_hides_is_said_with_a_motion_that_shows_it() {
     assert_eq!(found.verdict.kind, Kind::None);
     let spot = found.blind_spots.iter().find(|spot| spot.hides.contains(&"load_dependent_friction")).unwrap();
     assert!(spot.what.starts_with("one load only"), "{}", spot.what);
-    assert!(next_lines(&found).iter().any(|line| line.contains("load dependence cannot be shown")));
+    assert!(sentences(&found).iter().any(|line| line.contains("load dependence cannot be shown")));
     let wide = diagnosed(&[], proposed(&found), 4);
     assert!(wide.blind_spots.iter().all(|spot| !spot.what.contains("load") && !spot.what.contains("way")));
 }

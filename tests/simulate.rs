@@ -84,7 +84,7 @@ fn what_is_recorded_with_an_effect_is_foretold_with_it() {
 
 #[test]
 fn what_drifts_goes_on_from_trial_to_trial() {
-    let drift = tautline::effects::Added::parse("sensor_drift:restarts=0,horizon_s=10,line_nm=0.1").unwrap();
+    let drift = tautline::effects::Added::parse("sensor_drift:restarts=0,horizon_s=10,settle_s=2,line_nm=0.1").unwrap();
     let model = Model { effects: vec![drift], ..truth() };
     let (plan, exact) = (Plan { repeats: 3, ..free() }, record(&truth(), &Plan { repeats: 3, ..free() }));
     let folder = record(&model, &plan);

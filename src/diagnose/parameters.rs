@@ -84,7 +84,7 @@ fn doubt(knob: Knob, model: &Model) -> Option<&'static str> {
     let (low, high) = knob.bounds(model);
     let value = knob.value(model);
     let share = if low > 0.0 { (value / low).ln() / (high / low).ln() } else { (value - low) / (high - low) };
-    (share < AT_BOUND || share > 1.0 - AT_BOUND).then_some("at its bound")
+    (!(AT_BOUND..=1.0 - AT_BOUND).contains(&share)).then_some("at its bound")
 }
 
 impl Bench<'_> {

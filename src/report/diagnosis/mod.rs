@@ -21,6 +21,7 @@ mod tables;
 mod terminal;
 pub mod words;
 
+pub use experiment::{next_toml, sentences};
 pub use json::to_json;
 pub use terminal::write_summary;
 
