@@ -193,15 +193,21 @@ pub fn run(campaign: &Campaign, model: &Model, progress: &(dyn Fn() + Sync)) -> 
     progress();
     let mut is_second = false;
     let (choice, after, after_nm) = loop {
-        let mut used = judged.clone();
-        bursts.iter().for_each(|burst| used[burst.rows.clone()].fill(false));
-        bench.count(used);
-        let choice = choose(&bench, &model, progress);
-        let after = parameters::settled(&choice, &ground);
-        let after_nm = records.predicted_nm(&after, &records.passages(&after), &records.branches(&after));
+        let (choice, after, after_nm) = without(&mut bench, &bursts, &judged, &model, &ground, progress);
         let suspected = bursts.len();
-        bursts::keep_unexplained(&bench, &mut bursts, &rest_nm, &bench.residual_nm(&after_nm));
-        if bursts.len() == suspected || is_second {
+        let left_nm = bench.residual_nm(&after_nm);
+        bursts::keep_unexplained(&bench, &mut bursts, &rest_nm, &left_nm);
+        if bursts.len() == suspected && !is_second && !bursts.is_empty() && choice.found.is_empty() {
+            // With all that is striking set aside nothing was left to find: perhaps it was no contact at all.
+            let whole = without(&mut bench, &[], &judged, &model, &ground, progress);
+            bursts::keep_unexplained(&bench, &mut bursts, &rest_nm, &bench.residual_nm(&whole.2));
+            if 2 * bursts.len() <= suspected {
+                bursts.clear();
+                break whole;
+            }
+            bench.count(aside(&judged, &bursts));
+            break (choice, after, after_nm);
+        } else if bursts.len() == suspected || is_second {
             break (choice, after, after_nm);
         }
         is_second = true;
@@ -252,6 +258,30 @@ pub fn run(campaign: &Campaign, model: &Model, progress: &(dyn Fn() + Sync)) -> 
         next,
         blind_spots,
     })
+}
+
+/// Rows that are judged, but for those in a burst.
+fn aside(judged: &[bool], bursts: &[Burst]) -> Vec<bool> {
+    let mut used = judged.to_vec();
+    bursts.iter().for_each(|burst| used[burst.rows.clone()].fill(false));
+    used
+}
+
+/// The causes found with `bursts` set aside, the model that they make, and what it predicts, N m.
+fn without(
+    bench: &mut Bench<'_>,
+    bursts: &[Burst],
+    judged: &[bool],
+    model: &Model,
+    ground: &Ground,
+    progress: &(dyn Fn() + Sync),
+) -> (Choice, Model, Vec<f64>) {
+    bench.count(aside(judged, bursts));
+    let choice = choose(bench, model, progress);
+    let after = parameters::settled(&choice, ground);
+    let records = bench.records;
+    let after_nm = records.predicted_nm(&after, &records.passages(&after), &records.branches(&after));
+    (choice, after, after_nm)
 }
 
 fn mean(squares: &[f64], rows: &[f64]) -> f64 {
