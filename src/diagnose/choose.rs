@@ -13,8 +13,10 @@ const FLOOR_SHARE: f64 = 0.6;
 /// ... the first by this share of the gap's square, any other by this share of what is left ...
 const GAP_SHARE_FIRST: f64 = 0.15;
 const GAP_SHARE_MORE: f64 = 0.30;
-/// ... and of the whole gap's square.
+/// ... and of the whole gap's square ...
 const WHOLE_SHARE_MORE: f64 = 0.02;
+/// ... or by so much of the whole: of a gap with many small causes even a large one is no great share of what is left.
+const WHOLE_SHARE_ALONE: f64 = 0.12;
 /// Its gain must exceed so many standard errors over clusters.
 const ERRORS: f64 = 2.0;
 /// What clusters lose by it is little, as a share of what others win.
@@ -76,14 +78,23 @@ pub fn choose(bench: &Bench<'_>, model: &Model, progress: &(dyn Fn() + Sync)) ->
         let Some(best) = simplest(bench, &tried, start) else { break };
         if std::env::var("TDEBUG").is_ok() {
             for t in tried.iter().take(6) {
-                eprintln!("{:.5} {:.5} {:.1} {:?} {}", t.score(bench).sqrt(), t.fit.cost.mean_square.sqrt(), t.fit.cost.surprise, t.cause, t.how);
+                eprintln!(
+                    "{:.5} {:.5} {:.1} {:?} {}",
+                    t.score(bench).sqrt(),
+                    t.fit.cost.mean_square.sqrt(),
+                    t.fit.cost.surprise,
+                    t.cause,
+                    t.how
+                );
             }
             eprintln!("-> {:?} now {:.5}", tried[best].cause, now.sqrt());
         }
-        if !is_material(bench, &tried[best], &fit, now, start, chosen.is_empty()) {
+        // The simplest that does as well may be too little to be named where the best is not.
+        let enough = |at: &usize| is_material(bench, &tried[*at], &fit, now, start, chosen.is_empty());
+        let Some(best) = [best, 0].into_iter().find(enough) else {
             refused = tried;
             break;
-        }
+        };
         let before = now;
         chosen.push(tried[best].clone());
         (ground, fit) = together(bench, &first, &base, &chosen);
@@ -101,7 +112,13 @@ pub fn choose(bench: &Bench<'_>, model: &Model, progress: &(dyn Fn() + Sync)) ->
         let tried = ranked(bench, try_all(bench, &without, &known));
         progress();
         if let Some(best) = simplest(bench, &tried, start) {
-            chosen[at] = tried[best].clone();
+            // What was taken stays unless something does better, or as well by fewer numbers and still enough to be named.
+            let own = tried.iter().position(|t| (t.cause, t.how) == (chosen[at].cause, chosen[at].how)).unwrap_or(best);
+            let stays = tried[own].count() <= tried[best].count() && is_tie(bench, &tried[0], &tried[own], start);
+            let without = score(bench, &left);
+            let enough = |at: &usize| is_material(bench, &tried[*at], &left, without, start, false);
+            let order = if stays { [own, best, 0] } else { [best, own, 0] };
+            chosen[at] = tried[order.into_iter().find(enough).unwrap_or(best)].clone();
         }
         tried_in[at] = (score(bench, &left), tried);
     }
@@ -170,9 +187,10 @@ fn is_material(bench: &Bench<'_>, tried: &Tried, before: &Fit, now: f64, start: 
     let floor_square = bench.floor_nm * bench.floor_nm;
     let gain = now - tried.score(bench);
     let gap = (now - floor_square).max(0.0);
+    let whole = start - floor_square;
     let enough = match is_first {
         true => gain >= GAP_SHARE_FIRST * gap,
-        false => gain >= GAP_SHARE_MORE * gap && gain >= WHOLE_SHARE_MORE * (start - floor_square),
+        false => gain >= GAP_SHARE_MORE * gap && gain >= WHOLE_SHARE_MORE * whole || gain >= WHOLE_SHARE_ALONE * whole,
     };
     enough && gain >= FLOOR_SHARE * FLOOR_SHARE * floor_square && is_sure(bench, &before.held_out, &tried.fit.held_out)
 }
@@ -208,7 +226,12 @@ fn together(bench: &Bench<'_>, first: &Ground, base: &[Move], chosen: &[Tried]) 
             }
         }
     }
-    let fit = bench.fit(first, model, moves.clone());
+    let mut fit = bench.fit(first, model, moves.clone());
+    if !moves.is_empty() {
+        // What the base does depends on the causes: its friction no longer jumps where a transition is. Once more on its own ground.
+        let own = bench.ground(&fit.model, base.to_vec());
+        fit = bench.fit(&own, fit.model.clone(), moves.clone());
+    }
     let free = fit.moves.iter().map(|way| way.clone().believed_within(way.stride));
     let ground = bench.ground(&fit.model, base.iter().cloned().chain(free).collect());
     (ground, fit)
@@ -242,7 +265,9 @@ fn drop_idle(
 /// Causes other than `taken` that do as well with no more numbers; one that a spring over a short way is mistaken for may have
 /// one less.
 fn rivals(bench: &Bench<'_>, taken: &Tried, tried: &[Tried], start: f64) -> Vec<Cause> {
-    let spare = |cause: Cause| usize::from(taken.cause == Cause::Effect("gravity_phase") && cause == Cause::Effect("elastic_spring"));
+    let spare = |cause: Cause| {
+        usize::from(taken.cause == Cause::Effect("gravity_phase") && cause == Cause::Effect("elastic_spring"))
+    };
     let mut found: Vec<Cause> = Vec::new();
     for other in tried.iter().filter(|other| other.cause != taken.cause && is_tie(bench, taken, other, start)) {
         if other.count() <= taken.count() + spare(other.cause) && !found.contains(&other.cause) {
