@@ -3,12 +3,16 @@
 
 usage: scripts/emps.py DATA_EMPS.mat OUT      (needs numpy and scipy)
 then:  tautline identify OUT -o emps-identified --estimate-backlash
+       tautline diagnose OUT --model OUT/model.json -o emps-diagnosed      (scripts/emps_diagnose.py: on held-out cycles)
+
+OUT/model.json is the authors' model with symmetric friction.
 
 DATA_EMPS.mat is in EMPS.zip of the nonlinear benchmarks' site (A. Janot, M. Gautier, M. Brunot, "Data Set and Reference
 Models of EMPS"). Its terms do not let this project bundle it: bring your own copy. The force is the motor's, computed by the
 authors' gain from the commanded voltage. The record is cut into its 6.240 s cycles in the middle of a plateau, so that no cut
 falls on a reversal; the first 0.210 s, from rest, are left out. Signs and rate stay as recorded.
 """
+import json
 import pathlib
 import sys
 
@@ -49,18 +53,37 @@ protocol = "free"
 trajectory = "reference"
 repeat = {0}
 """
+MASS_KG, VISCOUS_N_S_M, COULOMB_N, OFFSET_N = 95.1089, 203.5034, 20.3935, -3.1648  # published, with symmetric friction
 
 
-def main():
-    if len(sys.argv) != 3:
-        sys.exit(__doc__)
-    data = loadmat(sys.argv[1])
+def published_model():
+    def branch(sign):
+        shape = {"mu_c": 0.0, "b_c": 0.0, "c_c": 100.0 * sign, "b_j": 0.0, "c_j": 10.0 * sign}
+        return shape | {"a_j": sign * COULOMB_N + OFFSET_N, "d": VISCOUS_N_S_M}
+
+    return {
+        "format": "model/1",
+        "joint": {"name": "emps_slide", "winch_radius_m": 1.0, "pulley_radius_m": 1.0, "backlash_m": 0.0001},
+        "dynamics": {"gravity_nm": 0.0, "inertia_kg_m2": MASS_KG},
+        "friction": {"up": branch(1), "down": branch(-1)},
+        "combination": {"kind": "sign"},
+        "effects": [],
+    }
+
+
+def read(mat):
+    """Time in s, position in m, force in N."""
+    data = loadmat(mat)
     missing = [name for name in ("t", "qm", "vir", "gtau") if name not in data]
     if missing:
-        sys.exit(f"{sys.argv[1]}: lacks {', '.join(missing)}; expected the EMPS benchmark's DATA_EMPS.mat")
+        sys.exit(f"{mat}: lacks {', '.join(missing)}; expected the EMPS benchmark's DATA_EMPS.mat")
     time, position, volts = (np.ravel(data[name]).astype(float) for name in ("t", "qm", "vir"))
-    force = volts * float(np.ravel(data["gtau"])[0])
-    out = pathlib.Path(sys.argv[2])
+    return time, position, volts * float(np.ravel(data["gtau"])[0])
+
+
+def write(mat, out):
+    """The campaign, and how many cycles it has."""
+    time, position, force = read(mat)
     out.mkdir(parents=True)
     toml = CAMPAIGN
     cycles = int(np.ceil((time[-1] - START_S) / CYCLE_S))
@@ -70,7 +93,14 @@ def main():
         np.savetxt(out / f"cycle_{k + 1}.csv", rows, "%.3f,%.8f,%.4f", header="time_s,position_m,force_n", comments="")
         toml += TRIAL.format(k + 1)
     (out / "campaign.toml").write_text(toml)
-    print(f"{out}: {cycles} cycles")
+    (out / "model.json").write_text(json.dumps(published_model(), indent=2))
+    return cycles
+
+
+def main():
+    if len(sys.argv) != 3:
+        sys.exit(__doc__)
+    print(f"{sys.argv[2]}: {write(sys.argv[1], pathlib.Path(sys.argv[2]))} cycles")
 
 
 if __name__ == "__main__":

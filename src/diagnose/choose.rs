@@ -14,8 +14,10 @@ const FLOOR_SHARE: f64 = 0.6;
 /// ... the first by this share of the gap's square, any other by this share of what is left ...
 const GAP_SHARE_FIRST: f64 = 0.15;
 const GAP_SHARE_MORE: f64 = 0.30;
-/// ... and of the whole gap's square.
+/// ... and of the whole gap's square ...
 const WHOLE_SHARE_MORE: f64 = 0.02;
+/// ... or by so much of the whole: of a gap with many small causes even a large one is no great share of what is left.
+const WHOLE_SHARE_ALONE: f64 = 0.12;
 /// Its gain must exceed so many standard errors over clusters.
 const ERRORS: f64 = 2.0;
 /// What clusters lose by it is little, as a share of what others win.
@@ -112,9 +114,9 @@ impl Search<'_> {
             let known: Vec<Cause> = chosen.iter().map(|step| step.taken.cause).collect();
             let tried = self.round(&ground, &known);
             let Some(best) = simplest(bench, &tried, start) else { break };
-            if !is_material(bench, &tried[best].fit, &fit, start, chosen.is_empty()) {
-                return (chosen, tried, fit);
-            }
+            // The simplest that does as well may be too little to be named where the best is not.
+            let enough = |at: &usize| is_material(bench, &tried[*at].fit, &fit, start, chosen.is_empty());
+            let Some(best) = [best, 0].into_iter().find(enough) else { return (chosen, tried, fit) };
             let taken = tried[best].clone();
             chosen.push(Step { taken, tried, without: fit });
             fit = self.together(&chosen.iter().map(|step| &step.taken).collect::<Vec<&Tried>>());
@@ -130,9 +132,16 @@ impl Search<'_> {
             let known: Vec<Cause> = others.iter().map(|tried| tried.cause).collect();
             let without = self.together(&others);
             let tried = self.round(&self.ground_of(&without), &known);
-            if let Some(best) = simplest(self.bench, &tried, start) {
-                chosen[at] = Step { taken: tried[best].clone(), tried, without };
-            }
+            let Some(best) = simplest(self.bench, &tried, start) else { continue };
+            // What was taken stays unless something does better, or as well by fewer numbers and still enough to be named.
+            let before = &chosen[at].taken;
+            let is_own = |t: &Tried| (t.cause, t.how) == (before.cause, before.how);
+            let own = tried.iter().position(is_own).unwrap_or(best);
+            let stays = tried[own].count() <= tried[best].count() && is_tie(self.bench, &tried[0], &tried[own], start);
+            let enough = |at: &usize| is_material(self.bench, &tried[*at].fit, &without, start, false);
+            let order = if stays { [own, best, 0] } else { [best, own, 0] };
+            let taken = tried[order.into_iter().find(enough).unwrap_or(best)].clone();
+            chosen[at] = Step { taken, tried, without };
         }
     }
 
@@ -177,7 +186,13 @@ impl Search<'_> {
                 }
             }
         }
-        self.bench.fit(&self.first, model, moves)
+        let fit = self.bench.fit(&self.first, model, moves.clone());
+        if moves.is_empty() {
+            return fit;
+        }
+        // What the base does depends on the causes: its friction no longer jumps where a transition is. Once more on its own ground.
+        let own = self.bench.ground(&fit.model, self.first.moves.clone());
+        self.bench.fit(&own, fit.model, moves)
     }
 
     /// The ground that a fit makes for further causes: its own free within their strides.
@@ -239,9 +254,10 @@ fn is_material(bench: &Bench<'_>, with: &Fit, without: &Fit, start: f64, is_firs
     let now = score(bench, without);
     let gain = now - score(bench, with);
     let gap = (now - floor_square).max(0.0);
+    let whole = start - floor_square;
     let enough = match is_first {
         true => gain >= GAP_SHARE_FIRST * gap,
-        false => gain >= GAP_SHARE_MORE * gap && gain >= WHOLE_SHARE_MORE * (start - floor_square),
+        false => gain >= GAP_SHARE_MORE * gap && gain >= WHOLE_SHARE_MORE * whole || gain >= WHOLE_SHARE_ALONE * whole,
     };
     enough && gain >= FLOOR_SHARE * FLOOR_SHARE * floor_square && is_sure(bench, &without.held_out, &with.held_out)
 }

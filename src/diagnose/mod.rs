@@ -221,7 +221,6 @@ pub fn run(campaign: &Campaign, model: &Model, progress: &(dyn Fn() + Sync)) -> 
         delivered_nm: &delivered_nm,
         judged: &judged,
         bursts: &bursts,
-        ceiling: flexible.held_out,
     };
     let evidence = scene.evidence(&draws, &floor);
     let verdict = verdict::verdict(&bench, &choice, &evidence);
@@ -296,8 +295,6 @@ struct Scene<'s> {
     delivered_nm: &'s [f64],
     judged: &'s [bool],
     bursts: &'s [Burst],
-    /// Mean square that the flexible fit leaves on held-out units, (N m)^2.
-    ceiling: f64,
 }
 
 impl Scene<'_> {
@@ -324,7 +321,6 @@ impl Scene<'_> {
             last: add(&self.choice.last.held_out, if contact { &explained } else { &of_bursts }),
             rows,
             delivered,
-            ceiling: self.ceiling,
             contact,
             draws,
             floor_square: floor.upper_square(),

@@ -10,11 +10,6 @@ use crate::effects::Region;
 const UNKNOWN_FLOORS: f64 = 1.0;
 /// ... if more than this share of what the base leaves is still there after the causes that were found.
 const UNKNOWN_SHARE: f64 = 0.4;
-/// Causes that win so much of what the flexible fit wins on held-out units (position, speed, time, load and direction, without
-/// physics) explain what these recordings show to depend on anything ...
-const CEILING_SHARE: f64 = 0.7;
-/// ... if that is this share of what the base leaves above the floor.
-const CEILING_GAP_SHARE: f64 = 0.25;
 
 /// What kind of answer it is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -52,7 +47,7 @@ impl Kind {
 pub struct Verdict {
     /// Its kind.
     pub kind: Kind,
-    /// What it names: the causes, or the rivals among them.
+    /// What it names: the causes, or the rivals among them; of an unknown gap those that explain a part of it.
     pub effects: Vec<Cause>,
     /// Share of resamplings that come to the same.
     pub confidence: f64,
@@ -74,8 +69,6 @@ pub struct Evidence<'e> {
     pub rest: Vec<f64>,
     /// By the causes that were found, held out, bursts explained.
     pub last: Vec<f64>,
-    /// Mean square that the flexible fit leaves on held-out units, (N m)^2.
-    pub ceiling: f64,
     /// Whether bursts are among the causes.
     pub contact: bool,
     /// How to resample.
@@ -95,13 +88,7 @@ pub fn verdict(bench: &Bench<'_>, choice: &Choice, evidence: &Evidence<'_>) -> V
     }
     let is_open = |rest: f64, last: f64, floor_square: f64| {
         let left = above(last, floor_square);
-        let won = rest - last;
-        let reaches_ceiling = !choice.found.is_empty()
-            && won > CEILING_SHARE * (rest - evidence.ceiling)
-            && won > CEILING_GAP_SHARE * (rest - floor_square);
-        left > UNKNOWN_FLOORS * floor_square.sqrt()
-            && left > UNKNOWN_SHARE * above(rest, floor_square)
-            && !reaches_ceiling
+        left > UNKNOWN_FLOORS * floor_square.sqrt() && left > UNKNOWN_SHARE * above(rest, floor_square)
     };
     let (rest, last) = (mean(&evidence.rest), mean(&evidence.last));
     let kind = if is_open(rest, last, floor_square) {
@@ -127,7 +114,7 @@ pub fn verdict(bench: &Bench<'_>, choice: &Choice, evidence: &Evidence<'_>) -> V
         _ => stands(bench, &choice.found, evidence).min(evidence.draws.share(|i| !open(i))),
     };
     match kind {
-        Kind::Unknown | Kind::None => effects.clear(),
+        Kind::None => effects.clear(),
         Kind::Ambiguous => effects.extend(choice.found[0].rivals.iter().copied()),
         _ => {}
     }
