@@ -21,6 +21,7 @@ mod log;
 mod model;
 mod motion;
 mod next;
+mod real;
 mod recovery;
 mod reference;
 mod simulate;

@@ -82,6 +82,9 @@ pub fn of_cause(bench: &Bench<'_>, draws: &Draws, fit: &Fit, (cause, how): (Caus
 /// A positive range is compared in its logarithm, for it spans decades.
 fn doubt(knob: Knob, model: &Model) -> Option<&'static str> {
     let (low, high) = knob.bounds(model);
+    if !low.is_finite() || !high.is_finite() {
+        return None;
+    }
     let value = knob.value(model);
     let share = if low > 0.0 { (value / low).ln() / (high / low).ln() } else { (value - low) / (high - low) };
     (!(AT_BOUND..=1.0 - AT_BOUND).contains(&share)).then_some("at its bound")
