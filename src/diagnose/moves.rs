@@ -127,6 +127,11 @@ impl Move {
         self.turns.iter().map(|(knob, _)| *knob)
     }
 
+    /// Whether it turns the model's own parameters.
+    pub fn is_own(&self) -> bool {
+        self.knobs().all(|knob| !matches!(knob, Knob::Effect(..)))
+    }
+
     /// What it adds per unit, where that is one strength of an effect that only adds torque: the effect with that strength alone.
     pub fn added(&self, model: &Model) -> Option<Added> {
         let [(Knob::Effect(at, index), Turn::Add(unit))] = self.turns[..] else { return None };

@@ -52,6 +52,15 @@ pub struct Sample<'a> {
     pub others: &'a [Motion],
 }
 
+/// What the cable carries at one sample, N m at the winch.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Carried {
+    /// (r1/r2) (G + I a + j): the joint's load.
+    pub load_nm: f64,
+    /// The model's own friction on each branch, u and d.
+    pub friction_nm: Both<f64>,
+}
+
 /// Over what range a campaign moves, for an effect to know where its shape may lie.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Extent {
@@ -249,7 +258,7 @@ pub trait Effect: Sync + std::fmt::Debug {
 
     /// Added to the two branches, N m at the winch, for a load of `load_nm` there; the one of `down` is negative where it
     /// resists.
-    fn friction_nm(&self, _p: &[f64], _sample: &Sample<'_>, _load_nm: f64) -> Both<f64> {
+    fn friction_nm(&self, _p: &[f64], _sample: &Sample<'_>, _carried: Carried) -> Both<f64> {
         Both { up: 0.0, down: 0.0 }
     }
 
