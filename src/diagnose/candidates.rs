@@ -184,8 +184,8 @@ impl Begun {
     fn fit(self, bench: &Bench<'_>, ground: &Ground) -> Option<Tried> {
         let (cause, how) = self.cause();
         let fits = self.starts.into_par_iter().map(|(_, model, moves)| bench.fit(ground, model, moves));
-        let fit =
-            fits.collect::<Vec<Fit>>().into_iter().min_by(|a, b| a.cost.mean_square.total_cmp(&b.cost.mean_square))?;
+        let fits = fits.collect::<Vec<Fit>>().into_iter();
+        let fit = fits.min_by(|a, b| score(bench, a).total_cmp(&score(bench, b)))?;
         Some(Tried { cause, how, fit })
     }
 }
@@ -214,9 +214,14 @@ fn begin(bench: &Bench<'_>, ground: &Ground, effect: &'static dyn Effect, residu
     };
     let mut starts: Vec<(f64, Model, Vec<Move>)> = starts.into_par_iter().map(glance).collect();
     starts.sort_by(|a, b| a.0.total_cmp(&b.0));
-    let is_linear = starts.first()?.2.iter().all(|way| way.is_linear) && effect.about().id != "sensor_drift";
-    let is_ripple = effect.about().id.ends_with("ripple");
-    starts.truncate(if is_linear || is_ripple { 1 } else { STARTS });
+    let is_linear = starts.first()?.2.iter().all(|way| way.is_linear);
+    let followed = match effect.about().id {
+        // Its starts are no guesses at one form, they are forms.
+        "sensor_drift" => starts.len(),
+        id if is_linear || id.ends_with("ripple") => 1,
+        _ => STARTS,
+    };
+    starts.truncate(followed);
     Some(Begun { effect, starts })
 }
 

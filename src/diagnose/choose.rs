@@ -2,7 +2,7 @@
 
 use super::candidates::{Cause, Round, Sketch, Tried, score, try_all};
 use super::fit::{Bench, Fit, Ground};
-use super::moves::{Move, within_confidence};
+use super::moves::{Move, SAME_TORQUE, within_confidence};
 use super::pairs;
 use crate::effects::find;
 use crate::model::Model;
@@ -33,6 +33,8 @@ const TIE_ERRORS: f64 = 1.5;
 /// ... or this share of the gap's square, or of the floor's.
 const TIE_SHARE: f64 = 0.001;
 const TIE_FLOOR_SHARE: f64 = 0.01;
+/// ... or this share of what the best leaves above the floor: where its form fails, so much of the others' failure is form, too.
+const TIE_LEFT_SHARE: f64 = 0.05;
 /// However uncertain, what lies further apart than this share of the gap's square is not equal.
 const TIE_SHARE_MAX: f64 = 0.05;
 
@@ -185,7 +187,7 @@ impl Search<'_> {
         let equals = all.into_iter().filter(|(_, fit)| is_tie(self.bench, &best, fit, self.start));
         // Of pairs that do as well the simplest, and of those the one with what does best alone.
         let has_one = |pair: &[Sketch]| pair.iter().any(|sketch| sketch.cause == one.cause);
-        equals.min_by_key(|(pair, fit)| (fit.moves.len(), own_parameters(pair), !has_one(pair)))
+        equals.min_by_key(|(pair, fit)| (fit.moves.len(), makeshifts(pair), !has_one(pair)))
     }
 
     /// Tries each cause again with the others in, until all stay: an early compromise gives way to what it stood for. Leaves out
@@ -311,9 +313,13 @@ impl Search<'_> {
     }
 }
 
-/// How many of `chosen` are the model's own parameters.
-fn own_parameters(chosen: &[Sketch]) -> usize {
-    chosen.iter().filter(|sketch| matches!(sketch.cause, Cause::Stale(_))).count()
+/// Whether friction would have to grow in one direction by just as much as it falls in the other: of equals no likely cause.
+fn is_makeshift((cause, how): (Cause, &str)) -> bool {
+    cause == Cause::Stale("coulomb") && how == SAME_TORQUE
+}
+
+fn makeshifts(chosen: &[Sketch]) -> usize {
+    chosen.iter().filter(|sketch| is_makeshift((sketch.cause, sketch.how))).count()
 }
 
 /// All that were chosen but number `at`.
@@ -325,15 +331,15 @@ fn all_but(chosen: &[Sketch], at: usize) -> Vec<Sketch> {
 fn simplest(bench: &Bench<'_>, tried: &[Tried], start: f64) -> Option<usize> {
     let best = tried.first()?;
     let equals = tried.iter().enumerate().filter(|(_, t)| is_tie(bench, &best.fit, &t.fit, start));
-    // Of equals an effect rather than parameters of the model that make up for it between them.
-    equals.min_by_key(|(_, t)| (t.count(), matches!(t.cause, Cause::Stale(_)))).map(|(at, _)| at)
+    equals.min_by_key(|(_, t)| (t.count(), is_makeshift((t.cause, t.how)))).map(|(at, _)| at)
 }
 
 /// Whether `other` does as well as `best` on held-out units, as far as they can tell.
 fn is_tie(bench: &Bench<'_>, best: &Fit, other: &Fit, start: f64) -> bool {
     let floor_square = bench.floor_nm * bench.floor_nm;
     let behind = score(bench, other) - score(bench, best);
-    let negligible = (TIE_SHARE * (start - floor_square)).max(TIE_FLOOR_SHARE * floor_square);
+    let left = TIE_LEFT_SHARE * (score(bench, best) - floor_square);
+    let negligible = left.max(TIE_SHARE * (start - floor_square)).max(TIE_FLOOR_SHARE * floor_square);
     let (a, b) = (bench.surprise_factor(best), bench.surprise_factor(other));
     let spared = best.moves.len().saturating_sub(other.moves.len()) as f64;
     if other.cost.surprise > best.cost.surprise + SURPRISE_APART + SURPRISE_A_NUMBER * spared {

@@ -202,9 +202,10 @@ impl Record {
         let (_, known_from) = settle(&trial.followed_rad, backlash_rad, trial.deadband_rad);
         let memory = forgotten(rate_hz, lowpass_hz);
         let first = (known_from + memory).div_ceil(step);
-        // Acceleration is not known at a log's end, where position has nothing after it.
-        let last = at.len().saturating_sub(memory.div_ceil(step));
         let rests = rests(&trial.followed_rad, rate_hz, trial.deadband_rad);
+        // Acceleration is not known at a log's end, where position has nothing after it, unless the joint rests there.
+        let ends_at_rest = rests[n.saturating_sub((2.0 * REST_S * rate_hz) as usize)..].iter().all(|rests| *rests);
+        let last = if ends_at_rest { at.len() } else { at.len().saturating_sub(memory.div_ceil(step)) };
         let compared = ((thinned_hz / (ROWS_PER_PERIOD * lowpass_hz)) as usize).max(1);
         let rows = (first..last).step_by(compared).collect();
         let entry = &trial.entry;

@@ -108,6 +108,8 @@ pub struct Parameter {
     pub role: Role,
     /// The range beyond which it makes no sense.
     pub bounds: (f64, f64),
+    /// How large it is believed to be, as a share of the torque's range: infinite where nobody can say.
+    pub share: f64,
 }
 
 impl Parameter {
@@ -117,19 +119,24 @@ impl Parameter {
     }
 
     const fn strength(name: &'static str) -> Self {
-        Self { name, role: Role::Strength, bounds: (-1e9, 1e9) }
+        Self { name, role: Role::Strength, bounds: (-1e9, 1e9), share: f64::INFINITY }
+    }
+
+    /// One of many strengths that together describe a curve.
+    const fn wave(name: &'static str, share: f64) -> Self {
+        Self { share, ..Self::strength(name) }
     }
 
     const fn shape(name: &'static str, low: f64, high: f64) -> Self {
-        Self { name, role: Role::Shape, bounds: (low, high) }
+        Self { name, role: Role::Shape, bounds: (low, high), share: f64::INFINITY }
     }
 
     const fn placed(name: &'static str, role: Role, limit: f64) -> Self {
-        Self { name, role, bounds: (-limit, limit) }
+        Self { name, role, bounds: (-limit, limit), share: f64::INFINITY }
     }
 
     const fn choice(name: &'static str, low: f64, high: f64) -> Self {
-        Self { name, role: Role::Choice, bounds: (low, high) }
+        Self { name, role: Role::Choice, bounds: (low, high), share: f64::INFINITY }
     }
 }
 
@@ -250,6 +257,11 @@ pub trait Effect: Sync + std::fmt::Debug {
     /// Parameter sets to begin a search from, strengths at 0: where in `extent` its shape may lie. None where the campaign
     /// cannot show it.
     fn starts(&self, extent: &Extent) -> Vec<Vec<f64>>;
+
+    /// Whether parameter number `at` does anything with these choices.
+    fn uses(&self, _p: &[f64], _at: usize) -> bool {
+        true
+    }
 
     /// Added to gravity and inertia, N m at the joint.
     fn joint_torque_nm(&self, _p: &[f64], _sample: &Sample<'_>) -> f64 {
