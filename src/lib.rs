@@ -32,6 +32,9 @@ pub mod log;
 /// `Model` x trajectory -> a campaign, as if recorded.
 pub mod simulate;
 
+/// Motions x the joint's limits -> what they ask of it, before anything moves.
+pub mod excite;
+
 /// `Log` -> `Trial`: filtered, differentiated, cut into legs.
 pub mod prepare;
 

@@ -11,6 +11,7 @@ mod covariance;
 mod diagnose;
 mod effects;
 mod evaluate;
+mod excite;
 mod few;
 mod free;
 mod friction;
