@@ -59,5 +59,8 @@ pub mod compare;
 /// Results -> terminal, JSON, tables, plots, one HTML file.
 pub mod report;
 
+/// `Model` -> code for a controller, a simulator's joint, tables.
+pub mod export;
+
 /// Arguments -> one pipeline per subcommand -> exit status.
 pub mod cli;

@@ -12,6 +12,7 @@ mod diagnose;
 mod effects;
 mod evaluate;
 mod excite;
+mod export;
 mod few;
 mod free;
 mod friction;

@@ -9,6 +9,7 @@ mod diagnose;
 mod effects;
 mod evaluate;
 mod excite;
+mod export;
 mod fit;
 mod follow;
 mod identify;
@@ -64,6 +65,8 @@ enum Command {
     Validate(validate::Arguments),
     /// Make motions to record, held against the joint's limits
     Excite(Box<excite::Arguments>),
+    /// Write the model for where it is used: controllers in C and Rust, MuJoCo, URDF, tables
+    Export(export::Arguments),
     /// Record a campaign from a model
     Simulate(Box<simulate::Arguments>),
     /// List the effects that a model may have beyond the paper's formula, with their parameters
@@ -86,6 +89,7 @@ pub fn run() -> ExitCode {
         Command::Fit(arguments) => fit::run(&arguments, &talk),
         Command::Validate(arguments) => validate::run(&arguments, &talk),
         Command::Excite(arguments) => excite::run(&arguments, &talk),
+        Command::Export(arguments) => export::run(&arguments, &talk),
         Command::Simulate(arguments) => simulate::run(&arguments, &talk),
         Command::Effects(arguments) => effects::run(&arguments, &talk),
         Command::Completions(arguments) => completions::run(&arguments),
