@@ -2,17 +2,21 @@
 //!
 //! Exit status: 0 done, 1 a judgement that failed, 2 bad input or usage.
 
+mod arm;
 mod compare;
 mod completions;
 mod diagnose;
 mod effects;
 mod evaluate;
+mod excite;
+mod export;
 mod fit;
 mod follow;
 mod identify;
 mod interaction;
 mod interrupt;
 mod judged;
+mod motions;
 mod outcome;
 mod predict;
 mod progress;
@@ -59,6 +63,10 @@ enum Command {
     Fit(fit::Arguments),
     /// List every problem of a campaign
     Validate(validate::Arguments),
+    /// Make motions to record, held against the joint's limits
+    Excite(Box<excite::Arguments>),
+    /// Write the model for where it is used: controllers in C and Rust, MuJoCo, URDF, tables
+    Export(export::Arguments),
     /// Record a campaign from a model
     Simulate(Box<simulate::Arguments>),
     /// List the effects that a model may have beyond the paper's formula, with their parameters
@@ -80,6 +88,8 @@ pub fn run() -> ExitCode {
         Command::Compare(arguments) => compare::run(&arguments, &talk),
         Command::Fit(arguments) => fit::run(&arguments, &talk),
         Command::Validate(arguments) => validate::run(&arguments, &talk),
+        Command::Excite(arguments) => excite::run(&arguments, &talk),
+        Command::Export(arguments) => export::run(&arguments, &talk),
         Command::Simulate(arguments) => simulate::run(&arguments, &talk),
         Command::Effects(arguments) => effects::run(&arguments, &talk),
         Command::Completions(arguments) => completions::run(&arguments),
