@@ -216,8 +216,8 @@ fn begin(bench: &Bench<'_>, ground: &Ground, effect: &'static dyn Effect, residu
     starts.sort_by(|a, b| a.0.total_cmp(&b.0));
     let is_linear = starts.first()?.2.iter().all(|way| way.is_linear);
     let followed = match effect.about().id {
-        // Its starts are no guesses at one form, they are forms.
-        "sensor_drift" => starts.len(),
+        // Their starts are no guesses at one form, they are forms.
+        "sensor_drift" | "time_delay" => starts.len(),
         id if is_linear || id.ends_with("ripple") => 1,
         _ => STARTS,
     };

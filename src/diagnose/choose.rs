@@ -396,15 +396,20 @@ fn rivals(bench: &Bench<'_>, taken: &Tried, tried: &[Tried], start: f64) -> Vec<
     let spare = |cause: Cause| {
         usize::from(taken.cause == Cause::Effect("gravity_phase") && cause == Cause::Effect("elastic_spring"))
     };
+    let is_rival = |other: &&Tried| {
+        other.cause != taken.cause
+            && other.count() <= taken.count() + spare(other.cause)
+            && is_tie(bench, &taken.fit, &other.fit, start)
+    };
     let mut found: Vec<Cause> = Vec::new();
-    for other in tried.iter().filter(|other| other.cause != taken.cause && is_tie(bench, &taken.fit, &other.fit, start))
-    {
-        if other.count() <= taken.count() + spare(other.cause) && !found.contains(&other.cause) {
+    for other in tried.iter().filter(is_rival) {
+        if !found.contains(&other.cause) {
             found.push(other.cause);
         }
     }
     found
 }
+
 /// Causes that `taken` is known to be mistaken for and that do as well: only their numbers speak against them.
 fn seconds(bench: &Bench<'_>, taken: &Tried, tried: &[Tried], start: f64) -> Vec<Cause> {
     let known = rivals(bench, taken, tried, start);

@@ -6,7 +6,6 @@ use crate::effects::{Added, Carried, Family, Sample};
 use crate::log::{Campaign, clock_s, read_trial, span_s};
 use crate::model::{Asked, Model, Passage, settle};
 use crate::numerics::filter::LowPass;
-use crate::numerics::resample::shifted;
 use crate::predict::forgotten;
 use crate::prepare::{Trial, prepare};
 use crate::problem::{Problem, Problems, Result};
@@ -307,10 +306,7 @@ impl Record {
             })
             .collect();
         if model.effects.iter().any(|added| added.effect.about().family == Family::Fault) {
-            let delay_s = model.delay_s();
-            if delay_s != 0.0 {
-                torque_nm = shifted(&torque_nm, delay_s * self.rate_hz);
-            }
+            torque_nm = model.late_nm(torque_nm, self.rate_hz);
             for (i, y) in torque_nm.iter_mut().enumerate() {
                 *y = sampled(i, &mut |sample| model.reading_nm(sample, *y));
             }

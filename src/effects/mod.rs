@@ -7,8 +7,8 @@
 //!
 //! where j is `Effect::joint_torque_nm`, fu and fd `Effect::friction_nm`, h `Effect::friction_factor` and w
 //! `Effect::winch_torque_nm`; G is taken where `Effect::position_lag_rad` says the joint is; K~ changes over by
-//! `Effect::curve` and builds up elastically by `Effect::presliding`. What the sensor makes of y comes last: `Effect::delay_s`,
-//! then `Effect::reading_nm`, last of those that say `Effect::clips`.
+//! `Effect::curve` and builds up elastically by `Effect::presliding`. What the sensor makes of y comes last: `Effect::delay_s`
+//! and `Effect::lag_s`, then `Effect::reading_nm`, last of those that say `Effect::clips`.
 
 mod cable_elasticity;
 mod contact;
@@ -302,6 +302,11 @@ pub trait Effect: Sync + std::fmt::Debug {
 
     /// How late the torque is recorded, s.
     fn delay_s(&self, _p: &[f64]) -> f64 {
+        0.0
+    }
+
+    /// The time constant with which the sensor follows the torque, s.
+    fn lag_s(&self, _p: &[f64]) -> f64 {
         0.0
     }
 
