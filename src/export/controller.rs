@@ -83,7 +83,8 @@ pub fn controller(model: &Model, language: Language, settings: &Settings) -> Res
         Language::Rust => Module { p }.render(),
     };
     // The template engine drops the last line's end.
-    made.map(|text| text + "\n").or_else(|error| Problem::error("export", format!("could not be made: {error}"), "report this").alone())
+    made.map(|text| text + "\n")
+        .or_else(|error| Problem::error("export", format!("could not be made: {error}"), "report this").alone())
 }
 
 fn parts(model: &Model, language: Language, settings: &Settings) -> Result<Parts> {
