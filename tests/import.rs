@@ -188,7 +188,7 @@ fn originals() -> &'static Vec<(String, Vec<u8>)> {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 1500, ..ProptestConfig::default() })]
+    #![proptest_config(ProptestConfig { cases: ProptestConfig::default().cases.max(1500), ..ProptestConfig::default() })]
 
     /// Bytes changed, cut off, put in, doubled: read or refused, never a panic.
     #[test]

@@ -5,12 +5,14 @@
 
 use super::Series;
 use crate::problem::{Problem, Result};
-use hdf5_pure::{File, Group};
+use hdf5_pure::{DType, File, Group};
 use matfile::{MatFile, NumericData};
 use std::path::Path;
 
 /// What a v7.3 file begins with after MATLAB's own header of 512 bytes; tools that write plain HDF5 have none.
 const HDF5: &[u8] = b"\x89HDF\r\n\x1a\n";
+/// Numbers that a byte of the file can hold at most: deflate packs a thousand to one. More are damage, and must not be allocated.
+const NUMBERS_PER_BYTE: u64 = 1100;
 /// Structures within structures that are looked into.
 const DEPTH: usize = 4;
 /// More columns than this are a picture or a field, no log.
@@ -62,12 +64,13 @@ fn numbers(data: &NumericData) -> Vec<f64> {
 }
 
 fn read_hdf5(file: &Path, bytes: Vec<u8>) -> Result<Vec<Series>> {
+    let most = NUMBERS_PER_BYTE * bytes.len() as u64;
     let opened = match File::from_bytes(bytes) {
         Ok(opened) => opened,
         Err(error) => return damaged(file, error),
     };
     let mut all = Vec::new();
-    match fields(&opened.root(), "", DEPTH, &mut all) {
+    match fields(&opened.root(), "", DEPTH, most, &mut all) {
         Ok(()) => Ok(all),
         Err(error) => damaged(file, error),
     }
@@ -78,14 +81,20 @@ fn fields(
     group: &Group,
     before: &str,
     depth: usize,
+    most: u64,
     all: &mut Vec<Series>,
 ) -> std::result::Result<(), hdf5_pure::Error> {
     let mut names = group.datasets()?;
     names.sort();
     for name in names {
         let data = group.dataset(&name)?;
-        // MATLAB's columns are HDF5's rows. What are no numbers is not taken.
-        let (Ok(shape), Ok(values)) = (data.shape(), data.read_f64()) else { continue };
+        let (Ok(shape), Ok(kind)) = (data.shape(), data.dtype()) else { continue };
+        let count = shape.iter().try_fold(1u64, |count, side| count.checked_mul(*side)).unwrap_or(u64::MAX);
+        if !is_number(&kind) || count > most {
+            continue;
+        }
+        // MATLAB's columns are HDF5's rows.
+        let Ok(values) = data.read_f64() else { continue };
         if let [columns, rows] = shape[..] {
             let (Ok(rows), Ok(columns)) = (usize::try_from(rows), usize::try_from(columns)) else { continue };
             add(all, &format!("{before}{name}"), values, rows, columns);
@@ -97,9 +106,14 @@ fn fields(
     groups.sort();
     // `#refs#` and `#subsystem#` are MATLAB's own.
     for name in groups.iter().filter(|name| depth > 0 && !name.starts_with('#')) {
-        fields(&group.group(name)?, &format!("{before}{name}."), depth - 1, all)?;
+        fields(&group.group(name)?, &format!("{before}{name}."), depth - 1, most, all)?;
     }
     Ok(())
+}
+
+fn is_number(kind: &DType) -> bool {
+    use DType::{F32, F64, I8, I16, I32, I64, U8, U16, U32, U64};
+    matches!(kind, F32 | F64 | I8 | I16 | I32 | I64 | U8 | U16 | U32 | U64)
 }
 
 /// A vector as a column, a matrix as columns; single numbers and pictures are left out.
