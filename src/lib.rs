@@ -26,6 +26,9 @@ pub mod model;
 /// Ground: a motion's plan: rests, sweeps, cosines, sums of sines, one after the other; `trajectory/1`.
 pub mod trajectory;
 
+/// Logs in other programs' formats (MATLAB, ROS 2, TwinCAT) -> columns by name.
+pub mod import;
+
 /// A campaign's folder -> `Campaign` and, trial by trial, `Log`: the only place that reads data frames.
 pub mod log;
 

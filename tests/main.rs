@@ -17,6 +17,8 @@ mod few;
 mod free;
 mod friction;
 mod golden;
+mod import;
+mod install;
 mod interaction;
 mod load;
 mod log;

@@ -5,6 +5,7 @@
 mod arm;
 mod compare;
 mod completions;
+mod demo;
 mod diagnose;
 mod effects;
 mod evaluate;
@@ -13,9 +14,11 @@ mod export;
 mod fit;
 mod follow;
 mod identify;
+mod import;
 mod interaction;
 mod interrupt;
 mod judged;
+mod man;
 mod motions;
 mod outcome;
 mod predict;
@@ -23,6 +26,7 @@ mod progress;
 mod simulate;
 mod validate;
 
+use crate::problem::Result;
 use clap::{Parser, Subcommand};
 use outcome::Talk;
 use std::process::ExitCode;
@@ -38,6 +42,7 @@ pub struct Arguments {
 }
 
 const EXAMPLES: &str = "Examples:
+  tautline demo                             see it work in a minute
   tautline identify data/elbow -o out       identify a joint; then open out/report.html
   tautline validate my-campaign             list everything that is wrong with a campaign
   tautline simulate --model out/model.json -o simulated
@@ -61,6 +66,8 @@ enum Command {
     Compare(compare::Arguments),
     /// Run one step of the protocol alone
     Fit(fit::Arguments),
+    /// Make a campaign of MATLAB, ROS 2 or TwinCAT Scope recordings
+    Import(import::Arguments),
     /// List every problem of a campaign
     Validate(validate::Arguments),
     /// Make motions to record, held against the joint's limits
@@ -71,6 +78,10 @@ enum Command {
     Simulate(Box<simulate::Arguments>),
     /// List the effects that a model may have beyond the paper's formula, with their parameters
     Effects(effects::Arguments),
+    /// See it work in a minute, on recordings that it makes
+    Demo(demo::Arguments),
+    /// Write manual pages
+    Man(man::Arguments),
     /// Print shell completions
     Completions(completions::Arguments),
 }
@@ -79,26 +90,33 @@ enum Command {
 pub fn run() -> ExitCode {
     let Arguments { command, talk } = Arguments::parse();
     interrupt::catch();
-    let done = match command {
-        Command::Identify(arguments) => identify::run(&arguments, &talk),
-        Command::Evaluate(arguments) => evaluate::run(&arguments, &talk),
-        Command::Predict(arguments) => predict::run(&arguments, &talk),
-        Command::Interaction(arguments) => interaction::run(&arguments, &talk),
-        Command::Diagnose(arguments) => diagnose::run(&arguments, &talk),
-        Command::Compare(arguments) => compare::run(&arguments, &talk),
-        Command::Fit(arguments) => fit::run(&arguments, &talk),
-        Command::Validate(arguments) => validate::run(&arguments, &talk),
-        Command::Excite(arguments) => excite::run(&arguments, &talk),
-        Command::Export(arguments) => export::run(&arguments, &talk),
-        Command::Simulate(arguments) => simulate::run(&arguments, &talk),
-        Command::Effects(arguments) => effects::run(&arguments, &talk),
-        Command::Completions(arguments) => completions::run(&arguments),
-    };
-    match done {
+    match act(command, &talk) {
         Ok(status) => status,
         Err(problems) => {
             outcome::complain(&problems);
             ExitCode::from(outcome::BAD_INPUT)
         }
+    }
+}
+
+/// Runs `command`.
+fn act(command: Command, talk: &Talk) -> Result<ExitCode> {
+    match command {
+        Command::Identify(arguments) => identify::run(&arguments, talk),
+        Command::Evaluate(arguments) => evaluate::run(&arguments, talk),
+        Command::Predict(arguments) => predict::run(&arguments, talk),
+        Command::Interaction(arguments) => interaction::run(&arguments, talk),
+        Command::Diagnose(arguments) => diagnose::run(&arguments, talk),
+        Command::Compare(arguments) => compare::run(&arguments, talk),
+        Command::Fit(arguments) => fit::run(&arguments, talk),
+        Command::Import(arguments) => import::run(&arguments, talk),
+        Command::Validate(arguments) => validate::run(&arguments, talk),
+        Command::Excite(arguments) => excite::run(&arguments, talk),
+        Command::Export(arguments) => export::run(&arguments, talk),
+        Command::Simulate(arguments) => simulate::run(&arguments, talk),
+        Command::Effects(arguments) => effects::run(&arguments, talk),
+        Command::Demo(arguments) => demo::run(&arguments, talk),
+        Command::Man(arguments) => man::run(&arguments, talk),
+        Command::Completions(arguments) => completions::run(&arguments),
     }
 }

@@ -101,6 +101,11 @@ impl Columns {
         (columns().filter(|_| are_distinct), named)
     }
 
+    /// The names of all columns; time, position and torque come first, in this order.
+    pub fn names(&self) -> Vec<String> {
+        self.wanted().into_iter().map(|wanted| wanted.column.name).collect()
+    }
+
     /// Every column there is; time, position and torque come first, in this order.
     pub(super) fn wanted(&self) -> Vec<Wanted> {
         let wanted = |quantity: Quantity, column: &Column, arm_m| Wanted {
