@@ -323,7 +323,7 @@ pub fn of_effect(model: &Model, at: usize, extent: &Extent) -> Vec<Move> {
             ..Move::of(vec![(knob, turn)], f64::INFINITY, if is_linear { 1e-3 } else { 1e-4 })
         };
         match parameter.role {
-            Role::Choice => None,
+            Role::Choice | Role::Form => None,
             Role::Strength => Some(move_of(Turn::Add(1.0), true, parameter.share * span(extent.torque_nm))),
             Role::Shape => Some(move_of(Turn::Scale, false, 0.7)),
             Role::Position => Some(move_of(Turn::Add(span(extent.position_rad)), false, 0.1)),

@@ -19,9 +19,9 @@ static ABOUT: About = About {
     parameters: &[
         Parameter::strength("up"),
         Parameter::strength("down"),
-        Parameter::choice("of_tension", 0.0, 1.0),
-        Parameter::choice("pretension_nm", 0.0, 1e6),
-        Parameter::choice("levels_off_nm", 0.0, 1e6),
+        Parameter::form("of_tension", 1.0),
+        Parameter::form("pretension_nm", 1e6),
+        Parameter::form("levels_off_nm", 1e6),
     ],
 };
 

@@ -97,6 +97,8 @@ pub enum Role {
     Level,
     /// It selects, and is neither fitted nor has it an interval: which joint, which clock.
     Choice,
+    /// It selects a form of the effect, like a choice; 0 is the plainest, and is meant where nothing is said.
+    Form,
 }
 
 /// One parameter of an effect.
@@ -133,6 +135,10 @@ impl Parameter {
 
     const fn placed(name: &'static str, role: Role, limit: f64) -> Self {
         Self { name, role, bounds: (-limit, limit), share: f64::INFINITY }
+    }
+
+    const fn form(name: &'static str, high: f64) -> Self {
+        Self { role: Role::Form, ..Self::choice(name, 0.0, high) }
     }
 
     const fn choice(name: &'static str, low: f64, high: f64) -> Self {

@@ -20,7 +20,7 @@ static ABOUT: About = About {
     parameters: &[
         Parameter::choice("restarts", 0.0, 1.0),
         Parameter::choice("horizon_s", 1e-3, 1e9),
-        Parameter::choice("waves", 0.0, WAVES as f64),
+        Parameter::form("waves", WAVES as f64),
         Parameter::shape("settle_s", 1e-3, 1e7),
         Parameter::strength("settle_nm"),
         Parameter::strength("line_nm"),

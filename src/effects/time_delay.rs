@@ -12,7 +12,7 @@ static ABOUT: About = About {
     trades_with: &["reversal_transition", "viscous", "inertia"],
     parameters: &[
         Parameter { bounds: (-10.0, 10.0), ..Parameter::strength("delay_s") },
-        Parameter::choice("first_order", 0.0, 1.0),
+        Parameter::form("first_order", 1.0),
     ],
 };
 

@@ -67,8 +67,9 @@ impl Given {
                 self.refuse("has no strength".to_string(), format!("give one of {}", strengths.join(", ")));
             }
             for at in 0..self.known.len() {
-                if self.values[at].is_none() && !is_strength(&self.known[at]) {
-                    let cure = format!("it takes {}; only a strength may be left out", self.names());
+                let may_miss = matches!(self.known[at].role, Role::Strength | Role::Form);
+                if self.values[at].is_none() && !may_miss {
+                    let cure = format!("it takes {}; only a strength or a form may be left out", self.names());
                     self.refuse(format!("{} is missing", self.known[at].name), cure);
                 }
             }

@@ -38,7 +38,7 @@ pub fn write_list<W: Write>(out: &mut W) -> io::Result<()> {
     }
     writeln!(
         out,
-        "\nStrengths may be 0; h runs from 1 to {HARMONICS} in a ripple. q position, v speed, a acceleration of the joint, y at the winch."
+        "\nStrengths may be 0, and forms are where they are left out; h runs from 1 to {HARMONICS} in a ripple. q position, v speed, a acceleration of the joint, y at the winch."
     )
 }
 
@@ -46,7 +46,7 @@ pub fn write_list<W: Write>(out: &mut W) -> io::Result<()> {
 fn described(p: &Parameter) -> String {
     let (low, high) = p.bounds;
     match p.role {
-        Role::Strength => p.name.to_string(),
+        Role::Strength | Role::Form => p.name.to_string(),
         _ => format!("{} ({low} to {high})", p.name),
     }
 }
@@ -66,5 +66,6 @@ fn role(role: Role) -> &'static str {
         Role::Position => "position",
         Role::Level => "level",
         Role::Choice => "choice",
+        Role::Form => "form",
     }
 }
