@@ -8,7 +8,7 @@ use crate::dynamics::{Chain, Motion};
 use crate::effects::Sample;
 use crate::log::{Campaign, Place};
 use crate::model::{Asked, Direction, Model, Passage};
-use crate::numerics::causal::{CausalLowPass, Delay, Follower};
+use crate::numerics::causal::{CausalLowPass, Delay, Follower, Lag};
 use crate::numerics::filter::LowPass;
 use crate::predict::forgotten;
 use crate::prepare::motion_cutoff_hz;
@@ -43,6 +43,7 @@ pub struct Estimator {
     moved: Vec<Motion>,
     /// Holds the prediction back where the sensor is late, and the measurement where it is early.
     late: Delay,
+    lag: Lag,
     early: Delay,
     samples: usize,
     lowpass: CausalLowPass,
@@ -78,6 +79,7 @@ impl Estimator {
             others: vec![follower; campaign.columns.other_position.len()],
             moved: Vec::new(),
             late: Delay::new(delay.max(0.0)),
+            lag: Lag::new(model.lag_s() * rate_hz),
             early: Delay::new((-delay).max(0.0)),
             samples: 0,
             lowpass: CausalLowPass::new(&lowpass),
@@ -113,7 +115,7 @@ impl Estimator {
         self.samples += 1;
         let sample = Sample { time_s, elapsed_s: time_s, own, others: &moved };
         let driven_nm = self.model.driven_nm(&sample, asked, k_tilde).torque_nm;
-        let predicted_nm = self.model.reading_nm(&sample, self.late.step(driven_nm));
+        let predicted_nm = self.model.reading_nm(&sample, self.lag.step(self.late.step(driven_nm)));
         let measured_nm = self.early.step(measured_nm);
         self.moved = moved;
         let factor = self.frame.factor(&self.model, k_tilde);

@@ -8,7 +8,9 @@
 //! B of each direction.
 
 use super::{Both, Model};
-use crate::effects::Sample;
+use crate::effects::{Carried, Sample};
+use crate::numerics::causal::Lag;
+use crate::numerics::resample::shifted;
 
 /// What a sample asks of the joint.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -68,8 +70,9 @@ impl Model {
             factor *= e.effect.friction_factor(&e.parameters, sample);
             winch_nm += e.effect.winch_torque_nm(&e.parameters, sample);
         }
+        let carried = Carried { load_nm: transmission * joint_nm, friction_nm: branches };
         for e in &self.effects {
-            let more = e.effect.friction_nm(&e.parameters, sample, transmission * joint_nm);
+            let more = e.effect.friction_nm(&e.parameters, sample, carried);
             (up, down) = (up + more.up, down + more.down);
         }
         let friction_nm = factor * (down + k_tilde * (up - down));
@@ -104,6 +107,24 @@ impl Model {
     /// How late the sensor's reading is, s.
     pub fn delay_s(&self) -> f64 {
         self.effects.iter().map(|e| e.effect.delay_s(&e.parameters)).sum()
+    }
+
+    /// The time constant with which the sensor follows, s.
+    pub fn lag_s(&self) -> f64 {
+        self.effects.iter().map(|e| e.effect.lag_s(&e.parameters)).sum()
+    }
+
+    /// A series of torques at `rate_hz` as the sensor gets them, late by [`Self::delay_s`] and [`Self::lag_s`], N m.
+    pub fn late_nm(&self, mut torque_nm: Vec<f64>, rate_hz: f64) -> Vec<f64> {
+        let (delay_s, lag_s) = (self.delay_s(), self.lag_s());
+        if delay_s != 0.0 {
+            torque_nm = shifted(&torque_nm, delay_s * rate_hz);
+        }
+        if lag_s > 0.0 {
+            let mut lag = Lag::new(lag_s * rate_hz);
+            torque_nm.iter_mut().for_each(|y| *y = lag.step(*y));
+        }
+        torque_nm
     }
 
     /// Whether any effect goes by the time since the campaign began.

@@ -84,6 +84,37 @@ impl Delay {
     }
 }
 
+/// A first-order lag, exact for a signal drawn straight between its samples.
+///
+/// With e = exp(-1/lag): y' = e y + (1 - g) x' + (g - e) x, g = lag (1 - e).
+#[derive(Debug, Clone, Copy)]
+pub struct Lag {
+    samples: f64,
+    /// The last sample, and what came out.
+    last: Option<(f64, f64)>,
+}
+
+impl Lag {
+    /// With a time constant of so many `samples`, 0 or more; at rest before its first sample.
+    pub fn new(samples: f64) -> Self {
+        Self { samples, last: None }
+    }
+
+    /// The next sample.
+    pub fn step(&mut self, x: f64) -> f64 {
+        let (x_before, y_before) = self.last.unwrap_or((x, x));
+        let y = if self.samples > 0.0 {
+            let kept = (-1.0 / self.samples).exp();
+            let share = self.samples * (1.0 - kept);
+            kept * y_before + (1.0 - share) * x + (share - kept) * x_before
+        } else {
+            x
+        };
+        self.last = Some((x, y));
+        y
+    }
+}
+
 /// A low-pass, run forwards only.
 #[derive(Debug, Clone)]
 pub struct CausalLowPass {

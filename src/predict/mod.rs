@@ -8,7 +8,6 @@ mod state;
 pub use state::{States, forgotten, states};
 
 use crate::model::{Combination, Model};
-use crate::numerics::resample::shifted;
 use crate::prepare::Trial;
 
 /// y and its parts, N m at the winch, none of them low-passed.
@@ -68,10 +67,7 @@ fn read(model: &Model, trial: &Trial, torque_nm: &mut Vec<f64>) {
     if model.effects.is_empty() {
         return;
     }
-    let delay_s = model.delay_s();
-    if delay_s != 0.0 {
-        *torque_nm = shifted(torque_nm, delay_s * trial.log.rate_hz);
-    }
+    *torque_nm = model.late_nm(std::mem::take(torque_nm), trial.log.rate_hz);
     let mut others = Vec::with_capacity(trial.others.len());
     for (i, y) in torque_nm.iter_mut().enumerate() {
         *y = model.reading_nm(&trial.sample(i, &mut others), *y);

@@ -16,7 +16,6 @@ pub use plan::{Plan, PlannedTrial, SimulatedArm};
 
 use crate::dynamics::Chain;
 use crate::model::Model;
-use crate::numerics::resample::shifted;
 use course::Motions;
 use planned::Made;
 use rand::SeedableRng;
@@ -91,8 +90,7 @@ fn recorded(
 
 /// What the sensor makes of `torque_nm`: late, off scale, off zero, with noise, and clipped after all that.
 fn readings_nm(model: &Model, motions: &Motions, torque_nm: Vec<f64>, mut noise_nm: impl FnMut() -> f64) -> Vec<f64> {
-    let delay_s = model.delay_s();
-    let late_nm = if delay_s == 0.0 { torque_nm } else { shifted(&torque_nm, delay_s * motions.rate_hz) };
+    let late_nm = model.late_nm(torque_nm, motions.rate_hz);
     let mut others = Vec::with_capacity(motions.others.len());
     let reading = |(i, y): (usize, f64)| model.noisy_reading_nm(&motions.sample(i, &mut others), y, noise_nm());
     late_nm.into_iter().enumerate().map(reading).collect()
