@@ -3,8 +3,8 @@
 
 use crate::campaigns::truth;
 use std::collections::BTreeSet;
-use tautline::dynamics::Motion;
-use tautline::effects::{Added, LIBRARY, Role, Sample, find};
+use tautline::dynamics::{Both, Motion};
+use tautline::effects::{Added, Carried, LIBRARY, Role, Sample, find};
 use tautline::model::Model;
 use tautline::simulate::{Course, Sensors, record};
 
@@ -38,15 +38,15 @@ const IDS: [&str; 20] = [
 pub const EXAMPLES: [&str; 20] = [
     "reversal_transition:backlash_m=0.003,p=1.1,n=1.4",
     "stribeck:up_nm=0.1,down_nm=0.13,speed_rad_s=0.1,exponent=1.3",
-    "load_dependent_friction:up=0.2,down=0.15",
+    "load_dependent_friction:up=0.2,down=0.15,of_tension=0,pretension_nm=0,levels_off_nm=0",
     "friction_ripple:periods_per_rad=7.3,sin_1_nm=0.08,cos_2_nm=0.03",
     "torque_ripple:periods_per_rad=5.1,sin_1_nm=0.06,cos_3_nm=0.02",
     "cable_elasticity:with_friction=1,compliance_rad_nm=0.03",
     "quadratic_viscous:up_nm_s2_rad2=0.3,down_nm_s2_rad2=0.25",
     "sensor_bias:bias_nm=0.04",
     "sensor_gain:error=-0.1",
-    "sensor_drift:restarts=0,horizon_s=40,settle_s=5,line_nm=0.1,wave_2_nm=0.03",
-    "time_delay:delay_s=0.02",
+    "sensor_drift:restarts=0,horizon_s=40,waves=4,settle_s=5,line_nm=0.1,wave_2_nm=0.03",
+    "time_delay:delay_s=0.02,first_order=0",
     "gravity_phase:cos_nm=0.2",
     "inertia:inertia_kg_m2=0.05",
     "warm_up:restarts=0,cold_share=0.4,time_constant_s=15,exponent=1",
@@ -131,6 +131,9 @@ fn parameters_name_their_units_and_have_room() {
         "cold_share",
         "n",
         "with_friction",
+        "of_tension",
+        "first_order",
+        "waves",
         "restarts",
         "side",
         "joint",
@@ -189,11 +192,12 @@ fn twice_the_strength_is_twice_the_difference() {
 #[test]
 fn friction_resists_in_both_directions_and_cogging_in_none() {
     let motion = |velocity| Motion { position: 0.7, velocity, acceleration: 0.0 };
+    let carried = Carried { load_nm: 0.5, friction_nm: Both { up: 0.0, down: 0.0 } };
     for id in IDS {
         let added = example(id);
         let friction_nm = |velocity| {
             let sample = Sample { time_s: 1.0, elapsed_s: 1.0, own: motion(velocity), others: &[] };
-            added.effect.friction_nm(&added.parameters, &sample, 0.5)
+            added.effect.friction_nm(&added.parameters, &sample, carried)
         };
         let (up, down) = (friction_nm(0.2).up, friction_nm(-0.2).down);
         match id {

@@ -6,7 +6,7 @@ use crate::simulate::{free, trials};
 use std::io::Write;
 use std::path::Path;
 use std::process::{Command, Stdio};
-use tautline::effects::LIBRARY;
+use tautline::effects::{Added, LIBRARY, Role};
 use tautline::export::{
     Language, Likeness, Settings, controller, csv, latex, markdown, mujoco_xml, plain_name, urdf_xml,
 };
@@ -98,6 +98,7 @@ pub fn atan(x: f64) -> f64 { x.atan() }
 pub fn copysign(x: f64, s: f64) -> f64 { x.copysign(s) }
 pub fn cos(x: f64) -> f64 { x.cos() }
 pub fn exp(x: f64) -> f64 { x.exp() }
+pub fn hypot(x: f64, y: f64) -> f64 { x.hypot(y) }
 pub fn fabs(x: f64) -> f64 { x.abs() }
 pub fn fmax(x: f64, y: f64) -> f64 { x.max(y) }
 pub fn fmin(x: f64, y: f64) -> f64 { x.min(y) }
@@ -170,7 +171,12 @@ fn ran(program: &Path, model: &Model, trial: &Trial) -> Vec<f64> {
     let backlash_rad = model.backlash_m() / model.joint.pulley_radius_m;
     let (direction, _) = settle(&trial.followed_rad, backlash_rad, trial.deadband_rad);
     let start = [trial.followed_rad[0], direction.sign(), trial.deadband_rad];
-    let bytes: Vec<u8> = start.into_iter().chain(samples(model, trial)).flat_map(f64::to_le_bytes).collect();
+    fed(program, &start.into_iter().chain(samples(model, trial)).collect::<Vec<f64>>())
+}
+
+/// What `program` answers to `numbers`.
+fn fed(program: &Path, numbers: &[f64]) -> Vec<f64> {
+    let bytes: Vec<u8> = numbers.iter().flat_map(|x| x.to_le_bytes()).collect();
     let mut child = Command::new(program).stdin(Stdio::piped()).stdout(Stdio::piped()).spawn().unwrap();
     let mut input = child.stdin.take().unwrap();
     let feeding = std::thread::spawn(move || input.write_all(&bytes));
@@ -235,6 +241,24 @@ fn with_an_arm_the_caller_adds_the_chain_s_torque() {
     agree(&model, &bundled("data/arm", &model), "arm");
 }
 
+/// `effect` as it is, and with each of its choices the other way.
+fn choices(effect: Added) -> Vec<Added> {
+    let mut all = vec![effect.clone()];
+    for (at, (parameter, value)) in effect.named().enumerate() {
+        if parameter.role == Role::Choice && parameter.name != "joint" {
+            let mut other = all[all.len() - 1].clone();
+            let switches = parameter.bounds.1 == 1.0;
+            other.parameters[at] = match switches {
+                true if parameter.bounds.0 < 0.0 => -value,
+                true => 1.0 - value,
+                false => value + 0.3_f64.min(parameter.bounds.1),
+            };
+            all.push(other);
+        }
+    }
+    all
+}
+
 /// Every effect alone in C; in Rust all at once, and with each curve.
 #[test]
 fn every_effect_of_the_library_is_in_the_code() {
@@ -243,16 +267,21 @@ fn every_effect_of_the_library_is_in_the_code() {
     let trials = trials(folder.path());
     for effect in LIBRARY {
         let id = effect.about().id;
+        for chosen in choices(example(id)) {
+            let told = chosen.to_json();
+            let with = Model { effects: vec![chosen], ..base.clone() };
+            let found = largest_nm(&with, Language::C, &trials);
+            assert!(found <= WITHIN_NM, "{told}: {found:e} N m");
+        }
         let with = Model { effects: vec![example(id)], ..base.clone() };
-        let found = largest_nm(&with, Language::C, &trials);
-        assert!(found <= WITHIN_NM, "{id}: {found:e} N m");
         let without = Prediction::new(&base, &trials[0]).torque_nm;
-        let changed =
-            Prediction::new(&with, &trials[0]).torque_nm.iter().zip(&without).any(|(a, b)| (a - b).abs() > 1e-3);
-        assert!(changed, "{id} does nothing along this motion, so nothing was tested");
+        let mut pairs = Prediction::new(&with, &trials[0]).torque_nm.into_iter().zip(&without);
+        assert!(pairs.any(|(a, b)| (a - b).abs() > 1e-3), "{id} does nothing along this motion, so nothing was tested");
     }
     let all = EXAMPLES.map(|text| tautline::effects::Added::parse(text).unwrap()).to_vec();
     agree(&Model { effects: all.clone(), ..base.clone() }, &trials, "all effects");
+    let others: Vec<_> = all.iter().filter_map(|e| choices(e.clone()).into_iter().last()).collect();
+    agree(&Model { effects: others, ..base.clone() }, &trials, "all effects, chosen otherwise");
     let alone: Vec<_> = all.into_iter().filter(|e| e.id() == "presliding").collect();
     for combination in [Combination::Sign, Combination::Linear, Combination::Power { n: 0.4 }] {
         for effects in [Vec::new(), alone.clone()] {
@@ -271,9 +300,9 @@ fn what_no_controller_can_do_is_refused() {
         let model = Model { effects, ..model("data/elbow/truth/model.json") };
         controller(&model, Language::C, &settings).unwrap_err().to_string()
     };
-    assert!(refused("time_delay:delay_s=-0.01").contains("takes the motion to come"));
+    assert!(refused("time_delay:delay_s=-0.01,first_order=0").contains("takes the motion to come"));
     let fast = Settings { rate_hz: 1e6, ..settings.clone() };
-    let effects = vec![tautline::effects::Added::parse("time_delay:delay_s=1").unwrap()];
+    let effects = vec![tautline::effects::Added::parse("time_delay:delay_s=1,first_order=0").unwrap()];
     let model = Model { effects, ..model("data/elbow/truth/model.json") };
     assert!(controller(&model, Language::C, &fast).unwrap_err().to_string().contains("lower --rate-hz"));
 }
@@ -351,5 +380,26 @@ fn export_writes_what_is_asked_for() {
         let done = tautline(&[&["export", "data/elbow/truth", "-o", &to], arguments].concat());
         assert_eq!(done.status.code(), Some(2));
         assert!(String::from_utf8_lossy(&done.stderr).contains(expected), "{done:?}");
+    }
+}
+
+/// A sample that is no number spoils its own torque, not those after it.
+#[test]
+fn a_sample_that_is_no_number_is_forgotten() {
+    let base = model("data/elbow/truth/model.json");
+    let late = Added::parse("time_delay:delay_s=0.004,first_order=1").unwrap();
+    let model = Model { effects: vec![example("presliding"), example("time_delay"), late], ..base };
+    let folder = TempDir::new().unwrap();
+    let mut input = vec![0.5, 1.0, 0.0];
+    for i in 0..2000 {
+        let q = 0.5 + 0.3 * (0.005 * f64::from(i)).sin();
+        let wrong = if i == 1000 { f64::NAN } else { q };
+        input.extend([wrong, wrong, wrong, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0]);
+    }
+    for language in [Language::C, Language::Rust] {
+        let torque_nm = fed(&compiled(&model, language, 500.0, folder.path()), &input);
+        assert!(torque_nm[..1000].iter().all(|y| y.is_finite()), "{language:?}");
+        assert!(torque_nm.iter().any(|y| y.is_nan()), "{language:?}: the sample was not seen");
+        assert!(torque_nm[1100..].iter().all(|y| y.is_finite()), "{language:?}: never forgotten");
     }
 }

@@ -44,6 +44,7 @@ struct Parts {
     jumps: bool,
     presliding: Option<Bristles>,
     late: Option<Late>,
+    follows: Option<Follows>,
     effects: Vec<String>,
     body: String,
 }
@@ -59,6 +60,14 @@ struct Late {
     kept: usize,
     whole: usize,
     share: String,
+}
+
+/// A sensor that follows with a lag: the weights of its last reading, of what it is given now, and of what it was given before
+/// (`numerics::causal::Lag`).
+struct Follows {
+    reading: String,
+    now: String,
+    before: String,
 }
 
 #[derive(Template)]
@@ -111,6 +120,7 @@ fn parts(model: &Model, language: Language, settings: &Settings) -> Result<Parts
         jumps: model.added_curve().is_none() && model.combination == Combination::Sign,
         presliding,
         late: late(model, settings)?,
+        follows: follows(model, settings),
         effects: model.effects.iter().map(|e| format!("{}: {}", e.id(), e.effect.about().means)).collect(),
         body: body(model, language, needs_slope),
         name,
@@ -154,6 +164,13 @@ fn late(model: &Model, settings: &Settings) -> Result<Option<Late>> {
     Ok(Some(Late { kept: whole as usize + 2, whole: whole as usize, share: number(samples - whole) }))
 }
 
+fn follows(model: &Model, settings: &Settings) -> Option<Follows> {
+    let samples = Some(model.lag_s() * settings.rate_hz).filter(|samples| *samples > 0.0)?;
+    let kept = (-1.0 / samples).exp();
+    let share = samples * (1.0 - kept);
+    Some(Follows { reading: number(kept), now: number(1.0 - share), before: number(share - kept) })
+}
+
 /// y of one sample, friction standing at `k`: the formula of `predict`, line by line.
 fn body(model: &Model, language: Language, needs_slope: bool) -> String {
     let mut code = Code::new(language);
@@ -164,6 +181,10 @@ fn body(model: &Model, language: Language, needs_slope: bool) -> String {
     made.iter().filter_map(|(_, h)| h.joint_nm.as_ref()).for_each(|more| code.change("joint_nm", "+=", more));
     code.constant("load", &format!("{transmission} * joint_nm"));
     branches(model, &mut code);
+    if model.effects.iter().any(|e| e.id() == "load_dependent_friction") {
+        code.constant("own_up", "up");
+        code.constant("own_down", "down");
+    }
     for more in made.iter().filter_map(|(_, h)| h.friction_nm.as_ref()) {
         code.change("up", "+=", &more[0]);
         code.change("down", "+=", &more[1]);
@@ -183,6 +204,9 @@ fn body(model: &Model, language: Language, needs_slope: bool) -> String {
     // What the sensor makes of it: late, off scale, off zero, clipped last.
     if model.delay_s() != 0.0 {
         code.change("y", "=", &format!("{}_late_nm(s, y)", plain_name(model)));
+    }
+    if model.lag_s() > 0.0 {
+        code.change("y", "=", &format!("{}_following_nm(s, y)", plain_name(model)));
     }
     for clips in [false, true] {
         let of = made.iter().filter(|(e, _)| e.effect.clips() == clips).filter_map(|(_, h)| h.reading_nm.as_ref());
@@ -237,8 +261,10 @@ fn branches(model: &Model, code: &mut Code) {
 fn stretch(lags: &[&String], transmission: &str, code: &mut Code) {
     let lag = lags.iter().map(|lag| format!("({lag})")).collect::<Vec<_>>().join(" + ");
     for _ in 0..3 {
-        let pull = code.keep("pull", &format!("y / {transmission}"));
-        let behind = lag.replace("pull", &pull);
+        let mut behind = lag.clone();
+        if lag.contains("pull") {
+            behind = lag.replace("pull", &code.keep("pull", &format!("y / {transmission}")));
+        }
         code.change(
             "y",
             "=",

@@ -22,67 +22,108 @@ pub struct Hooks {
     pub reading_nm: Option<String>,
 }
 
-/// The hooks of `added` that act before friction is known; lines that they need go to `code`.
+/// The parameters of `added` by name, as numbers of the code.
+struct Named<'a>(&'a Added);
+
+impl Named<'_> {
+    fn value(&self, name: &str) -> f64 {
+        self.0.named().find(|(parameter, _)| parameter.name == name).map_or(0.0, |(_, value)| value)
+    }
+
+    fn text(&self, name: &str) -> String {
+        number(self.value(name))
+    }
+
+    /// Time on the clock that the effect goes by.
+    fn clock(&self) -> &'static str {
+        if self.value("restarts") > 0.5 { "t" } else { "elapsed" }
+    }
+}
+
+/// The hooks of `added` that act without memory; lines that they need go to `code`.
 pub fn hooks(added: &Added, code: &mut Code) -> Hooks {
-    let p: Vec<String> = added.parameters.iter().map(|x| number(*x)).collect();
-    let at = |index: usize| p.get(index).cloned().unwrap_or_else(|| number(0.0));
-    let (p0, p1, p2, p3) = (at(0), at(1), at(2), at(3));
-    let value = |index: usize| added.parameters.get(index).copied().unwrap_or(0.0);
+    let named = Named(added);
+    let of = |name: &str| named.text(name);
     let none = Hooks::default();
+    let both = |up: String, down: String| {
+        Some([format!("{} * {up}", of_up(&named)), format!("-{} * {down}", of_down(&named))])
+    };
     let sides = |name: &str| Some([name.to_string(), format!("-{name}")]);
     match added.id() {
         "stribeck" => {
-            let decay = code.keep("decay", &format!("exp(-pow(fabs(v) / {p2}, {p3}))"));
-            Hooks { friction_nm: Some([format!("{p0} * {decay}"), format!("-{p1} * {decay}")]), ..none }
+            let fall = format!("exp(-pow(fabs(v) / {}, {}))", of("speed_rad_s"), of("exponent"));
+            let decay = code.keep("decay", &fall);
+            Hooks { friction_nm: both(decay.clone(), decay), ..none }
         }
         "load_dependent_friction" => {
-            Hooks { friction_nm: Some([format!("{p0} * fabs(load)"), format!("-{p1} * fabs(load)")]), ..none }
+            let [up, down] = ["own_up", "own_down"].map(|own| borne(&named, own));
+            Hooks { friction_nm: both(up, down), ..none }
         }
-        "quadratic_viscous" => Hooks { friction_nm: Some([format!("{p0} * v * v"), format!("-{p1} * v * v")]), ..none },
+        "quadratic_viscous" => Hooks { friction_nm: both("v * v".to_string(), "v * v".to_string()), ..none },
         "friction_ripple" => Hooks { friction_nm: sides(&ripple(added, code)), ..none },
         "torque_ripple" => Hooks { winch_nm: Some(ripple(added, code)), ..none },
         "cable_elasticity" => {
-            let load = if value(0) > 0.5 { "pull" } else { "joint_nm" };
-            Hooks { lag_rad: Some(format!("{p1} * {load}")), ..none }
+            let load = if named.value("with_friction") > 0.5 { "pull" } else { "joint_nm" };
+            Hooks { lag_rad: Some(format!("{} * {load}", of("compliance_rad_nm"))), ..none }
         }
-        "sensor_bias" => Hooks { reading_nm: Some(format!("y + {p0}")), ..none },
-        "sensor_gain" => Hooks { reading_nm: Some(format!("(1.0 + {p0}) * y")), ..none },
-        "saturation" => Hooks { reading_nm: Some(format!("fmax(fmin(y, {p1}), {p0})")), ..none },
-        "sensor_drift" => Hooks { reading_nm: Some(drift(added, code)), ..none },
-        "gravity_phase" => Hooks { joint_nm: Some(format!("{p0} * cos(q)")), ..none },
-        "inertia" => Hooks { joint_nm: Some(format!("{p0} * a")), ..none },
-        "elastic_spring" => Hooks { joint_nm: Some(format!("{p0} * q + {p1}")), ..none },
+        "sensor_bias" => Hooks { reading_nm: Some(format!("y + {}", of("bias_nm"))), ..none },
+        "sensor_gain" => Hooks { reading_nm: Some(format!("(1.0 + {}) * y", of("error"))), ..none },
+        "saturation" => {
+            Hooks { reading_nm: Some(format!("fmax(fmin(y, {}), {})", of("high_nm"), of("low_nm"))), ..none }
+        }
+        "sensor_drift" => Hooks { reading_nm: Some(drift(&named, code)), ..none },
+        "gravity_phase" => Hooks { joint_nm: Some(format!("{} * cos(q)", of("cos_nm"))), ..none },
+        "inertia" => Hooks { joint_nm: Some(format!("{} * a", of("inertia_kg_m2"))), ..none },
+        "elastic_spring" => {
+            Hooks { joint_nm: Some(format!("{} * q + {}", of("stiffness_nm_rad"), of("preload_nm"))), ..none }
+        }
         "end_stop" => {
-            let depth = code.keep("depth", &format!("fmax({p0} * (q - {p2}), 0.0)"));
-            let pushed = format!("{p0} * {p1} * pow({depth}, {p3})");
+            let side = of("side");
+            let depth = code.keep("depth", &format!("fmax({side} * (q - {}), 0.0)", of("position_rad")));
+            let pushed = format!("{side} * {} * pow({depth}, {})", of("stiffness_nm"), of("exponent"));
             Hooks { joint_nm: Some(code.choice(&format!("{depth} > 0.0"), &pushed, "0.0")), ..none }
         }
         "warm_up" => {
-            let clock = clock(value(0));
-            let cold = code.keep("cold", &format!("exp(-pow(fmax({clock}, 0.0) / {}, {}))", at(4), at(5)));
-            let more = code.keep("more", &format!("({p2} + {p3} * fabs(v)) * {cold}"));
-            Hooks { factor: Some(format!("1.0 + {p1} * {cold}")), friction_nm: sides(&more), ..none }
+            let share = format!("fmax({}, 0.0) / {}", named.clock(), of("time_constant_s"));
+            let cold = code.keep("cold", &format!("exp(-pow({share}, {}))", of("exponent")));
+            let more = code.keep("more", &format!("({} + {} * fabs(v)) * {cold}", of("cold_nm"), of("cold_nm_s_rad")));
+            Hooks { factor: Some(format!("1.0 + {} * {cold}", of("cold_share"))), friction_nm: sides(&more), ..none }
         }
         "contact" => {
-            let share = code.keep("share", &format!("(elapsed - {p1}) / {p2}"));
+            let share = code.keep("share", &format!("(elapsed - {}) / {}", of("start_s"), of("length_s")));
             let sine = code.keep("sine", &format!("sin({} * {share})", number(PI)));
-            let burst = format!("{p0} * {sine} * {sine}");
+            let burst = format!("{} * {sine} * {sine}", of("peak_nm"));
             let within = format!("{share} >= 0.0 && {share} <= 1.0");
             Hooks { winch_nm: Some(code.choice(&within, &burst, "0.0")), ..none }
         }
-        "joint_coupling" => Hooks { winch_nm: Some(coupling(added, code)), ..none },
+        "joint_coupling" => Hooks { winch_nm: Some(coupling(&named, code)), ..none },
         // The change-over after reversals, presliding and the delay have memory: the controller's own.
         _ => none,
+    }
+}
+
+/// The strength of a branch, however its unit is written.
+fn of_up(named: &Named<'_>) -> String {
+    number(["up", "up_nm", "up_nm_s2_rad2"].iter().map(|name| named.value(name)).sum())
+}
+
+fn of_down(named: &Named<'_>) -> String {
+    number(["down", "down_nm", "down_nm_s2_rad2"].iter().map(|name| named.value(name)).sum())
+}
+
+/// What a branch of `load_dependent_friction` bears, its own friction kept as `own`.
+fn borne(named: &Named<'_>, own: &str) -> String {
+    let (of_tension, before) = (named.text("of_tension"), named.text("pretension_nm"));
+    let tension = format!("hypot(load + {of_tension} * {own}, {before})");
+    match named.value("levels_off_nm") {
+        level if level > 0.0 => format!("({tension} / (1.0 + {tension} / {}))", number(level)),
+        _ => tension,
     }
 }
 
 /// Whether `added` is one that the controller carries out by itself, with memory.
 pub fn has_memory(added: &Added) -> bool {
     matches!(added.id(), "reversal_transition" | "presliding" | "time_delay")
-}
-
-fn clock(restarts: f64) -> &'static str {
-    if restarts > 0.5 { "t" } else { "elapsed" }
 }
 
 /// The sum of harmonics, each angle the one before turned on by the fundamental.
@@ -106,35 +147,40 @@ fn ripple(added: &Added, code: &mut Code) -> String {
     sum
 }
 
-fn drift(added: &Added, code: &mut Code) -> String {
-    let p = &added.parameters;
-    let clock = clock(p[0]);
-    let share = code.keep("share", &format!("{clock} / {}", number(p[1])));
+fn drift(named: &Named<'_>, code: &mut Code) -> String {
+    let clock = named.clock();
+    let share = code.keep("share", &format!("{clock} / {}", named.text("horizon_s")));
     let first = code.keep("wave", &format!("cos({} * {share})", number(PI)));
     let (mut before, mut now, mut sum) = (number(1.0), first.clone(), number(0.0));
-    for (at, wave_nm) in p[5..].iter().enumerate() {
+    for (at, wave) in ["wave_1_nm", "wave_2_nm", "wave_3_nm", "wave_4_nm"].into_iter().enumerate() {
         if at > 0 {
             let next = code.keep("wave", &format!("2.0 * {first} * {now} - {before}"));
             (before, now) = (now, next);
         }
-        sum = code.keep("drift", &format!("{sum} + {} * {now}", number(*wave_nm)));
+        sum = code.keep("drift", &format!("{sum} + {} * {now}", named.text(wave)));
     }
-    let settles = format!("{} * exp(-{clock} / {})", number(p[3]), number(p[2]));
-    format!("y + {settles} + {} * {share} + {sum}", number(p[4]))
+    let settles = format!("{} * exp(-{clock} / {})", named.text("settle_nm"), named.text("settle_s"));
+    format!("y + {settles} + {} * {share} + {sum}", named.text("line_nm"))
 }
 
-fn coupling(added: &Added, code: &mut Code) -> String {
+fn coupling(named: &Named<'_>, code: &mut Code) -> String {
     /// Below this the other joint rests, rad/s: as in the effect itself.
     const RESTING_RAD_S: f64 = 0.01;
-    let p: Vec<String> = added.parameters.iter().map(|x| number(*x)).collect();
-    let other = (added.parameters[0] as usize).saturating_sub(1);
+    let of = |name: &str| named.text(name);
+    let other = (named.value("joint") as usize).saturating_sub(1);
     let field = |code: &Code, name: &str| code.of_sample(&format!("others[{other}].{name}"));
     let [q2, v2, a2] =
         ["position_rad", "velocity_rad_s", "acceleration_rad_s2"].map(|name| code.keep("other", &field(code, name)));
     let rest = number(RESTING_RAD_S);
-    let rigid = format!(
-        "{} * {q2} + {} * {v2} + {} * tanh({v2} / {rest}) + {} * {a2} + {} * (sin(q + {q2}) - sin(q))",
-        p[1], p[2], p[3], p[4], p[5]
-    );
-    code.keep("coupled", &format!("{rigid} + {} * cos(q) * {a2} + {} * {q2} * {q2} + {}", p[6], p[7], p[8]))
+    let parts = [
+        format!("{} * {q2}", of("stiffness_nm_rad")),
+        format!("{} * {v2}", of("viscous_nm_s_rad")),
+        format!("{} * tanh({v2} / {rest})", of("coulomb_nm")),
+        format!("{} * {a2}", of("inertia_kg_m2")),
+        format!("{} * (sin(q + {q2}) - sin(q))", of("weight_nm")),
+        format!("{} * cos(q) * {a2}", of("inertia_cos_kg_m2")),
+        format!("{} * {q2} * {q2}", of("bending_nm_rad2")),
+        of("offset_nm"),
+    ];
+    code.keep("coupled", &parts.join(" + "))
 }

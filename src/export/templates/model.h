@@ -58,6 +58,10 @@ typedef struct {
     double late_nm[{{ late.kept }}];
     unsigned newest, filled;
 {%- endif %}
+{%- if p.follows.is_some() %}
+    double given_nm, reading_nm; /* what the sensor was given last, and made of it */
+    int follows;
+{%- endif %}
 } {{ p.name }}_state;
 
 /* The joint is at measured_rad and has moved up (or down) for long. */
@@ -77,6 +81,9 @@ static inline void {{ p.name }}_start({{ p.name }}_state *s, double measured_rad
 {%- if p.late.is_some() %}
     s->newest = 0;
     s->filled = 0;
+{%- endif %}
+{%- if p.follows.is_some() %}
+    s->follows = 0;
 {%- endif %}
 }
 
@@ -144,6 +151,21 @@ static inline double {{ p.name }}_late_nm({{ p.name }}_state *s, double y)
 }
 {%- endif %}
 
+{%- if let Some(follows) = p.follows %}
+/* What a sensor that follows with a lag makes of y. */
+static inline double {{ p.name }}_following_nm({{ p.name }}_state *s, double y)
+{
+    if (!s->follows || !(fabs(s->reading_nm) >= 0.0)) {
+        s->follows = 1;
+        s->reading_nm = y;
+    } else {
+        s->reading_nm = {{ follows.reading }} * s->reading_nm + {{ follows.now }} * y + {{ follows.before }} * s->given_nm;
+    }
+    s->given_nm = y;
+    return s->reading_nm;
+}
+
+{% endif %}
 /* What the torque sensor at the winch will read, N m. */
 static inline double {{ p.name }}_torque_nm({{ p.name }}_state *s, const {{ p.name }}_sample *x)
 {

@@ -36,7 +36,9 @@ pub fn sentences(found: &Diagnosis) -> Vec<String> {
     if let Some(next) = &found.next {
         said.extend([next.reason.clone(), next.instruction.clone()]);
         if next.trajectory.is_some() {
-            said.push(format!("{FILE} holds the motion, for `simulate --trajectory` and the rig."));
+            said.push(format!(
+                "{FILE} holds the motion: `excite next` checks it against limits, `simulate --trajectory` rehearses it."
+            ));
         }
     }
     said.extend(found.blind_spots.iter().map(|spot| format!("These recordings cannot show: {}", spot.what)));
