@@ -32,6 +32,9 @@ pub mod log;
 /// `Model` x trajectory -> a campaign, as if recorded.
 pub mod simulate;
 
+/// A rig on the wire x a plan -> a campaign, recorded: the bus, the drive, its safety.
+pub mod capture;
+
 /// `Log` -> `Trial`: filtered, differentiated, cut into legs.
 pub mod prepare;
 
