@@ -27,6 +27,8 @@ pub struct Folder {
     pub path: PathBuf,
     campaign: Campaign,
     notes: File,
+    /// When the first run began, s since 1970.
+    began_s: f64,
 }
 
 impl Folder {
@@ -41,7 +43,10 @@ impl Folder {
         let made = || -> io::Result<Self> {
             std::fs::create_dir_all(path)?;
             texts.iter().try_for_each(|(name, text)| replace(path, name, text))?;
-            Ok(Self { path: path.to_path_buf(), campaign: campaign(path, rig, Vec::new()), notes: notes(path)? })
+            let campaign = campaign(path, rig, Vec::new());
+            let mut folder = Self { path: path.to_path_buf(), campaign, notes: notes(path)?, began_s: today_s() };
+            folder.note("capture begins")?;
+            Ok(folder)
         };
         made().or_else(|error| unwritable(path, &error))
     }
@@ -67,15 +72,25 @@ impl Folder {
         }
         // Before its first trial a capture has no campaign.
         let trials = if path.join("campaign.toml").exists() { listed(path)? } else { Vec::new() };
-        match notes(path) {
-            Ok(notes) => Ok(Self { path: path.to_path_buf(), campaign: campaign(path, rig, trials), notes }),
-            Err(error) => unwritable(path, &error),
-        }
+        let opened = || -> io::Result<Self> {
+            let first = std::fs::read_to_string(path.join("capture.log"))?;
+            let began_s = first.split(' ').next().and_then(|stamp| stamp.parse().ok()).unwrap_or_else(today_s);
+            let campaign = campaign(path, rig, trials);
+            let mut folder = Self { path: path.to_path_buf(), campaign, notes: notes(path)?, began_s };
+            folder.note("capture goes on")?;
+            Ok(folder)
+        };
+        opened().or_else(|error| unwritable(path, &error))
     }
 
     /// What is recorded, whole or not.
     pub fn trials(&self) -> &[TrialEntry] {
         &self.campaign.trials
+    }
+
+    /// How long ago the first run began, s.
+    pub fn elapsed_s(&self) -> f64 {
+        (today_s() - self.began_s).max(0.0)
     }
 
     /// A trial begins.
@@ -99,14 +114,18 @@ impl Folder {
 
     /// A line of `capture.log`, with the time of day in s since 1970 (UTC).
     pub(super) fn note(&mut self, line: &str) -> io::Result<()> {
-        let since = SystemTime::now().duration_since(UNIX_EPOCH).unwrap_or_default();
-        writeln!(self.notes, "{:.3} {line}", since.as_secs_f64())?;
+        writeln!(self.notes, "{:.3} {line}", today_s())?;
         self.notes.sync_data()
     }
 
     fn write(&self) -> io::Result<()> {
         replace(&self.path, "campaign.toml", &self.campaign.to_toml())
     }
+}
+
+/// The time of day, s since 1970.
+fn today_s() -> f64 {
+    SystemTime::now().duration_since(UNIX_EPOCH).unwrap_or_default().as_secs_f64()
 }
 
 /// The trials of the campaign in `path`, also those that are too short to be used.

@@ -48,11 +48,18 @@ pub enum Failure {
     TimedOut,
 }
 
+impl Failure {
+    /// What was caught of a panic.
+    pub fn of_panic(panic: &(dyn std::any::Any + Send)) -> Self {
+        Self::Panic(words(panic))
+    }
+}
+
 impl std::fmt::Display for Failure {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         match self {
             Self::Stack(error) => write!(f, "{error}"),
-            Self::Panic(words) => write!(f, "the EtherCAT stack panicked: {words}"),
+            Self::Panic(words) => write!(f, "something panicked: {words}"),
             Self::TimedOut => write!(f, "no answer in time"),
         }
     }
@@ -96,7 +103,7 @@ impl<W: Wire> Line<'_, W> {
         future: impl Future<Output = Result<T, Error>>,
     ) -> Result<T, Failure> {
         let run = AssertUnwindSafe(|| self.drive(until_ns, future));
-        catch_unwind(run).unwrap_or_else(|panic| Err(Failure::Panic(words(&*panic))))
+        catch_unwind(run).unwrap_or_else(|panic| Err(Failure::of_panic(&*panic)))
     }
 
     fn drive<T>(&mut self, until_ns: u64, future: impl Future<Output = Result<T, Error>>) -> Result<T, Failure> {

@@ -13,11 +13,14 @@
 //! | `drive`, `sensor` | what the words on the wire mean |
 //! | `safety` | the machine that decides what the drive is told: every state, every transition |
 //! | `cause`, `limits`, `ramp` | why to stop, what is allowed, moves without corners |
+//! | `axis`, `cycle`, `session` | one cycle as a pure step; the exchange; a whole capture |
 //! | `folder`, `recorder` | samples to the disk as they come |
 //! | `realtime` | what the operating system grants |
 
+pub mod axis;
 pub mod cause;
 mod clock;
+pub mod cycle;
 pub mod drive;
 pub mod folder;
 pub mod found;
@@ -31,6 +34,7 @@ pub mod recorder;
 pub mod rig;
 pub mod safety;
 pub mod sensor;
+pub mod session;
 #[cfg(target_os = "linux")]
 pub mod socket;
 pub mod wire;
