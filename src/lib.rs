@@ -32,6 +32,9 @@ pub mod log;
 /// `Model` x trajectory -> a campaign, as if recorded.
 pub mod simulate;
 
+/// Frames -> frames: a software EtherCAT bus, a drive and a torque sensor on a simulated joint, faults included.
+pub mod bus;
+
 /// `Log` -> `Trial`: filtered, differentiated, cut into legs.
 pub mod prepare;
 
