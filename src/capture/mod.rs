@@ -8,7 +8,7 @@
 //! | file | what it does |
 //! |---|---|
 //! | `rig`, `plan` | what is on the bus and what is to be recorded |
-//! | `wire`, `socket`, `clock`, `line` | frames and time, real or virtual, and the EtherCAT stack on them |
+//! | `wire`, `socket`, `in_process`, `clock`, `line` | frames and time, real or virtual, and the EtherCAT stack on them |
 //! | `found`, `master` | who is there; the way to OP |
 //! | `drive`, `sensor` | what the words on the wire mean |
 //! | `safety` | the machine that decides what the drive is told: every state, every transition |
@@ -24,6 +24,7 @@ pub mod cycle;
 pub mod drive;
 pub mod folder;
 pub mod found;
+pub mod in_process;
 pub mod limits;
 pub mod line;
 pub mod master;

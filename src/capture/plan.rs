@@ -13,7 +13,7 @@ use std::path::Path;
 const FORMAT: &str = "plan/1";
 /// The most of anything: more would be a slip of the finger.
 const MANY: i64 = 1000;
-/// How far a trajectory may begin or end from rest, rad for the first sample: what a rounded file loses.
+/// A slower one takes an hour, rad/s.
 const SLOWEST_SWEEP_RAD_S: f64 = 0.001;
 
 /// What is to be recorded.
@@ -23,8 +23,6 @@ pub struct Plan {
     pub trials: Vec<PlannedTrial>,
     /// Rest before each trial, s.
     pub rest_s: f64,
-    /// How often the operator is asked again to go on, in trials; 0 for once at the beginning.
-    pub confirm_every: u32,
 }
 
 /// One trial.
@@ -55,27 +53,26 @@ impl Plan {
         let read = document.read(|root| {
             root.need("format").choice(&[(FORMAT, ())]);
             let rest_s = root.may("rest_s").not_negative().unwrap_or(1.0);
-            let confirm_every = root.may("confirm_every").whole(0, MANY).unwrap_or(0);
             let repeats = root.may("repeats").whole(1, MANY).unwrap_or(1);
             let motions = root.need("motions").such_as("[[motions]]", "one for each, with its protocol");
             motions.sections(|section| list.read(section, repeats))?;
             if list.trials.is_empty() && list.problems.is_empty() {
                 root.reject("motions", "hold no trial", "add `[[motions]]` with its protocol");
             }
-            Some((rest_s, u32::try_from(confirm_every).ok()?))
+            Some(rest_s)
         });
         let problems = match &read {
             Err(Problems(found)) => found.iter().cloned().chain(list.problems).collect(),
             Ok(_) => list.problems,
         };
-        let (rest_s, confirm_every) = Problems(problems).unless_errors(read.unwrap_or_default())?;
+        let rest_s = Problems(problems).unless_errors(read.unwrap_or_default())?;
         let mut files = BTreeSet::new();
         match list.trials.iter().map(|trial| &trial.entry.file).find(|file| !files.insert(*file)) {
             Some(twice) => {
                 let what = format!("two trials would be called {twice}");
                 Problem::error(&document.file, what, "name the motions' trajectories differently").alone()
             }
-            None => Ok(Self { trials: list.trials, rest_s, confirm_every }),
+            None => Ok(Self { trials: list.trials, rest_s }),
         }
     }
 
