@@ -28,6 +28,7 @@ pub struct Axis {
     state: State,
     cycles: u32,
     cause: Option<Cause>,
+    doubt: Option<Cause>,
     resting: u32,
     target_rad: f64,
     target_counts: f64,
@@ -100,6 +101,7 @@ impl Axis {
             state: State::Watching,
             cycles: 0,
             cause: None,
+            doubt: None,
             resting: 0,
             target_rad: 0.0,
             target_counts: 0.0,
@@ -122,6 +124,11 @@ impl Axis {
     /// Why it stopped, or is about to.
     pub fn cause(&self) -> Option<&Cause> {
         self.cause.as_ref()
+    }
+
+    /// What would have been a cause, had there been anything to stop.
+    pub fn doubt(&self) -> Option<&Cause> {
+        self.doubt.as_ref()
     }
 
     /// Where the joint is told to be, rad.
@@ -194,11 +201,9 @@ impl Axis {
 
     /// A reason to stop that came up elsewhere. It counts only where there is something to stop, and the first one stays.
     pub fn blame(&mut self, cause: Cause) {
-        if self.cause.is_none()
-            && (self.state.is_armed() || self.state == State::Disarming || self.state == State::Clearing)
-        {
-            self.cause = Some(cause);
-        }
+        let can_stop = self.state.is_armed() || matches!(self.state, State::Disarming | State::Clearing);
+        let place = if can_stop { &mut self.cause } else { &mut self.doubt };
+        place.get_or_insert(cause);
     }
 
     /// One cycle on: from what was taken in and what is wanted, to what the drive is told. `command_rad` is where the joint is to

@@ -95,6 +95,11 @@ impl Recorder {
         Self { sender: Some(sender), thread: Some(thread), failed, waits }
     }
 
+    /// Records nothing.
+    pub fn none() -> Self {
+        Self { sender: None, thread: None, failed: Arc::default(), waits: true }
+    }
+
     /// A trial begins: it is in the campaign from now on, as incomplete.
     pub fn begin(&mut self, entry: TrialEntry) {
         self.tell(Message::Begin(entry));

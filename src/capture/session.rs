@@ -16,7 +16,7 @@ use super::wire::Wire;
 use crate::log::{Captured, TrialEntry};
 use ethercrab::MainDevice;
 use std::panic::{AssertUnwindSafe, catch_unwind};
-use std::sync::atomic::AtomicBool;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex};
 use std::time::Duration;
 
@@ -61,6 +61,17 @@ pub struct Live {
     pub counts: Counts,
 }
 
+/// The torque sensor, looked at for a while.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Looked {
+    /// How often.
+    pub samples: u32,
+    /// Mean of its counts.
+    pub mean_counts: f64,
+    /// Their standard deviation.
+    pub sd_counts: f64,
+}
+
 /// How it went.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Outcome {
@@ -74,6 +85,10 @@ pub struct Outcome {
     pub counts: Counts,
     /// Why it was stopped, if it was.
     pub cause: Option<Cause>,
+    /// What would have stopped it, had it been armed.
+    pub doubt: Option<Cause>,
+    /// What a dry run saw of the sensor.
+    pub looked: Looked,
     /// What was found on the bus, and what the operating system granted.
     pub report: Vec<String>,
     /// What was last seen.
@@ -89,12 +104,13 @@ pub struct Outcome {
 pub fn capture<W: Wire>(
     wire: W,
     task: &Task<'_>,
-    folder: Folder,
+    folder: Option<Folder>,
     live: &Arc<Mutex<Live>>,
 ) -> Result<Outcome, NotStarted> {
-    let done: Vec<TrialEntry> = folder.trials().to_vec();
-    let began_s = folder.elapsed_s();
-    let mut recorder = Recorder::new(folder, !wire.is_real_time());
+    let done = folder.as_ref().map_or(Vec::new(), |folder| folder.trials().to_vec());
+    let began_s = folder.as_ref().map_or(0.0, Folder::elapsed_s);
+    let waits = !wire.is_real_time();
+    let mut recorder = folder.map_or_else(Recorder::none, |folder| Recorder::new(folder, waits));
     let granted = wire.is_real_time().then(Granted::ask);
     let outcome = with_line(wire, |line, main| {
         let run = || Session { task, done, began_s, recorder: &mut recorder, live }.run(line, main);
@@ -154,17 +170,17 @@ impl Session<'_> {
         let cycle = Cycle::new(line, main, exchange, task.rig, recorder, task.interrupted, began_s);
         let mut run = Run { cycle, task, live: live.clone(), shown: Live::default(), all: Counts::default() };
         let before = done.len();
-        let complete = if task.armed { run.trials(&done) } else { run.look() };
+        let (complete, looked) = if task.armed { (run.trials(&done), Looked::default()) } else { (0, run.look()) };
         run.release();
         run.gather();
-        let (cycles, counts, cause, now) =
-            (run.cycle.number(), run.all, run.cycle.axis.cause().cloned(), run.cycle.now.clone());
+        let (cycles, counts, now) = (run.cycle.number(), run.all, run.cycle.now.clone());
+        let (cause, doubt) = (run.cycle.axis.cause().cloned(), run.cycle.axis.doubt().cloned());
         let left = run.cycle.finish();
         let report = match &cause {
             Some(_) => report.into_iter().chain([format!("where the devices were at the end: {left}")]).collect(),
             None => report,
         };
-        Outcome { complete, before, cycles, counts, cause, report, now, unwritten: None }
+        Outcome { complete, before, cycles, counts, cause, doubt, looked, report, now, unwritten: None }
     }
 }
 
@@ -179,16 +195,23 @@ struct Run<'a, 's, W, C> {
 
 impl<W: Wire, C> Run<'_, '_, W, C> {
     /// Looks for a while, without torque.
-    fn look(&mut self) -> usize {
+    fn look(&mut self) -> Looked {
         let cycles = (LOOK_S / self.task.rig.bus.period_s()) as usize;
         self.shown.name = "looking".to_string();
+        let mut counts = Vec::with_capacity(cycles);
         for _ in 0..cycles {
-            if self.task.interrupted.load(std::sync::atomic::Ordering::Relaxed) {
+            if self.task.interrupted.load(Ordering::Relaxed) {
                 break;
             }
+            let missed = self.cycle.counts.missed;
             self.turn(Request::Watch, None);
+            let fresh = self.cycle.now.as_ref().filter(|_| self.cycle.counts.missed == missed);
+            counts.extend(fresh.map(|now| now.sensor.counts));
         }
-        0
+        let samples = counts.len().max(1) as f64;
+        let mean_counts = counts.iter().sum::<f64>() / samples;
+        let sd_counts = (counts.iter().map(|x| (x - mean_counts).powi(2)).sum::<f64>() / samples).sqrt();
+        Looked { samples: u32::try_from(counts.len()).unwrap_or(u32::MAX), mean_counts, sd_counts }
     }
 
     /// All trials that are not `done`; gives how many were recorded whole.

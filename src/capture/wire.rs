@@ -22,3 +22,25 @@ pub trait Wire {
     /// Whether time passes by itself: then nothing may be waited for beside the wire.
     fn is_real_time(&self) -> bool;
 }
+
+impl<W: Wire + ?Sized> Wire for Box<W> {
+    fn now_ns(&self) -> u64 {
+        (**self).now_ns()
+    }
+
+    fn send(&mut self, frame: &[u8]) -> io::Result<()> {
+        (**self).send(frame)
+    }
+
+    fn receive(&mut self, buffer: &mut [u8], until_ns: u64) -> io::Result<Option<usize>> {
+        (**self).receive(buffer, until_ns)
+    }
+
+    fn sleep(&mut self, until_ns: u64) {
+        (**self).sleep(until_ns);
+    }
+
+    fn is_real_time(&self) -> bool {
+        (**self).is_real_time()
+    }
+}
