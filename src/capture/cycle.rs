@@ -17,6 +17,10 @@ const LATE: f64 = 0.25;
 /// Share of a period within which an answer must come.
 const ANSWER: f64 = 0.8;
 
+/// Share of the distance from the middle between two pulses of the devices' clocks that a cycle makes good, and the most of a
+/// period that it does.
+const PULL: (f64, f64) = (0.02, 0.005);
+
 /// Cycles that were not as they should be.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Counts {
@@ -43,6 +47,7 @@ pub struct Cycle<'a, 's, W, C> {
     recorder: &'a mut Recorder,
     interrupted: &'a AtomicBool,
     number: u64,
+    began_ns: u64,
     origin_ns: u64,
     missed_in_a_row: u32,
     bus_time_origin_ns: Option<u64>,
@@ -75,6 +80,7 @@ impl<'a, 's, W: Wire, C> Cycle<'a, 's, W, C> {
             recorder,
             interrupted,
             number: 0,
+            began_ns: origin_ns,
             origin_ns,
             missed_in_a_row: 0,
             bus_time_origin_ns: None,
@@ -153,6 +159,16 @@ impl<'a, 's, W: Wire, C> Cycle<'a, 's, W, C> {
         now_ns
     }
 
+    /// Keeps our frames in the middle between the pulses of the devices' clocks, which come at whole periods of their time: what
+    /// a device does at its pulse is then over when the frame comes, however the clocks drift.
+    fn pull(&mut self, bus_time_ns: Option<u64>) {
+        let Some(bus_time_ns) = bus_time_ns.filter(|_| self.rig.bus.clocks) else { return };
+        let period = self.period_ns() as f64;
+        let off = (bus_time_ns % self.period_ns()) as f64 - period / 2.0;
+        let pull = (PULL.0 * off).clamp(-PULL.1 * period, PULL.1 * period);
+        self.origin_ns = self.origin_ns.saturating_add_signed(-pull as i64);
+    }
+
     fn missed(&mut self, cycles: u32) {
         self.counts.missed = self.counts.missed.saturating_add(cycles);
         self.missed_in_a_row = self.missed_in_a_row.saturating_add(cycles);
@@ -190,6 +206,7 @@ impl<'a, 's, W: Wire, C> Cycle<'a, 's, W, C> {
         let inputs = (drive.inputs_raw(), sensor.inputs_raw());
         let now = self.axis.take(&Inputs { drive: &inputs.0, sensor: &inputs.1, periods });
         drop(inputs);
+        self.pull(bus_time_ns);
         let bus_time_ns = bus_time_ns.unwrap_or(0);
         let bus_origin_ns = *self.bus_time_origin_ns.get_or_insert(bus_time_ns);
         if self.records && !had_cause {
@@ -205,7 +222,7 @@ impl<'a, 's, W: Wire, C> Cycle<'a, 's, W, C> {
             return;
         }
         self.recorder.record(Sample {
-            time_s: self.began_s + (sent_ns - self.origin_ns) as f64 * 1e-9,
+            time_s: self.began_s + (sent_ns - self.began_ns) as f64 * 1e-9,
             cycle: self.number,
             state: state.name(),
             working_counter,

@@ -23,6 +23,8 @@ pub type Group<S, C> = SubDeviceGroup<DEVICES, BYTES, DefaultLock, S, C>;
 const CLOCK_START: Duration = Duration::from_millis(20);
 /// Exchanges that bring the clocks together before their pulses are set.
 const CLOCK_EXCHANGES: usize = 20;
+/// Cycles with everybody at work that end the way up: by then the clocks' pulses have begun.
+const SETTLED: u32 = 50;
 /// How long the devices may take to get to OP while data flow, s.
 const TO_OP_S: f64 = 5.0;
 
@@ -254,7 +256,7 @@ pub fn to_op<W: Wire, C>(
         // A counter that has not settled is none to compare with.
         alike = if seen.all_op() && seen.working_counter == last { alike + 1 } else { 0 };
         last = seen.working_counter;
-        if alike >= 10 && last > 0 {
+        if alike >= SETTLED && last > 0 {
             return Ok(Exchange { group, working_counter: last });
         }
     }

@@ -18,6 +18,7 @@ mod live;
 mod outcome;
 mod predict;
 mod progress;
+mod rig;
 mod simulate;
 mod validate;
 mod wire;
@@ -66,6 +67,8 @@ enum Command {
     Simulate(Box<simulate::Arguments>),
     /// Drive a joint over EtherCAT along a plan and record it, safely; `--rig demo` needs no hardware
     Capture(capture::Arguments),
+    /// List what is on an EtherCAT bus, check it against a rig, zero its torque sensor
+    Rig(rig::Arguments),
     /// List the effects that a model may have beyond the paper's formula, with their parameters
     Effects(effects::Arguments),
     /// Print shell completions
@@ -87,6 +90,7 @@ pub fn run() -> ExitCode {
         Command::Validate(arguments) => validate::run(&arguments, &talk),
         Command::Simulate(arguments) => simulate::run(&arguments, &talk),
         Command::Capture(arguments) => capture::run(&arguments, &talk),
+        Command::Rig(arguments) => rig::run(&arguments, &talk),
         Command::Effects(arguments) => effects::run(&arguments, &talk),
         Command::Completions(arguments) => completions::run(&arguments),
     };

@@ -1,9 +1,11 @@
 //! `rig.toml`: which devices are on the bus, what their process data mean, what the joint may do.
 
 mod process_data;
+mod start;
 mod write;
 
 pub use process_data::{Entry, Kind, Place, ProcessData};
+pub use start::starting_rig;
 
 use super::drive::Mode;
 use super::limits::Limits;
