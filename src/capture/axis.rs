@@ -153,17 +153,18 @@ impl Axis {
         let counts = drive(self.places.position).unwrap_or(f64::NAN);
         let position_rad = self.rig.drive.position_rad(counts);
         let sensor = self.sensor.read(inputs.sensor, inputs.periods);
-        let follows = matches!(self.state, State::Holding | State::Moving);
         let measured = Measured {
             position_rad,
             torque_nm: sensor.torque_nm,
-            command_rad: follows.then_some(self.target_rad),
+            command_rad: self.must_follow().then_some(self.target_rad),
             periods: inputs.periods,
         };
         let beyond = self.watch.step(&measured);
         let condition = Condition::of(status_word);
-        let of_drive = self.of_drive(condition, status_word, inputs.drive);
-        if let Some(cause) = of_drive.or_else(|| sensor.cause.clone()).or(beyond) {
+        // What explains the others comes first.
+        let left = self.left(condition, inputs.drive);
+        let complains = self.complains(condition, status_word, inputs.drive);
+        if let Some(cause) = left.or_else(|| sensor.cause.clone()).or(beyond).or(complains) {
             self.blame(cause);
         }
         let rests = self.watch.speed_rad_s().abs() < REST_RAD_S && position_rad.is_finite();
@@ -178,24 +179,37 @@ impl Axis {
         Now { position_rad, sensor, status_word, drive_torque_nm }
     }
 
-    /// What the drive itself gives as a reason.
-    fn of_drive(&self, condition: Condition, status_word: u16, bytes: &[u8]) -> Option<Cause> {
-        let has_torque = matches!(self.state, State::Holding | State::Moving);
-        let mode = self.places.mode_display.map(|place| place.get(bytes) as i64);
-        let wanted = i64::from(self.rig.drive.mode.code());
+    /// Whether torque is on, so that the drive must follow.
+    fn must_follow(&self) -> bool {
+        matches!(self.state, State::Holding | State::Moving)
+    }
+
+    /// How the drive left the state in which it follows.
+    fn left(&self, condition: Condition, bytes: &[u8]) -> Option<Cause> {
         match condition {
             Condition::Fault if self.state == State::Clearing => None,
             Condition::Fault | Condition::FaultReaction => {
                 Some(Cause::DriveFault { code: self.places.error_code.map(|place| place.get(bytes) as u16) })
             }
-            Condition::QuickStop if has_torque => Some(Cause::DriveQuickStop),
-            condition if has_torque && condition != Condition::Enabled => Some(Cause::DriveLeft(condition)),
-            _ if !has_torque => None,
-            _ if self.rig.drive.mode == Mode::Position && status_word & FOLLOWING_ERROR != 0 => {
-                Some(Cause::FollowingError)
-            }
-            _ if status_word & INTERNAL_LIMIT != 0 => Some(Cause::InternalLimit),
-            _ => mode.filter(|mode| *mode != wanted).map(|found| Cause::DriveMode { found, wanted }),
+            Condition::QuickStop if self.must_follow() => Some(Cause::DriveQuickStop),
+            Condition::Enabled => None,
+            other => self.must_follow().then_some(Cause::DriveLeft(other)),
+        }
+    }
+
+    /// What the drive complains of while it follows.
+    fn complains(&self, condition: Condition, status_word: u16, bytes: &[u8]) -> Option<Cause> {
+        if !self.must_follow() || condition != Condition::Enabled {
+            return None;
+        }
+        let wanted = i64::from(self.rig.drive.mode.code());
+        let mode = self.places.mode_display.map(|place| place.get(bytes) as i64).filter(|mode| *mode != wanted);
+        if self.rig.drive.mode == Mode::Position && status_word & FOLLOWING_ERROR != 0 {
+            Some(Cause::FollowingError)
+        } else if status_word & INTERNAL_LIMIT != 0 {
+            Some(Cause::InternalLimit)
+        } else {
+            mode.map(|found| Cause::DriveMode { found, wanted })
         }
     }
 

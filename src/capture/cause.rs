@@ -38,6 +38,8 @@ pub enum Cause {
         /// Object 0x6060 as written.
         wanted: i64,
     },
+    /// The drive put a message into its mailbox, which nobody had asked for: an emergency.
+    Emergency,
     /// Bit 11 of the status word.
     InternalLimit,
     /// Bit 13 of the status word: the drive says that it does not follow.
@@ -101,6 +103,7 @@ impl Cause {
             Self::DriveQuickStop => "drive_quick_stop",
             Self::DriveLeft(_) => "drive_left",
             Self::DriveMode { .. } => "drive_mode",
+            Self::Emergency => "emergency",
             Self::InternalLimit => "internal_limit",
             Self::FollowingError => "following_error",
             Self::Lag(_) => "lag",
@@ -136,6 +139,7 @@ impl fmt::Display for Cause {
             Self::DriveQuickStop => write!(f, "the drive made a quick stop of its own"),
             Self::DriveLeft(condition) => write!(f, "the drive let go: {condition}"),
             Self::DriveMode { found, wanted } => write!(f, "the drive follows mode {found} and not {wanted}"),
+            Self::Emergency => write!(f, "the drive sent an emergency message (its mailbox filled by itself)"),
             Self::InternalLimit => write!(f, "the drive is at a limit of its own (status bit 11)"),
             Self::FollowingError => write!(f, "the drive reports a following error (status bit 13)"),
             Self::Lag(beyond) => write!(f, "the joint is {} rad off its command", beyond),

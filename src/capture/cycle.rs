@@ -17,6 +17,11 @@ const LATE: f64 = 0.25;
 /// Share of a period within which an answer must come.
 const ANSWER: f64 = 0.8;
 
+/// The drive's mailbox is looked at once in so many cycles.
+const MAILBOX_CYCLES: u64 = 10;
+/// Status of sync manager 1, the mailbox that a device writes; bit 3 is set while it is full.
+const MAILBOX_STATUS: u16 = 0x080D;
+
 /// Share of the distance from the middle between two pulses of the devices' clocks that a cycle makes good, and the most of a
 /// period that it does.
 const PULL: (f64, f64) = (0.02, 0.005);
@@ -50,6 +55,8 @@ pub struct Cycle<'a, 's, W, C> {
     began_ns: u64,
     origin_ns: u64,
     missed_in_a_row: u32,
+    /// Whether the drive's mailbox was full when last looked at.
+    has_mail: bool,
     bus_time_origin_ns: Option<u64>,
     /// s from the beginning of the campaign to that of this run.
     began_s: f64,
@@ -83,6 +90,7 @@ impl<'a, 's, W: Wire, C> Cycle<'a, 's, W, C> {
             began_ns: origin_ns,
             origin_ns,
             missed_in_a_row: 0,
+            has_mail: true,
             bus_time_origin_ns: None,
             began_s,
             command_rad: 0.0,
@@ -124,6 +132,9 @@ impl<'a, 's, W: Wire, C> Cycle<'a, 's, W, C> {
                 self.axis.blame(Cause::Panic(words));
             }
         }
+        if self.number.is_multiple_of(MAILBOX_CYCLES) && self.missed_in_a_row == 0 {
+            self.look_for_mail(until_ns);
+        }
         if let Some(why) = self.recorder.failed() {
             self.axis.blame(Cause::Recording(why));
         }
@@ -157,6 +168,18 @@ impl<'a, 's, W: Wire, C> Cycle<'a, 's, W, C> {
         let late_ns = now_ns - (self.origin_ns + self.number * period_ns).min(now_ns);
         self.counts.late += u32::from(late_ns as f64 > LATE * period_ns as f64);
         now_ns
+    }
+
+    /// Whether the drive's mailbox has filled: as nobody asks it anything, that is an emergency message. It is not fetched, which
+    /// the stack would not survive.
+    fn look_for_mail(&mut self, until_ns: u64) {
+        let Ok(drive) = self.exchange.group.subdevice(self.main, self.rig.drive.identity.place) else { return };
+        let Ok(status) = self.line.run_until(until_ns, drive.register_read::<u8>(MAILBOX_STATUS)) else { return };
+        let has_mail = status & 0b1000 != 0;
+        if has_mail && !self.has_mail {
+            self.axis.blame(Cause::Emergency);
+        }
+        self.has_mail = has_mail;
     }
 
     /// Keeps our frames in the middle between the pulses of the devices' clocks, which come at whole periods of their time: what
