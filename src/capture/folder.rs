@@ -27,8 +27,20 @@ pub struct Folder {
     pub path: PathBuf,
     campaign: Campaign,
     notes: File,
-    /// When the first run began, s since 1970.
-    began_s: f64,
+    origin: Origin,
+}
+
+/// When a capture began, by the time of day.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Origin {
+    since_1970_s: f64,
+}
+
+impl Origin {
+    /// How long ago that is, s.
+    pub fn elapsed_s(self) -> f64 {
+        (today_s() - self.since_1970_s).max(0.0)
+    }
 }
 
 impl Folder {
@@ -44,7 +56,12 @@ impl Folder {
             std::fs::create_dir_all(path)?;
             texts.iter().try_for_each(|(name, text)| replace(path, name, text))?;
             let campaign = campaign(path, rig, Vec::new());
-            let mut folder = Self { path: path.to_path_buf(), campaign, notes: notes(path)?, began_s: today_s() };
+            let mut folder = Self {
+                path: path.to_path_buf(),
+                campaign,
+                notes: notes(path)?,
+                origin: Origin { since_1970_s: today_s() },
+            };
             folder.note("capture begins")?;
             Ok(folder)
         };
@@ -74,9 +91,10 @@ impl Folder {
         let trials = if path.join("campaign.toml").exists() { listed(path)? } else { Vec::new() };
         let opened = || -> io::Result<Self> {
             let first = std::fs::read_to_string(path.join("capture.log"))?;
-            let began_s = first.split(' ').next().and_then(|stamp| stamp.parse().ok()).unwrap_or_else(today_s);
+            let since_1970_s = first.split(' ').next().and_then(|stamp| stamp.parse().ok()).unwrap_or_else(today_s);
+            let origin = Origin { since_1970_s };
             let campaign = campaign(path, rig, trials);
-            let mut folder = Self { path: path.to_path_buf(), campaign, notes: notes(path)?, began_s };
+            let mut folder = Self { path: path.to_path_buf(), campaign, notes: notes(path)?, origin };
             folder.note("capture goes on")?;
             Ok(folder)
         };
@@ -88,9 +106,9 @@ impl Folder {
         &self.campaign.trials
     }
 
-    /// How long ago the first run began, s.
-    pub fn elapsed_s(&self) -> f64 {
-        (today_s() - self.began_s).max(0.0)
+    /// When the first run began.
+    pub fn origin(&self) -> Origin {
+        self.origin
     }
 
     /// A trial begins.

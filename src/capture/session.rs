@@ -3,7 +3,7 @@
 use super::axis::Now;
 use super::cause::Cause;
 use super::cycle::{Counts, Cycle};
-use super::folder::Folder;
+use super::folder::{Folder, Origin};
 use super::line::{Failure, Line, with_line};
 use super::master::{self, Exchange, NotStarted};
 use super::plan::{Plan, PlannedTrial};
@@ -108,12 +108,12 @@ pub fn capture<W: Wire>(
     live: &Arc<Mutex<Live>>,
 ) -> Result<Outcome, NotStarted> {
     let done = folder.as_ref().map_or(Vec::new(), |folder| folder.trials().to_vec());
-    let began_s = folder.as_ref().map_or(0.0, Folder::elapsed_s);
+    let origin = folder.as_ref().map(Folder::origin);
     let waits = !wire.is_real_time();
     let mut recorder = folder.map_or_else(Recorder::none, |folder| Recorder::new(folder, waits));
     let granted = wire.is_real_time().then(Granted::ask);
     let outcome = with_line(wire, |line, main| {
-        let run = || Session { task, done, began_s, recorder: &mut recorder, live }.run(line, main);
+        let run = || Session { task, done, origin, recorder: &mut recorder, live }.run(line, main);
         catch_unwind(AssertUnwindSafe(run)).unwrap_or_else(|panic| {
             line.drop_out();
             Err(NotStarted(format!("{}; the devices were told to leave OP", Failure::of_panic(&*panic))))
@@ -134,7 +134,7 @@ pub fn capture<W: Wire>(
 struct Session<'a> {
     task: &'a Task<'a>,
     done: Vec<TrialEntry>,
-    began_s: f64,
+    origin: Option<Origin>,
     recorder: &'a mut Recorder,
     live: &'a Arc<Mutex<Live>>,
 }
@@ -166,7 +166,8 @@ impl Session<'_> {
         exchange: Exchange<C>,
         report: Vec<String>,
     ) -> Outcome {
-        let Self { task, done, began_s, recorder, live } = self;
+        let Self { task, done, origin, recorder, live } = self;
+        let began_s = origin.map_or(0.0, Origin::elapsed_s);
         let cycle = Cycle::new(line, main, exchange, task.rig, recorder, task.interrupted, began_s);
         let mut run = Run { cycle, task, live: live.clone(), shown: Live::default(), all: Counts::default() };
         let before = done.len();

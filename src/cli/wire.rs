@@ -29,9 +29,9 @@ impl Described {
     ///
     /// Errors: everything that is wrong with the file.
     pub fn read(file: &Path) -> Result<Self> {
-        let is_demo = file == Path::new(DEMO);
-        let text = if is_demo { RIG.to_string() } else { text_of(file)? };
-        Ok(Self { rig: Rig::parse(file, &text)?, text, is_demo })
+        let text = if file == Path::new(DEMO) { RIG.to_string() } else { text_of(file)? };
+        let rig = Rig::parse(file, &text)?;
+        Ok(Self { is_demo: rig.bus.interface == DEMO, rig, text })
     }
 }
 
@@ -51,8 +51,7 @@ pub fn open(interface: &str, real_time: bool, seed: u64) -> Result<Box<dyn Wire>
     if interface != DEMO {
         return socket(interface);
     }
-    let model = Model::parse(Path::new("data/elbow/truth/model.json"), MODEL)?;
-    let mut bus = Bus::demo(model, NOISE_NM, seed);
+    let mut bus = demo_bus(seed)?;
     let answers = move |now_ns: u64, frame: &[u8]| {
         bus.send(now_ns, frame).into_iter().map(|reply| (reply.at_ns, reply.frame)).collect()
     };
@@ -60,6 +59,12 @@ pub fn open(interface: &str, real_time: bool, seed: u64) -> Result<Box<dyn Wire>
         true => Box::new(InProcess::in_real_time(answers)),
         false => Box::new(InProcess::new(answers)),
     })
+}
+
+/// The demo's devices on the bundled elbow.
+pub fn demo_bus(seed: u64) -> Result<Bus> {
+    let model = Model::parse(Path::new("data/elbow/truth/model.json"), MODEL)?;
+    Ok(Bus::demo(model, NOISE_NM, seed))
 }
 
 #[cfg(target_os = "linux")]

@@ -1,6 +1,7 @@
 //! `tautline rig`: what is on the bus, whether it is what the rig says, where the sensor's zero is.
 
 mod check;
+mod emulate;
 mod scan;
 mod tare;
 
@@ -28,6 +29,8 @@ enum Command {
     Check(check::Arguments),
     /// Set the torque sensor's zero to what it reads now
     Tare(tare::Arguments),
+    /// Be the demo's devices on a network interface
+    Emulate(emulate::Arguments),
 }
 
 pub fn run(arguments: &Arguments, talk: &Talk) -> Result<ExitCode> {
@@ -35,5 +38,6 @@ pub fn run(arguments: &Arguments, talk: &Talk) -> Result<ExitCode> {
         Command::Scan(arguments) => scan::run(arguments, talk),
         Command::Check(arguments) => check::run(arguments, talk),
         Command::Tare(arguments) => tare::run(arguments, talk),
+        Command::Emulate(arguments) => emulate::run(arguments),
     }
 }
