@@ -1,7 +1,9 @@
 //! A capture from the software bus, in virtual time: whole, under every fault, broken off and gone on with.
 
+mod commands;
 mod faults;
 mod recording;
+mod start;
 mod whole;
 
 use std::cell::RefCell;
