@@ -72,7 +72,8 @@ impl Clock {
     pub fn activate(&mut self, memory: &Memory, now_ns: u64) {
         let wanted = memory.u8(at::SYNC_ACTIVATION) & 3 == 3 && memory.u32(at::SYNC0_CYCLE) >= SHORTEST_CYCLE_NS;
         let start_ns = memory.u64(at::SYNC_START);
-        self.next_pulse_ns = (wanted && start_ns > self.system_ns(memory, now_ns)).then_some(start_ns);
+        let ahead_ns = start_ns.wrapping_sub(self.system_ns(memory, now_ns)) as i64;
+        self.next_pulse_ns = (wanted && ahead_ns > 0).then_some(start_ns);
     }
 
     /// Whether SYNC0 gives pulses, or will.
@@ -91,7 +92,7 @@ impl Clock {
         let cycle_ns = u64::from(memory.u32(at::SYNC0_CYCLE).max(SHORTEST_CYCLE_NS));
         let time_ns = self.system_ns(memory, now_ns);
         self.next_pulse_ns = self.next_pulse_ns.map(|ns| {
-            let missed = time_ns.saturating_sub(ns) / cycle_ns;
+            let missed = (time_ns.wrapping_sub(ns) as i64).max(0) as u64 / cycle_ns;
             ns.wrapping_add(cycle_ns * if missed > MANY { missed } else { 1 })
         });
     }

@@ -28,7 +28,7 @@ const CONTROLS: [u8; 4] = [0x26, 0x22, 0x64, 0x20];
 pub struct Description<'a> {
     /// Vendor, product, revision, serial number.
     pub identity: [u32; 4],
-    /// Group, order number, name.
+    /// Order number, group, name.
     pub names: [&'a str; 3],
     /// Its objects, process data mappings among them; 0x1018, 0x1C00 and the names are added.
     pub dictionary: Dictionary,

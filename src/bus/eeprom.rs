@@ -15,7 +15,7 @@ pub struct Information<'a> {
     pub identity: [u32; 4],
     /// Second station address.
     pub alias: u16,
-    /// Group, order number, name.
+    /// Order number, group, name; some masters take the first for the name.
     pub names: [&'a str; 3],
     /// Start and length of the mailboxes out (from the master) and in; none without a mailbox.
     pub mailbox: Option<[(u16, u16); 2]>,
@@ -143,7 +143,7 @@ fn categories(information: &Information<'_>) -> Vec<u8> {
 /// Category 30: 32 bytes.
 fn general(information: &Information<'_>) -> Vec<u8> {
     let mut general = vec![0; 32];
-    general[..4].copy_from_slice(&[1, 0, 2, 3]); // group, picture, order number, name
+    general[..4].copy_from_slice(&[2, 0, 1, 3]); // group, picture, order number, name
     if information.mailbox.is_some() {
         general[5] = 0x01 | 0x04 | 0x08; // SDO; PDO assignment and configuration may be changed
     }

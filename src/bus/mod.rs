@@ -102,7 +102,7 @@ impl Bus {
         self
     }
 
-    /// A drive and an analog input terminal (its torque sensor) on a joint that behaves like `model`, at rest at 0.
+    /// A drive and an analog input terminal (its torque sensor) on a joint that behaves like `model`, hanging.
     /// The torque has white noise of `noise_nm`, N m, repeatable by `seed`.
     pub fn demo(model: Model, noise_nm: f64, seed: u64) -> Self {
         let devices = vec![drive(DRIFTS_PPB[0]), Terminal::default().device(DRIFTS_PPB[1])];

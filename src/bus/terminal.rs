@@ -63,7 +63,7 @@ impl Terminal {
         let product = if self.float { PRODUCT_FLOAT } else { PRODUCT };
         let description = Description {
             identity: [VENDOR, product, 1, 77],
-            names: ["AnaIn", "TL3001", if self.float { "Torque input, float" } else { "Analog input, 10 V" }],
+            names: ["TL3001", "AnaIn", if self.float { "Torque input, float" } else { "Analog input, 10 V" }],
             dictionary,
             mailbox: self.mailbox,
             clock: Some(Clock::new(9_876_543_210, drift_ppb)),

@@ -12,6 +12,8 @@ use std::collections::VecDeque;
 const STEP_NS: u64 = 500_000;
 /// Shorter times are made up for in the next step, ns.
 const SHORTEST_NS: u64 = 20_000;
+/// How long ago the joint was let go, ns.
+const SETTLES_IN_NS: u64 = 3_000_000_000;
 /// Inertia of the motor about the winch, kg m^2: that of the joint as it is felt there.
 const MOTOR_INERTIA_KG_M2: f64 = 1e-3;
 
@@ -103,7 +105,7 @@ pub struct Joint {
 }
 
 impl Joint {
-    /// A joint like `model` at rest at `position_rad`, whose torque sensor has white noise of `noise_nm`, N m.
+    /// A joint like `model` that was let go at `position_rad` a while ago, whose torque sensor has white noise of `noise_nm`, N m.
     pub fn new(model: Model, position_rad: f64, noise_nm: f64, seed: u64) -> Self {
         /// Stiffness of a drive of 40 Hz on a joint with its motor, N m/rad, and damping that is just critical, N m s/rad.
         const STIFFNESS_NM_RAD: f64 = 1500.0;
@@ -116,8 +118,10 @@ impl Joint {
             torque_nm: 0.0,
             encoder_off_rad: 0.0,
         };
+        let mut machine = Machine::at_rest(model, MOTOR_INERTIA_KG_M2, position_rad);
+        (0..SETTLES_IN_NS / STEP_NS).for_each(|_| machine.step(STEP_NS as f64 * 1e-9, |_| 0.0));
         Self {
-            machine: Machine::at_rest(model, MOTOR_INERTIA_KG_M2, position_rad),
+            machine,
             motor,
             noise: Normal::new(0.0, noise_nm).ok(),
             random: ChaCha8Rng::seed_from_u64(seed),

@@ -52,7 +52,7 @@ struct Drive {
 pub fn device(drift_ppb: i64) -> Device {
     let description = Description {
         identity: [VENDOR, PRODUCT, 1, 42],
-        names: ["Drive", "TL7402", "Winch drive, CiA 402"],
+        names: ["TL7402", "Drive", "Winch drive, CiA 402"],
         dictionary: objects::dictionary(),
         mailbox: true,
         clock: Some(Clock::new(1_234_567_890, drift_ppb)),
