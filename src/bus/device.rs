@@ -154,6 +154,7 @@ impl Device {
 
     /// Outputs to objects, the application, objects to inputs.
     fn work(&mut self, world: &mut World, now_ns: u64, samples: bool) {
+        let fresh = self.fed_ns.is_some_and(|fed_ns| fed_ns >= self.worked_ns);
         self.worked_ns = now_ns;
         let operational = self.states.is_operational();
         let (out, into) = self.process_managers();
@@ -165,7 +166,8 @@ impl Device {
                 &mut self.dictionary,
             );
         }
-        let warning = self.application.work(&mut self.dictionary, world, Moment { now_ns, operational, samples });
+        let warning =
+            self.application.work(&mut self.dictionary, world, Moment { now_ns, operational, fresh, samples });
         if self.states.exchanges() {
             let start = self.memory.sync_manager(into).start;
             let length = process::length(&self.inputs);
@@ -255,10 +257,8 @@ impl Device {
         let incoming = data.to_vec();
         let mut read = false;
         if reads {
-            if overlaps(offset, data.len(), at::SYSTEM_TIME, 8) {
-                if let Some(clock) = &self.clock {
-                    clock.show(&mut self.memory, times_ns.0);
-                }
+            if let Some(clock) = self.clock.as_ref().filter(|_| overlaps(offset, data.len(), at::SYSTEM_TIME, 8)) {
+                clock.show(&mut self.memory, times_ns.0);
             }
             read = self.memory.read(offset, data, command.to == Addressing::Broadcast, touched);
         }
@@ -278,10 +278,8 @@ impl Device {
         if has(at::EEPROM_CONTROL + 1, 1) {
             self.eeprom.obey(&mut self.memory);
         }
-        if has(at::SYNC_MANAGER + 8 * IN as u16 + 6, 1) {
-            if let Some(mailbox) = &mut self.mailbox {
-                mailbox.repeat_if_asked(&mut self.memory);
-            }
+        if let Some(mailbox) = self.mailbox.as_mut().filter(|_| has(at::SYNC_MANAGER + 8 * IN as u16 + 6, 1)) {
+            mailbox.repeat_if_asked(&mut self.memory);
         }
         if let Some(clock) = &mut self.clock {
             if has(at::RECEIVE_TIMES, 1) {
