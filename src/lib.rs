@@ -35,6 +35,9 @@ pub mod simulate;
 /// Frames -> frames: a software EtherCAT bus, a drive and a torque sensor on a simulated joint, faults included.
 pub mod bus;
 
+/// A rig on the wire x a plan -> a campaign, recorded: the bus, the drive, its safety.
+pub mod capture;
+
 /// `Log` -> `Trial`: filtered, differentiated, cut into legs.
 pub mod prepare;
 

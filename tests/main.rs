@@ -2,6 +2,7 @@
 
 mod architecture;
 mod campaigns;
+mod capture;
 mod chain;
 mod cli;
 mod closed_loop;

@@ -2,6 +2,7 @@
 //!
 //! Exit status: 0 done, 1 a judgement that failed, 2 bad input or usage.
 
+mod capture;
 mod compare;
 mod completions;
 mod diagnose;
@@ -13,11 +14,14 @@ mod identify;
 mod interaction;
 mod interrupt;
 mod judged;
+mod live;
 mod outcome;
 mod predict;
 mod progress;
+mod rig;
 mod simulate;
 mod validate;
+mod wire;
 
 use clap::{Parser, Subcommand};
 use outcome::Talk;
@@ -61,6 +65,10 @@ enum Command {
     Validate(validate::Arguments),
     /// Record a campaign from a model
     Simulate(Box<simulate::Arguments>),
+    /// Drive a joint over EtherCAT along a plan and record it, safely; `--rig demo` needs no hardware
+    Capture(capture::Arguments),
+    /// List what is on an EtherCAT bus, check it against a rig, zero its torque sensor
+    Rig(rig::Arguments),
     /// List the effects that a model may have beyond the paper's formula, with their parameters
     Effects(effects::Arguments),
     /// Print shell completions
@@ -81,6 +89,8 @@ pub fn run() -> ExitCode {
         Command::Fit(arguments) => fit::run(&arguments, &talk),
         Command::Validate(arguments) => validate::run(&arguments, &talk),
         Command::Simulate(arguments) => simulate::run(&arguments, &talk),
+        Command::Capture(arguments) => capture::run(&arguments, &talk),
+        Command::Rig(arguments) => rig::run(&arguments, &talk),
         Command::Effects(arguments) => effects::run(&arguments, &talk),
         Command::Completions(arguments) => completions::run(&arguments),
     };

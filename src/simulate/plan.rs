@@ -128,7 +128,7 @@ impl List<'_> {
         // Every trial its own stream of noise, whatever the order in which they are made.
         let seed = self.plan.seed.wrapping_mul(0x9E37_79B9_7F4A_7C15).wrapping_add(self.trials.len() as u64);
         let motion_seed = self.plan.seed ^ hash(stem);
-        let entry = TrialEntry { file, protocol, repeat, trajectory: name.map(str::to_string) };
+        let entry = TrialEntry { file, protocol, repeat, trajectory: name.map(str::to_string), capture: None };
         let (swings, began_s) = (protocol == Protocol::Cosine && name == Some(MULTI_JOINT), self.now_s);
         // From the first stamp to the last: so the clock of a campaign is read back from its logs.
         let samples = trajectory.samples(self.plan.rate_hz);
