@@ -11,6 +11,8 @@ pub struct Moment {
     pub now_ns: u64,
     /// Whether the device is in OP: outputs count.
     pub operational: bool,
+    /// Whether outputs came since it last worked.
+    pub fresh: bool,
     /// Whether inputs are sampled now: by a pulse of the clock or as process data pass.
     pub samples: bool,
 }

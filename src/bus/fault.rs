@@ -25,7 +25,8 @@ pub enum Fault {
         /// How many.
         frames: u32,
     },
-    /// The next `frames` frames of process data come back with bits turned over, their header whole or not.
+    /// The next `frames` frames of process data come back damaged, in turn: a datagram's number, a length, a working counter, the
+    /// end missing. What no header or counter betrays, Ethernet's checksum would have.
     Corrupted {
         /// How many.
         frames: u32,

@@ -10,6 +10,7 @@
 mod application;
 mod clock;
 mod coe;
+mod description;
 mod device;
 mod drive;
 mod eeprom;
@@ -27,7 +28,8 @@ mod world;
 pub use application::{Application, Moment};
 pub use clock::Clock;
 pub use coe::{Access, Dictionary, Emergency, Entry};
-pub use device::{Description, Device};
+pub use description::Description;
+pub use device::Device;
 pub use drive::{COUNTS_PER_REVOLUTION, RATED_TORQUE_MNM, device as drive};
 pub use fault::{Fault, When};
 pub use terminal::{Terminal, VOLTS_PER_NM};

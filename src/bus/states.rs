@@ -148,11 +148,9 @@ impl Device {
         let (out, into) = self.process_managers();
         self.memory.shut(out, to < SAFE_OP);
         self.memory.shut(into, to < SAFE_OP);
-        if to == INIT {
-            if let Some(mailbox) = &mut self.mailbox {
-                mailbox.clear();
-                [IN, OUT].into_iter().for_each(|index| self.memory.set_full(index, false));
-            }
+        if let Some(mailbox) = self.mailbox.as_mut().filter(|_| to == INIT) {
+            mailbox.clear();
+            [IN, OUT].into_iter().for_each(|index| self.memory.set_full(index, false));
         }
         if to < OP {
             self.fed_ns = None;

@@ -3,7 +3,8 @@
 use super::application::{Application, Moment};
 use super::clock::Clock;
 use super::coe::{Access, Dictionary, Emergency};
-use super::device::{Description, Device};
+use super::description::Description;
+use super::device::Device;
 use super::fault::Fault;
 use super::world::World;
 

@@ -126,7 +126,9 @@ fn an_encoder_jumps_and_the_motor_believes_it() {
 fn a_stale_sensor_keeps_its_value_and_its_toggle() {
     let (_, told) = struck(Fault::StaleSensor);
     assert!(told[..100].windows(2).all(|pair| (pair[0].sensor_status ^ pair[1].sensor_status) & 0x8000 != 0));
-    assert!(told[102..].iter().all(|now| (now.sensor, now.sensor_status) == (told[102].sensor, told[102].sensor_status)));
+    assert!(
+        told[102..].iter().all(|now| (now.sensor, now.sensor_status) == (told[102].sensor, told[102].sensor_status))
+    );
 }
 
 #[test]

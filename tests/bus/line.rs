@@ -51,6 +51,23 @@ fn lost_frames_reached_the_devices_and_unsent_ones_did_not() {
 }
 
 #[test]
+fn one_missing_target_is_bridged_and_two_stop_the_motor() {
+    for (frames, least) in [(1, 0.39), (3, 0.0)] {
+        let mut master = Master::new();
+        master.to_enabled();
+        let (begin, cycle) = (master.wanted.position, master.bus.cycles());
+        master.bus.inject(Fault::Unsent { frames }, When::Cycle(cycle + 300));
+        let mut slowest = f64::MAX;
+        for i in 0..400 {
+            master.wanted.position = begin + counts(4e-4 * f64::from(i));
+            master.cycle_replies();
+            slowest = if i > 290 { slowest.min(master.bus.truth().velocity_rad_s) } else { slowest };
+        }
+        assert!(slowest > least && (frames == 1 || slowest < 0.35), "{frames} frames: {slowest} rad/s");
+    }
+}
+
+#[test]
 fn unsent_frames_starve_the_watchdog() {
     let mut master = Master::new();
     master.to_enabled();

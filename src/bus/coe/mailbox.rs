@@ -73,10 +73,11 @@ impl Mailbox {
             self.waiting.extend(answer);
         }
         let manager = memory.sync_manager(IN);
-        if manager.active && !memory.is_full(IN) {
-            if let Some(message) = self.waiting.pop_front() {
-                self.post(memory, message);
-            }
+        if manager.active
+            && !memory.is_full(IN)
+            && let Some(message) = self.waiting.pop_front()
+        {
+            self.post(memory, message);
         }
     }
 

@@ -8,7 +8,8 @@ pub use objects::{COUNTS_PER_REVOLUTION, RATED_TORQUE_MNM};
 use super::application::{Application, Moment};
 use super::clock::Clock;
 use super::coe::{Dictionary, Emergency};
-use super::device::{Description, Device};
+use super::description::Description;
+use super::device::Device;
 use super::fault::Fault;
 use super::terminal::VENDOR;
 use super::world::{Joint, Law, World};
@@ -44,6 +45,8 @@ struct Drive {
     /// Since when the following error is too large.
     strays_since_ns: Option<u64>,
     target: i64,
+    /// Whether the last target stayed away.
+    bridges: bool,
     was_operational: bool,
     worked_ns: u64,
 }
@@ -68,6 +71,7 @@ pub fn device(drift_ppb: i64) -> Device {
         stopping_rad_s: 0.0,
         strays_since_ns: None,
         target: 0,
+        bridges: false,
         was_operational: false,
         worked_ns: 0,
     };
@@ -201,23 +205,29 @@ impl Drive {
         }
     }
 
-    /// To the target, evenly over the period in which the next is due.
+    /// To the target, evenly over the period in which the next is due. One that stays away is bridged at the same speed; then
+    /// the motor stands.
     fn follow_position(&mut self, objects: &Dictionary, joint: &mut Joint, moment: Moment) {
+        let Law::Follow { velocity_rad_s: last_rad_s, from_ns, .. } = joint.motor.law else { return };
         let (lowest, highest) = (objects.signed(0x607D, 1), objects.signed(0x607D, 2));
         let target = objects.signed(0x607A, 0).clamp(lowest, highest.max(lowest));
-        let now_ns = moment.now_ns;
-        let Some((position_rad, velocity_rad_s)) = joint.motor.law.command(now_ns) else { return };
-        if target == self.target && velocity_rad_s == 0.0 {
-            return;
-        }
         let exponent = objects.signed(0x60C2, 2).clamp(-6, 0) as i32;
         let period_s = objects.unsigned(0x60C2, 1).max(1) as f64 * 10f64.powi(exponent);
-        if target != self.target || now_ns >= self.worked_ns + (period_s * 0.9e9) as u64 {
-            self.target = target;
-            let velocity_rad_s = (target as f64 / COUNTS_PER_RAD - position_rad) / period_s;
-            let until_ns = now_ns + (period_s * 1e9) as u64;
-            joint.motor.law = Law::Follow { position_rad, velocity_rad_s, from_ns: now_ns, until_ns };
+        let (now_ns, period_ns) = (moment.now_ns, (period_s * 1e9) as u64);
+        // A pulse may come a little early.
+        if target == self.target && now_ns < from_ns + period_ns * 9 / 10 {
+            return;
         }
+        let missing = !moment.fresh && target == self.target;
+        let Some((position_rad, _)) = joint.motor.law.command(now_ns) else { return };
+        let velocity_rad_s = match missing {
+            false => (target as f64 / COUNTS_PER_RAD - position_rad) / period_s,
+            true if self.bridges => 0.0,
+            true => last_rad_s,
+        };
+        (self.bridges, self.target) = (missing, target);
+        let until_ns = now_ns + period_ns;
+        joint.motor.law = Law::Follow { position_rad, velocity_rad_s, from_ns: now_ns, until_ns };
     }
 
     /// At a speed.
