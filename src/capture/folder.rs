@@ -130,10 +130,9 @@ impl Folder {
         self.note(&line)
     }
 
-    /// A line of `capture.log`, with the time of day in s since 1970 (UTC).
+    /// A line of `capture.log`, with the time of day in s since 1970 (UTC). It is not waited for: rows may be coming.
     pub(super) fn note(&mut self, line: &str) -> io::Result<()> {
-        writeln!(self.notes, "{:.3} {line}", today_s())?;
-        self.notes.sync_data()
+        writeln!(self.notes, "{:.3} {line}", today_s())
     }
 
     fn write(&self) -> io::Result<()> {

@@ -269,6 +269,10 @@ impl<W: Wire, C> Run<'_, '_, W, C> {
         self.gather();
         self.shown.samples = (0, positions_rad.len());
         self.cycle.recorder().begin(trial.entry.clone());
+        while !self.cycle.recorder().is_ready() {
+            self.turn(Request::Hold, None);
+        }
+        self.gather();
         self.cycle.records = true;
         let mut whole = true;
         for position_rad in positions_rad {

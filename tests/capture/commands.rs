@@ -25,7 +25,8 @@ fn the_demo_needs_no_hardware() {
     assert_eq!(done.status.code(), Some(0), "{done:?}");
     let outcome: Value = serde_json::from_slice(&done.stdout).unwrap();
     assert_eq!((&outcome["complete"], &outcome["missed_cycles"]), (&2.into(), &0.into()));
-    let done = tautline(&["validate", &folder]);
+    let read = out.path().join("predicted").to_string_lossy().into_owned();
+    let done = tautline(&["predict", &folder, "--model", "data/elbow/truth/model.json", "-o", &read]);
     assert_eq!(done.status.code(), Some(0), "{done:?}");
     // Again into the same folder: not over what is there, but on from it.
     let again = tautline(&["capture", "--rig", "demo", "--plan", &plan, "-o", &folder]);

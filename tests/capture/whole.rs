@@ -85,7 +85,7 @@ fn what_is_captured_identifies_the_joint() {
     let found = crate::campaigns::identified(&path, Settings::default());
     let truth = crate::campaigns::truth();
     for direction in [Direction::Up, Direction::Down] {
-        let [found, truth] = [&found.model, &truth].map(|model| *model.friction.get(direction));
+        let [found, truth] = [&found.model, &truth].map(|model| *model.friction.of(direction));
         // A few times what the intervals are wide.
         assert!((found.mu_c - truth.mu_c).abs() < 0.003, "mu_c {} and not {}", found.mu_c, truth.mu_c);
         for speed_rad_s in [0.1, 0.2, 0.4] {

@@ -1,24 +1,24 @@
 //! Samples to the disk as they come, in a thread of their own: nothing of the cycle waits for the disk.
 //!
-//! A trial's log is a CSV to which whole rows are added; what has come is written every 20 ms and forced to the disk every 50 ms.
+//! A trial's log is a CSV to which whole rows are added; what has come is written every 20 ms, and forced to the disk every 50 ms
+//! by a third thread, as a disk may take its time.
 //! While it is being written `campaign.toml` lists it as incomplete, and is replaced as one when it ends: whatever happens in
 //! between, the folder opens as a campaign with all that was written.
 
+mod writer;
+
 use super::folder::Folder;
 use crate::log::{Captured, TrialEntry};
-use std::fs::File;
 use std::io::{self, Write};
-use std::sync::mpsc::{Receiver, RecvTimeoutError, SyncSender, TrySendError, sync_channel};
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::mpsc::{SyncSender, TrySendError, sync_channel};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::thread::JoinHandle;
-use std::time::{Duration, Instant};
+use std::time::Duration;
+use writer::Writer;
 
 /// Rows that may wait for the disk: 8 s at 1 kHz, longer than a disk is ever away. They are made room for beforehand.
 const WAITING: usize = 8192;
-/// How long a row may wait before it is written ...
-const WRITE: Duration = Duration::from_millis(20);
-/// ... and forced to the disk, where a power cut leaves it.
-const SYNC: Duration = Duration::from_millis(50);
 /// Header of a log, as `Sample::write` fills it.
 pub const HEADER: &str = "time_s,cycle,state,working_counter,position_rad,torque_nm,command_rad,bus_time_s,status_word,sensor_status,sensor_counts,drive_torque_nm";
 
@@ -72,36 +72,60 @@ enum Message {
     Note(String),
 }
 
+/// What the threads tell each other.
+#[derive(Debug, Default)]
+struct Shared {
+    /// The first failure.
+    failed: Mutex<Option<String>>,
+    /// Whether the log of the trial that was begun last is on the disk.
+    ready: AtomicBool,
+}
+
+impl Shared {
+    fn fail(&self, why: String) {
+        self.failed.lock().unwrap_or_else(PoisonError::into_inner).get_or_insert(why);
+    }
+}
+
 /// The other end of the thread.
 pub struct Recorder {
     sender: Option<SyncSender<Message>>,
     thread: Option<JoinHandle<()>>,
-    failed: Arc<Mutex<Option<String>>>,
+    shared: Arc<Shared>,
     /// Whether to wait for the disk rather than to fail: in virtual time.
     waits: bool,
 }
 
+/// How often the disk is looked at where it is waited for.
+const LOOKED: Duration = Duration::from_micros(200);
+
 impl Recorder {
-    /// Records into `folder`. With `waits` a full queue is waited for, else it is a failure.
+    /// Records into `folder`. With `waits` the disk is waited for, else a full queue is a failure.
     pub fn new(folder: Folder, waits: bool) -> Self {
         let (sender, receiver) = sync_channel(WAITING);
-        let failed = Arc::new(Mutex::new(None));
-        let told = Arc::clone(&failed);
-        let thread = std::thread::spawn(move || {
-            let mut writer = Writer { folder, log: None, buffer: Vec::new(), synced: Instant::now(), failed: told };
-            writer.run(&receiver);
-        });
-        Self { sender: Some(sender), thread: Some(thread), failed, waits }
+        let shared = Arc::new(Shared::default());
+        let mut writer = Writer::new(folder, Arc::clone(&shared));
+        let thread = std::thread::spawn(move || writer.run(&receiver));
+        Self { sender: Some(sender), thread: Some(thread), shared, waits }
     }
 
     /// Records nothing.
     pub fn none() -> Self {
-        Self { sender: None, thread: None, failed: Arc::default(), waits: true }
+        Self { sender: None, thread: None, shared: Arc::default(), waits: true }
     }
 
     /// A trial begins: it is in the campaign from now on, as incomplete.
     pub fn begin(&mut self, entry: TrialEntry) {
+        self.shared.ready.store(self.sender.is_none(), Ordering::Release);
         self.tell(Message::Begin(entry));
+    }
+
+    /// Whether its log is on the disk, and rows can come; in virtual time it will be.
+    pub fn is_ready(&self) -> bool {
+        while self.waits && !self.shared.ready.load(Ordering::Acquire) {
+            std::thread::sleep(LOOKED);
+        }
+        self.shared.ready.load(Ordering::Acquire)
     }
 
     /// One more cycle of it.
@@ -121,7 +145,7 @@ impl Recorder {
 
     /// Why nothing more can be recorded, if that is so.
     pub fn failed(&self) -> Option<String> {
-        self.failed.lock().unwrap_or_else(PoisonError::into_inner).clone()
+        self.shared.failed.lock().unwrap_or_else(PoisonError::into_inner).clone()
     }
 
     /// Waits until everything is on the disk.
@@ -140,7 +164,7 @@ impl Recorder {
     fn tell(&mut self, message: Message) {
         let Some(sender) = &self.sender else { return };
         let is_row = matches!(message, Message::Row(_));
-        // Only rows come in numbers; what is between them is waited for, between motions.
+        // Only rows come in numbers; for what is between them there is always room.
         let told = if self.waits || !is_row {
             sender.send(message).map_err(|_| "its thread has ended")
         } else {
@@ -150,7 +174,8 @@ impl Recorder {
             })
         };
         if let Err(why) = told {
-            fail(&self.failed, why.to_string());
+            self.shared.fail(why.to_string());
+            self.shared.ready.store(true, Ordering::Release);
         }
     }
 }
@@ -158,83 +183,5 @@ impl Recorder {
 impl Drop for Recorder {
     fn drop(&mut self) {
         self.close();
-    }
-}
-
-/// The first failure is the one that is told.
-fn fail(failed: &Mutex<Option<String>>, why: String) {
-    failed.lock().unwrap_or_else(PoisonError::into_inner).get_or_insert(why);
-}
-
-/// The thread's side.
-struct Writer {
-    folder: Folder,
-    log: Option<File>,
-    buffer: Vec<u8>,
-    synced: Instant,
-    failed: Arc<Mutex<Option<String>>>,
-}
-
-impl Writer {
-    fn run(&mut self, receiver: &Receiver<Message>) {
-        let mut written = Instant::now();
-        loop {
-            let done = match receiver.recv_timeout(WRITE.saturating_sub(written.elapsed())) {
-                Ok(message) => self.take(message),
-                Err(RecvTimeoutError::Timeout) => Ok(()),
-                Err(RecvTimeoutError::Disconnected) => break,
-            };
-            let done = done.and_then(|()| {
-                if written.elapsed() < WRITE {
-                    return Ok(());
-                }
-                written = Instant::now();
-                self.flush(false)
-            });
-            if let Err(error) = done {
-                fail(&self.failed, error.to_string());
-            }
-        }
-        if let Err(error) = self.flush(true) {
-            fail(&self.failed, error.to_string());
-        }
-    }
-
-    fn take(&mut self, message: Message) -> io::Result<()> {
-        match message {
-            Message::Row(sample) => sample.write(&mut self.buffer),
-            Message::Begin(entry) => {
-                let mut log = File::create(self.folder.path.join(&entry.file))?;
-                writeln!(log, "{HEADER}")?;
-                log.sync_data()?;
-                self.folder.begin(entry)?;
-                self.log = Some(log);
-                Ok(())
-            }
-            // Of a trial that could not begin there is nothing to end.
-            Message::End(_) if self.log.is_none() => Ok(()),
-            Message::End(captured) => {
-                let flushed = self.flush(true);
-                self.log = None;
-                // A log that is not whole on the disk stays listed as incomplete.
-                flushed.and_then(|()| self.folder.end(captured))
-            }
-            Message::Note(line) => self.folder.note(&line),
-        }
-    }
-
-    /// Writes what has come; forces it to the disk when it is time, or `now`.
-    fn flush(&mut self, now: bool) -> io::Result<()> {
-        let Some(log) = &mut self.log else { return Ok(()) };
-        // What could not be written is not tried again: whole rows after part of one would be no rows.
-        let rows = std::mem::take(&mut self.buffer);
-        log.write_all(&rows)?;
-        self.buffer = rows;
-        self.buffer.clear();
-        if now || self.synced.elapsed() >= SYNC {
-            log.sync_data()?;
-            self.synced = Instant::now();
-        }
-        Ok(())
     }
 }
