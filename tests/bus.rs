@@ -4,6 +4,7 @@ mod clocks;
 mod drive;
 mod eeprom;
 mod faults;
+mod joint;
 mod line;
 mod mailbox;
 mod master;
