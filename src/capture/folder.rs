@@ -116,7 +116,7 @@ impl Folder {
         let capture = Some(Captured { incomplete: Some(UNKNOWN.to_string()), ..Captured::default() });
         self.note(&format!("{} begins", entry.file))?;
         self.campaign.trials.push(TrialEntry { capture, ..entry });
-        self.write()
+        self.write().inspect_err(|_| drop(self.campaign.trials.pop()))
     }
 
     /// The last trial that began ends.

@@ -3,6 +3,7 @@
 use super::line::{Failure, Line};
 use super::rig::{Entry, Identity, Kind, ProcessData};
 use super::wire::Wire;
+use ethercrab::error::{Error, MailboxError};
 use ethercrab::{MainDevice, SubDeviceRef};
 
 /// A device as it reports itself.
@@ -44,6 +45,16 @@ impl Found {
 pub const ASSIGNED_OUTPUTS: u16 = 0x1C12;
 /// The same of what the device sends.
 pub const ASSIGNED_INPUTS: u16 = 0x1C13;
+
+/// Whether a device has an object dictionary: the simplest have no mailbox.
+pub fn has_objects<W: Wire, S>(line: &mut Line<'_, W>, device: &SubDeviceRef<'_, S>) -> bool
+where
+    S: std::ops::Deref<Target = ethercrab::SubDevice>,
+{
+    // Every device that has one has this object, its type.
+    let asked = line.run(device.sdo_read::<u32>(0x1000, 0u8));
+    !matches!(asked, Err(Failure::Stack(Error::Mailbox(MailboxError::NoReadMailbox | MailboxError::NoWriteMailbox))))
+}
 
 /// The PDOs that a device has in one direction, with what is mapped to them; nothing where it does not tell.
 pub fn mapped<W: Wire, S>(line: &mut Line<'_, W>, device: &SubDeviceRef<'_, S>, assigned: u16) -> Vec<ProcessData>

@@ -74,9 +74,9 @@ pub fn prepare<W: Wire>(
         report.push(format!("{}: {}", identity.name, described(&found)));
     }
     let (drive, sensor) = (&devices[rig.drive.identity.place], &devices[rig.sensor.identity.place]);
-    map(line, drive, &rig.drive.identity, ASSIGNED_OUTPUTS, &rig.drive.outputs)?;
-    map(line, drive, &rig.drive.identity, ASSIGNED_INPUTS, &rig.drive.inputs)?;
-    map(line, sensor, &rig.sensor.identity, ASSIGNED_INPUTS, &rig.sensor.inputs)?;
+    map(line, drive, &rig.drive.identity, ASSIGNED_OUTPUTS, &rig.drive.outputs, &mut report)?;
+    map(line, drive, &rig.drive.identity, ASSIGNED_INPUTS, &rig.drive.inputs, &mut report)?;
+    map(line, sensor, &rig.sensor.identity, ASSIGNED_INPUTS, &rig.sensor.inputs, &mut report)?;
     limit(line, drive, &rig.drive, &mut report)?;
     Ok(report)
 }
@@ -93,8 +93,15 @@ fn map<W: Wire, S: Deref<Target = SubDevice>>(
     identity: &Identity,
     assigned: u16,
     wanted: &ProcessData,
+    report: &mut Vec<String>,
 ) -> Result<(), NotStarted> {
     let (name, pdo) = (&identity.name, wanted.pdo);
+    if !super::found::has_objects(line, device) {
+        let what =
+            "has no object dictionary: its process data are taken to be as the rig says, and their length is checked";
+        report.push(format!("`{name}` {what}"));
+        return Ok(());
+    }
     let words: Vec<u32> = wanted.entries.iter().map(|entry| entry.mapping()).collect();
     let is_so = |line: &mut Line<'_, W>| {
         let has_pdo = super::found::mapped(line, device, assigned).iter().map(|data| data.pdo).eq([pdo]);
@@ -152,7 +159,10 @@ fn limit<W: Wire, S: Deref<Target = SubDevice>>(
     set(line, device, drive, 0x6065, "following-error window", window)?;
     set(line, device, drive, 0x6066, "following-error time", time_ms)?;
     set(line, device, drive, 0x6072, "maximum torque", torque)?;
-    set(line, device, drive, 0x6060, "mode", mode as u8)?;
+    // Where it is exchanged every cycle, that is what counts, and a drive need not take it otherwise.
+    if drive.outputs.place("mode").is_none() {
+        set(line, device, drive, 0x6060, "mode", mode as u8)?;
+    }
     report.push(format!(
         "drive's own limits, read back: following error {window} counts for {time_ms} ms, torque {torque} per mille"
     ));
@@ -220,7 +230,8 @@ pub fn with_clocks<W: Wire>(
         line.wire.sleep(next_ns);
     }
     let clocks = DcConfiguration { start_delay: CLOCK_START, sync0_period: period, sync0_shift: period / 2 };
-    line.run(group.configure_dc_sync(main, clocks)).map_err(while_doing("setting the clocks' pulses"))
+    line.run(group.configure_dc_sync(main, clocks))
+        .map_err(while_doing("setting the clocks' pulses (a bus without clocks takes `clocks = false`)"))
 }
 
 /// Lays out the process data.

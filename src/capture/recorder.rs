@@ -8,7 +8,6 @@ use super::folder::Folder;
 use crate::log::{Captured, TrialEntry};
 use std::fs::File;
 use std::io::{self, Write};
-use std::path::PathBuf;
 use std::sync::mpsc::{Receiver, RecvTimeoutError, SyncSender, TrySendError, sync_channel};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::thread::JoinHandle;
@@ -170,7 +169,7 @@ fn fail(failed: &Mutex<Option<String>>, why: String) {
 /// The thread's side.
 struct Writer {
     folder: Folder,
-    log: Option<(PathBuf, File)>,
+    log: Option<File>,
     buffer: Vec<u8>,
     synced: Instant,
     failed: Arc<Mutex<Option<String>>>,
@@ -205,13 +204,15 @@ impl Writer {
         match message {
             Message::Row(sample) => sample.write(&mut self.buffer),
             Message::Begin(entry) => {
-                let path = self.folder.path.join(&entry.file);
-                let mut log = File::create(&path)?;
+                let mut log = File::create(self.folder.path.join(&entry.file))?;
                 writeln!(log, "{HEADER}")?;
                 log.sync_data()?;
-                self.log = Some((path, log));
-                self.folder.begin(entry)
+                self.folder.begin(entry)?;
+                self.log = Some(log);
+                Ok(())
             }
+            // Of a trial that could not begin there is nothing to end.
+            Message::End(_) if self.log.is_none() => Ok(()),
             Message::End(captured) => {
                 let flushed = self.flush(true);
                 self.log = None;
@@ -224,7 +225,7 @@ impl Writer {
 
     /// Writes what has come; forces it to the disk when it is time, or `now`.
     fn flush(&mut self, now: bool) -> io::Result<()> {
-        let Some((_, log)) = &mut self.log else { return Ok(()) };
+        let Some(log) = &mut self.log else { return Ok(()) };
         // What could not be written is not tried again: whole rows after part of one would be no rows.
         let rows = std::mem::take(&mut self.buffer);
         log.write_all(&rows)?;

@@ -218,16 +218,24 @@ impl<W: Wire, C> Run<'_, '_, W, C> {
     /// All trials that are not `done`; gives how many were recorded whole.
     fn trials(&mut self, done: &[TrialEntry]) -> usize {
         self.shown.trials = self.task.plan.trials.len();
-        let mut complete = 0;
+        let (mut complete, mut home_rad) = (0, None);
         for (at, trial) in self.task.plan.trials.iter().enumerate() {
             if done.iter().any(|entry| entry.file == trial.entry.file) {
                 continue;
             }
             self.shown = Live { trial: at + 1, name: trial.entry.file.clone(), ..self.shown.clone() };
-            if !(self.hold() && self.approach(trial) && self.record(trial)) {
+            if !self.hold() {
+                break;
+            }
+            home_rad.get_or_insert(self.cycle.axis.target_rad());
+            if !(self.approach(trial.trajectory.own.start_rad) && self.record(trial)) {
                 break;
             }
             complete += 1;
+        }
+        // Where the joint was at rest without torque it will be so again.
+        if let Some(home_rad) = home_rad.filter(|_| self.cycle.axis.cause().is_none()) {
+            self.approach(home_rad);
         }
         complete
     }
@@ -240,11 +248,11 @@ impl<W: Wire, C> Run<'_, '_, W, C> {
         self.cycle.axis.state() == State::Holding
     }
 
-    /// To where the trial begins, along half a cosine, and at rest there.
-    fn approach(&mut self, trial: &PlannedTrial) -> bool {
+    /// To `to_rad` along half a cosine, and at rest there.
+    fn approach(&mut self, to_rad: f64) -> bool {
         let (limits, period_s) = (&self.task.rig.limits, self.task.rig.bus.period_s());
-        let (from_rad, to_rad) = (self.cycle.axis.target_rad(), trial.trajectory.own.start_rad);
-        let ramp = Ramp::new(from_rad, to_rad, limits.approach_rad_s, limits.acceleration_rad_s2 / 2.0);
+        let ramp =
+            Ramp::new(self.cycle.axis.target_rad(), to_rad, limits.approach_rad_s, limits.acceleration_rad_s2 / 2.0);
         let steps = (ramp.duration_s() / period_s).ceil() as usize;
         for step in 1..=steps {
             if !self.turn(Request::Move, Some(ramp.position_rad(step as f64 * period_s))) {

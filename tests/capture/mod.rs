@@ -33,9 +33,12 @@ pub fn plan(text: &str) -> Plan {
     Plan::parse(Path::new("plan.toml"), text, tautline::dynamics::JointKind::Revolute).unwrap()
 }
 
+pub fn truth() -> Model {
+    Model::read(Path::new("data/elbow/truth/model.json")).unwrap()
+}
+
 pub fn demo() -> Bus {
-    let truth = Model::read(Path::new("data/elbow/truth/model.json")).unwrap();
-    Bus::demo(truth, 0.005, 1)
+    Bus::demo(truth(), 0.005, 1)
 }
 
 pub fn folder(path: &Path, rig: &Rig, resume: bool) -> Folder {

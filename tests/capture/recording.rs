@@ -57,3 +57,18 @@ fn resuming_by_another_plan_is_refused() {
     let twice = tautline::capture::folder::Folder::create(&path, &rig, &other).unwrap_err().to_string();
     assert!(twice.contains("--resume"), "{twice}");
 }
+
+/// `/dev/full` is a disk without room.
+#[test]
+#[cfg(target_os = "linux")]
+fn a_full_disk_stops_the_joint_and_is_named() {
+    let (rig, plan, out) = (rig(), plan(SWEEP), TempDir::new().unwrap());
+    let path = out.path().join("c");
+    let folder = folder(&path, &rig, false);
+    std::os::unix::fs::symlink("/dev/full", path.join("sweep_0.4000_2.csv")).unwrap();
+    let outcome = run(demo(), &rig, &plan, Some(folder)).outcome;
+    assert_eq!((outcome.complete, outcome.cause.map(|cause| cause.name())), (1, Some("recording")));
+    assert!(outcome.unwritten.unwrap().contains("No space left"));
+    let campaign = Campaign::read(&path).unwrap();
+    assert!(!campaign.trials[0].is_incomplete() && read_trial(&campaign, 0).is_ok());
+}

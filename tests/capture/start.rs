@@ -1,12 +1,13 @@
 //! A bus that is not what the rig says does not start, and says why.
 
-use super::{SWEEP, demo, plan, rig};
+use super::{SWEEP, demo, plan, rig, run};
 use ethercrab::error::Error;
 use std::cell::RefCell;
 use std::rc::Rc;
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
-use tautline::bus::Bus;
+use tautline::bus::{Bus, Fault, Joint, Terminal, When, drive};
+use tautline::capture::cause::Cause;
 use tautline::capture::found::scan;
 use tautline::capture::in_process::{Answers, InProcess};
 use tautline::capture::line::with_line;
@@ -117,4 +118,39 @@ fn a_rig_with_faults_lists_them_all() {
     ] {
         assert!(found.contains(fault), "{fault}\nis not in\n{found}");
     }
+}
+
+/// The demo's drive with another terminal behind it.
+fn with_terminal(terminal: Terminal) -> Bus {
+    let truth = crate::capture::truth();
+    Bus::new(vec![drive(0), terminal.device(0)]).with_joint(Joint::new(truth, 0.0, 0.005, 1))
+}
+
+#[test]
+fn a_terminal_without_a_mailbox_serves_too() {
+    let bus = with_terminal(Terminal { mailbox: false, ..Terminal::default() });
+    let outcome = run(bus, &rig(), &plan(SWEEP), None).outcome;
+    assert_eq!((outcome.cause, outcome.complete), (None, 2));
+    assert!(outcome.report.iter().any(|line| line.contains("has no object dictionary")), "{:?}", outcome.report);
+    let mut longer = rig();
+    longer.sensor.inputs.entries.push(longer.sensor.inputs.entries[1].clone());
+    longer.sensor.inputs.entries[2].role = None;
+    let bus = Rc::new(RefCell::new(with_terminal(Terminal { mailbox: false, ..Terminal::default() })));
+    let why = refused(&bus, 0, &longer);
+    assert!(why.contains("`torque terminal` exchanges 4 bytes in"), "{why}");
+}
+
+#[test]
+fn a_value_that_is_no_number_stops_the_joint() {
+    let mut rig = rig();
+    let sensor = &mut rig.sensor;
+    (sensor.identity.product, sensor.inputs.entries[1].kind) = (0x302, Kind::Real);
+    (sensor.nm_per_count, sensor.saturated_counts) = (1.0, 4.9);
+    let float = Terminal { float: true, ..Terminal::default() };
+    let outcome = run(with_terminal(float), &rig, &plan(SWEEP), None).outcome;
+    assert_eq!((outcome.cause, outcome.complete), (None, 2));
+    let mut bus = with_terminal(float);
+    bus.inject(Fault::NotANumber, When::Cycle(3000));
+    let outcome = run(bus, &rig, &plan(SWEEP), None).outcome;
+    assert_eq!((outcome.cause, outcome.complete), (Some(Cause::SensorNotANumber), 0));
 }

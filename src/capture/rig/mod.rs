@@ -130,10 +130,29 @@ pub struct Sensor {
     pub zero_counts: f64,
     /// Counts, up or down, at which the range ends.
     pub saturated_counts: f64,
+    /// What tells that a value is new.
+    pub stale_by: StaleBy,
     /// Cycles without anything new after which the value is stale.
     pub stale_cycles: u32,
     /// What comes from it.
     pub inputs: ProcessData,
+}
+
+/// What tells a new value of a sensor from an old one.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum StaleBy {
+    /// A bit that changes with every conversion: of the status word the highest, or one of its own.
+    Toggle,
+    /// The value itself: it has noise.
+    Value,
+    /// Nothing: a sensor that stops is not noticed.
+    Nothing,
+}
+
+impl StaleBy {
+    /// The names used in `rig.toml`.
+    pub const NAMES: [(&'static str, Self); 3] =
+        [("toggle", Self::Toggle), ("value", Self::Value), ("nothing", Self::Nothing)];
 }
 
 impl Drive {
@@ -199,7 +218,7 @@ fn read_bus(section: &Section<'_>) -> Option<Bus> {
     let interface = section.need("interface").such_as("\"eth0\"", "the network interface").text();
     let cycle_us = section.may("cycle_us").whole(250, 20_000).unwrap_or(1000);
     let missed = section.may("missed_cycles_max").whole(0, 1000).unwrap_or(2);
-    let clocks = section.may("clocks").choice(&[("yes", true), ("no", false)]).unwrap_or(true);
+    let clocks = section.may("clocks").flag().unwrap_or(true);
     Some(Bus {
         interface: interface?,
         cycle_us: u32::try_from(cycle_us).ok()?,
@@ -284,17 +303,25 @@ fn read_sensor(section: &Section<'_>) -> Option<Sensor> {
     let nm_per_count = section.need("nm_per_count").such_as("0.0001526", "torque for a count, N m").number();
     let zero_counts = section.need("zero_counts").such_as("0", "counts without torque: `tautline rig tare`").number();
     let saturated_counts = section.may("saturated_counts").positive().unwrap_or(32_767.0);
-    let stale_cycles = section.may("stale_cycles").whole(1, 1000).unwrap_or(3);
+    let stale_by = section.may("stale_by").choice(&StaleBy::NAMES).unwrap_or(StaleBy::Toggle);
+    let stale_cycles = section.may("stale_cycles").whole(1, 10_000).unwrap_or(3);
     if nm_per_count == Some(0.0) {
         section.reject("nm_per_count", "is 0", "expected the torque for a count, N m");
     }
     let inputs = section.need("inputs").such_as("[sensor.inputs]", "its TxPDO");
     let inputs = inputs.section(|s| ProcessData::read(s, &SENSOR_INPUTS, &["torque"]));
+    let has_toggle = |data: &ProcessData| ["toggle", "status"].iter().any(|role| data.place(role).is_some());
+    if stale_by == StaleBy::Toggle && inputs.as_ref().is_some_and(|data: &ProcessData| !has_toggle(data)) {
+        let cure =
+            "set it to \"value\", with as many stale_cycles as the value never stands still for, or to \"nothing\"";
+        section.reject("stale_by", "is by a toggle bit, and the inputs have neither `status` nor `toggle`", cure);
+    }
     Some(Sensor {
         identity: identity?,
         nm_per_count: nm_per_count?,
         zero_counts: zero_counts?,
         saturated_counts,
+        stale_by,
         stale_cycles: u32::try_from(stale_cycles).ok()?,
         inputs: inputs?,
     })

@@ -2,7 +2,7 @@
 
 use super::super::found::Found;
 use super::super::limits::Limits;
-use super::{Bus, Drive, Gains, Identity, Kind, ProcessData, Rig, Sensor};
+use super::{Bus, Drive, Gains, Identity, Kind, ProcessData, Rig, Sensor, StaleBy};
 use crate::capture::drive::Mode;
 use crate::dynamics::{Dynamics, JointKind};
 use crate::log::Signal;
@@ -41,6 +41,7 @@ pub fn starting_rig(interface: &str, found: &[Found]) -> Option<String> {
             nm_per_count: 1.0,
             zero_counts: 0.0,
             saturated_counts: 32_760.0,
+            stale_by: StaleBy::Toggle,
             stale_cycles: 3,
             inputs: as_terminal(sensor.inputs.first()?),
         },
@@ -64,7 +65,13 @@ pub fn starting_rig(interface: &str, found: &[Found]) -> Option<String> {
         dynamics: Dynamics { gravity_nm: 1.0, inertia_kg_m2: 0.0 },
         signal: Signal { torque_sign: 1.0, lowpass_hz: 5.0, lowpass_order: 4 },
     };
+    let rig = Rig { sensor: Sensor { stale_by: stale_by(&rig.sensor.inputs), ..rig.sensor }, ..rig };
     Some(format!("{TO_DO}{}", rig.to_toml()))
+}
+
+fn stale_by(inputs: &ProcessData) -> StaleBy {
+    let has_toggle = ["toggle", "status"].iter().any(|role| inputs.place(role).is_some());
+    if has_toggle { StaleBy::Toggle } else { StaleBy::Nothing }
 }
 
 fn identity(found: &Found, name: &str) -> Identity {

@@ -1,6 +1,6 @@
 //! A rig as the text of its `rig.toml`.
 
-use super::{Drive, FORMAT, Identity, Rig, Sensor};
+use super::{Drive, FORMAT, Identity, Rig, Sensor, StaleBy};
 use crate::capture::drive::Mode;
 use crate::document::write_pairs;
 use toml::Value;
@@ -17,7 +17,7 @@ impl Rig {
             ("interface", bus.interface.as_str().into()),
             ("cycle_us", i64::from(bus.cycle_us).into()),
             ("missed_cycles_max", i64::from(bus.missed_cycles_max).into()),
-            ("clocks", if bus.clocks { "yes" } else { "no" }.into()),
+            ("clocks", bus.clocks.into()),
         ];
         write_pairs(&mut text, "\n[bus]\n", &pairs);
         write_pairs(&mut text, "\n[drive]\n", &drive(&self.drive));
@@ -94,11 +94,13 @@ fn drive(drive: &Drive) -> Pairs {
 }
 
 fn sensor(sensor: &Sensor) -> Pairs {
+    let stale_by = StaleBy::NAMES.iter().find(|(_, by)| *by == sensor.stale_by).map_or("", |(name, _)| name);
     let mut pairs = identity(&sensor.identity);
     pairs.extend([
         ("nm_per_count", sensor.nm_per_count.into()),
         ("zero_counts", sensor.zero_counts.into()),
         ("saturated_counts", sensor.saturated_counts.into()),
+        ("stale_by", stale_by.into()),
         ("stale_cycles", i64::from(sensor.stale_cycles).into()),
         ("inputs", sensor.inputs.to_value()),
     ]);
