@@ -6,7 +6,7 @@
 Needs `pip install pysoem` and no root, but user namespaces; where they are not allowed it says so and ends with 0. What is
 checked: identity and names out of the EEPROM; SDOs expedited, in one piece and in segments, up and down; refusals; OP with
 distributed clocks; process data with the right working counter; the drive enabled after CiA 402, its motor moving the joint, the
-torque sensor; the output watchdog.
+torque sensor; a following error and its emergency message; the output watchdog.
 """
 
 import argparse
@@ -63,10 +63,17 @@ def refused(slave, index, sub, value, code):
     return False
 
 
+def eeprom(drive):
+    """The vendor stands there; an alias that is written stands there too."""
+    drive.eeprom_write(4, b"\x34\x12")
+    return drive.eeprom_read(8) == struct.pack("<I", VENDOR) and drive.eeprom_read(4)[:2] == b"\x34\x12"
+
+
 def check_objects(drive, terminal):
     check("drive: vendor, product, revision out of the EEPROM", (drive.man, drive.id, drive.rev) == (VENDOR, DRIVE, 1))
     check("terminal: the same", (terminal.man, terminal.id, terminal.rev) == (VENDOR, TERMINAL, 1))
     check("order numbers out of the EEPROM's strings", (drive.name, terminal.name) == ("TL7402", "TL3001"))
+    check("EEPROM read and written word by word", eeprom(drive))
     check("expedited upload: 0x1018:1", struct.unpack("<I", drive.sdo_read(0x1018, 1))[0] == VENDOR)
     check("upload in one piece: 0x1008", drive.sdo_read(0x1008, 0) == b"Winch drive, CiA 402")
     sheet = drive.sdo_read(0x2100, 0, 2048)
@@ -125,6 +132,34 @@ def move(master, drive, terminal):
     check("drive: still enabled, no error", status(drive)[0] & 0x6F == 0x27 and status(drive)[5] == 0)
 
 
+def stray(master, drive):
+    """A target out of reach: following error, fault, an emergency message; reset, and enabled again."""
+    import pysoem
+
+    heard = []
+    drive.add_emergency_callback(heard.append)
+    far = status(drive)[1] + round(1.0 * COUNTS_PER_RAD)
+    for _ in range(500):
+        command(drive, 0x0F, far)
+        exchange(master)
+        if status(drive)[0] & 0x4F == 0x08:
+            break
+    check("drive: following error, then fault", status(drive)[0] & 0x204F == 0x2008 and status(drive)[5] == 0x8611)
+    for _ in range(20):
+        try:
+            drive.mbx_receive()
+        except pysoem.Emergency:
+            pass
+        exchange(master)
+    check("the emergency message is heard", [hex(emergency.error_code) for emergency in heard] == ["0x8611"])
+    for control, mask, wanted in ((0x00, 0x4F, 0x08), (0x80, 0x4F, 0x40)):
+        for _ in range(10):
+            command(drive, control, status(drive)[1])
+            exchange(master)
+        check(f"drive: control word {control:#04x} leads to {wanted:#04x}", status(drive)[0] & mask == wanted)
+    power_up(master, drive)
+
+
 def to_op(master, drive):
     import pysoem
 
@@ -180,6 +215,7 @@ def run(binary):
         to_op(master, drive)
         power_up(master, drive)
         move(master, drive, terminal)
+        stray(master, drive)
         check("all in OP still", shows(master, lambda: drive.state == terminal.state == pysoem.OP_STATE))
         time.sleep(WATCHDOG_S)
         starved = shows(master, lambda: (drive.state, drive.al_status) == (0x14, 0x1B))
