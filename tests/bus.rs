@@ -11,3 +11,4 @@ mod master;
 mod process_data;
 mod registers;
 mod states;
+mod veth;
