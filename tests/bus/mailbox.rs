@@ -191,7 +191,7 @@ fn a_message_that_got_lost_comes_again() {
 fn other_protocols_get_a_mailbox_error() {
     let mut master = Master::new();
     master.to_pre_op();
-    for (kind, body, code) in [(4, vec![0; 10], 2), (3, vec![0, 0x80, 1, 0, 0, 0, 0, 0], 3)] {
+    for (kind, body, code) in [(4, vec![0; 10], 2), (3, vec![0, 0x80, 1, 0, 0, 0, 0, 0], 4)] {
         assert!(master.post(kind, &body));
         master.wait(MS);
         assert_eq!(master.fetch(), Some((0, vec![1, 0, code, 0])));

@@ -110,13 +110,13 @@ impl Mailbox {
     fn answer(&mut self, request: &[u8], dictionary: &mut Dictionary, in_pre_op: bool, room: usize) -> Option<Vec<u8>> {
         let length = usize::from(u16::from_le_bytes([*request.first()?, *request.get(1)?]));
         let kind = request.get(5)? & 0x0F;
-        let Some(body) = request.get(6..6 + length) else { return Some(error(4)) };
+        let Some(body) = request.get(6..6 + length) else { return Some(error(5)) };
         if kind != 3 {
             return Some(error(2));
         }
         let service = body.get(1)? >> 4;
         if service != 2 {
-            return Some(error(3));
+            return Some(error(4));
         }
         let answer = self.server.answer(&body[2..], dictionary, in_pre_op, room)?;
         // An abort is a request of its own, all else a response.
@@ -132,7 +132,7 @@ fn coe(service: u8, data: &[u8]) -> Vec<u8> {
     bytes
 }
 
-/// A mailbox error (ETG.1000.4, table 30): 2 no such protocol, 3 no such service, 4 a header that makes no sense.
+/// A mailbox error (ETG.1000.4, table 30): 2 no such protocol, 4 no such service, 5 a header that makes no sense.
 fn error(code: u8) -> Vec<u8> {
     vec![4, 0, 0, 0, 0, 0, 1, 0, code, 0]
 }
