@@ -32,6 +32,9 @@ pub mod log;
 /// `Model` x trajectory -> a campaign, as if recorded.
 pub mod simulate;
 
+/// Motions x the joint's limits -> what they ask of it, before anything moves.
+pub mod excite;
+
 /// Frames -> frames: a software EtherCAT bus, a drive and a torque sensor on a simulated joint, faults included.
 pub mod bus;
 
@@ -61,6 +64,9 @@ pub mod compare;
 
 /// Results -> terminal, JSON, tables, plots, one HTML file.
 pub mod report;
+
+/// `Model` -> code for a controller, a simulator's joint, tables.
+pub mod export;
 
 /// Arguments -> one pipeline per subcommand -> exit status.
 pub mod cli;

@@ -13,6 +13,8 @@ mod covariance;
 mod diagnose;
 mod effects;
 mod evaluate;
+mod excite;
+mod export;
 mod few;
 mod free;
 mod friction;

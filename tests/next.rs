@@ -7,7 +7,7 @@ use tautline::log::{Campaign, Signal};
 use tautline::model::{Combination, Model};
 use tautline::report::diagnosis::{next_toml, sentences, to_json};
 use tautline::simulate::{Plan, Sensors};
-use tautline::trajectory::{Path, Segment, Trajectory};
+use tautline::trajectory::{Path, Protocol, Segment, Trajectory};
 use tempfile::TempDir;
 
 /// A spring and a shifted centre of mass that give the same torque and slope in the middle of the narrow motion.
@@ -21,6 +21,7 @@ fn narrow() -> Trajectory {
     let segments = [(8.0, 2), (3.0, 3), (1.5, 4)].into_iter().map(cosine).collect();
     Trajectory {
         name: "narrow".to_string(),
+        protocol: Protocol::Free,
         repeats: Some(4),
         own: Path { start_rad: low_rad, segments },
         others: Vec::new(),

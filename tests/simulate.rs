@@ -32,6 +32,7 @@ pub fn mixed() -> Trajectory {
     ];
     Trajectory {
         name: "mixed".to_string(),
+        protocol: Protocol::Free,
         repeats: None,
         own: Motion { start_rad: 0.1, segments },
         others: Vec::new(),

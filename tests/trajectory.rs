@@ -1,7 +1,7 @@
 //! Trajectories: what they are sampled to, and their file.
 
 use std::path::PathBuf;
-use tautline::trajectory::{Path, Segment, Trajectory, Wave};
+use tautline::trajectory::{Path, Protocol, Segment, Trajectory, Wave};
 use tempfile::TempDir;
 
 const RATE_HZ: f64 = 200.0;
@@ -24,6 +24,7 @@ fn all_kinds() -> Trajectory {
     let other = Path { start_rad: 0.0, segments: vec![sweep(-0.6), Segment::Rest { duration_s: 2.0 }] };
     Trajectory {
         name: "all_kinds".to_string(),
+        protocol: Protocol::Free,
         repeats: Some(4),
         own: Path { start_rad: 0.2, segments },
         others: vec![other],
@@ -93,10 +94,24 @@ fn a_trajectory_that_makes_no_sense_is_refused_with_its_row() {
         ("repeats = 4", "repeats = 0", "from 1 to 1000"),
         ("start_rad = 0.2", "start_deg = 0.2", "start_rad"),
         ("trajectory/1", "trajectory/2", "trajectory/1"),
+        ("repeats = 4", "protocol = \"uniforn\"", "did you mean `uniform`?"),
     ] {
         assert!(toml.contains(from), "{from}");
         let (_folder, file) = written(&toml.replacen(from, to, 1));
         let errors = Trajectory::read(&file).unwrap_err().to_string();
         assert!(errors.contains(expected) && errors.contains("mine.toml, row"), "{from} -> {to}: {errors}");
     }
+}
+
+#[test]
+fn a_uniform_motion_has_one_speed() {
+    let with = |segments: &str| format!("format = \"trajectory/1\"\nprotocol = \"uniform\"\nstart_rad = 0\n{segments}");
+    let sweep = |to: f64, speed: f64| format!("[[segments]]\nkind = \"sweep\"\nto_rad = {to}\nspeed_rad_s = {speed}\n");
+    let read = |segments: &str| {
+        let (_folder, file) = written(&with(segments));
+        Trajectory::read(&file).map(|read| read.protocol).map_err(|problems| problems.to_string())
+    };
+    assert_eq!(read(&(sweep(1.0, 0.3) + &sweep(0.0, 0.3))), Ok(Protocol::Uniform { speed_rad_s: 0.3 }));
+    assert!(read(&(sweep(1.0, 0.3) + &sweep(0.0, 0.4))).unwrap_err().contains("differ in speed"));
+    assert!(read("[[segments]]\nkind = \"rest\"\nduration_s = 1\n").unwrap_err().contains("no segment is a sweep"));
 }

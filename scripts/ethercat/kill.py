@@ -20,7 +20,6 @@ PLAN = """format = "plan/1"
 rest_s = 0.2
 repeats = 20
 [[motions]]
-protocol = "free"
 trajectory = "short.toml"
 """
 MOTION = """format = "trajectory/1"

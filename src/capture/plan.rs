@@ -4,9 +4,9 @@ use super::cause::Beyond;
 use super::limits::Limits;
 use crate::document::{Document, Section};
 use crate::dynamics::JointKind;
-use crate::log::{Protocol, TrialEntry};
+use crate::log::TrialEntry;
 use crate::problem::{Problem, Problems, Result};
-use crate::trajectory::Trajectory;
+use crate::trajectory::{Trajectory, Uniform, read_all};
 use std::collections::BTreeSet;
 use std::path::Path;
 
@@ -111,70 +111,58 @@ struct List<'f> {
 impl List<'_> {
     fn read(&mut self, section: &Section<'_>, repeats: i64) -> Option<()> {
         let own_repeats = section.may("repeats").whole(1, MANY);
-        let protocol = section.need("protocol").choice(&["uniform", "cosine", "free"].map(|name| (name, name)));
-        match protocol.unwrap_or_default() {
-            "uniform" => {
-                let speeds_rad_s = speeds_rad_s(section)?;
-                for speed_rad_s in speeds_rad_s {
-                    let motion = Trajectory::sweep(speed_rad_s).on(self.kind);
-                    let stem = format!("sweep_{speed_rad_s:.4}");
-                    self.add(&stem, Protocol::Uniform { speed_rad_s }, own_repeats.unwrap_or(repeats), motion, None);
+        let has_file = section.keys().any(|key| key == "trajectory");
+        let motions = match has_file {
+            true => {
+                let file = self.folder.join(section.need("trajectory").text()?);
+                read_all(&[file]).unwrap_or_else(|Problems(found)| {
+                    self.problems.extend(found);
+                    Vec::new()
+                })
+            }
+            false => {
+                let built_in = [("uniform", true), ("cosine", false)];
+                let means = "or `trajectory = \"wide.toml\"`, a file or a folder of them beside the plan";
+                match section.need("protocol").such_as("\"uniform\"", means).choice(&built_in)? {
+                    true => read_uniform(section)?.trajectories(),
+                    false => vec![Trajectory::cascade()],
                 }
             }
-            "" => section.keys().for_each(|key| section.may(key).ignore()),
-            name => {
-                let protocol = if name == "cosine" { Protocol::Cosine } else { Protocol::Free };
-                let file = match protocol {
-                    Protocol::Cosine => section.may("trajectory"),
-                    _ => section.need("trajectory").such_as("\"wide.toml\"", "a trajectory/1 file beside the plan"),
-                };
-                match file.text() {
-                    Some(file) => self.add_file(&file, protocol, own_repeats, repeats),
-                    None if protocol == Protocol::Cosine => {
-                        let motion = Trajectory::cascade().on(self.kind);
-                        self.add("cosine", protocol, own_repeats.unwrap_or(repeats), motion, None);
-                    }
-                    None => return None,
-                }
-            }
+        };
+        for motion in motions {
+            // What a file holds is as it stands; the built-in ones are those of a revolute joint.
+            let motion = if has_file { motion } else { motion.on(self.kind) };
+            let repeats = own_repeats.or(motion.repeats.map(i64::from)).unwrap_or(repeats);
+            (1..=repeats).filter_map(|repeat| u32::try_from(repeat).ok()).for_each(|repeat| self.add(&motion, repeat));
         }
         Some(())
     }
 
-    fn add_file(&mut self, file: &str, protocol: Protocol, own_repeats: Option<i64>, repeats: i64) {
-        match Trajectory::read(&self.folder.join(file)) {
-            Ok(motion) => {
-                let repeats = own_repeats.or(motion.repeats.map(i64::from)).unwrap_or(repeats);
-                let name = motion.name.clone();
-                self.add(&name, protocol, repeats, motion, Some(&name));
-            }
-            Err(Problems(found)) => self.problems.extend(found),
-        }
-    }
-
-    fn add(&mut self, stem: &str, protocol: Protocol, repeats: i64, trajectory: Trajectory, name: Option<&str>) {
-        for repeat in (1..=repeats).filter_map(|repeat| u32::try_from(repeat).ok()) {
-            let file = format!("{stem}_{repeat}.csv");
-            let entry = TrialEntry { file, protocol, repeat, trajectory: name.map(str::to_string), capture: None };
-            self.trials.push(PlannedTrial { entry, trajectory: trajectory.clone() });
-        }
+    fn add(&mut self, motion: &Trajectory, repeat: u32) {
+        let entry = TrialEntry {
+            file: format!("{}_{repeat}.csv", motion.name),
+            protocol: motion.protocol,
+            repeat,
+            trajectory: motion.name_in_a_campaign(),
+            capture: None,
+        };
+        self.trials.push(PlannedTrial { entry, trajectory: motion.clone() });
     }
 }
 
-/// The speeds of sweeps: one, or many evenly in their logarithm, to a tenth of a mrad/s as `simulate` has them.
-fn speeds_rad_s(section: &Section<'_>) -> Option<Vec<f64>> {
-    if let Some(speed_rad_s) = section.may("speed_rad_s").positive() {
-        return Some(vec![speed_rad_s]);
+/// Sweeps at one speed, or at many evenly in their logarithm.
+fn read_uniform(section: &Section<'_>) -> Option<Uniform> {
+    let default = Uniform::default();
+    if let Some(speed) = section.may("speed_rad_s").positive() {
+        return Some(Uniform { speeds: 1, slowest_rad_s: speed, fastest_rad_s: speed, ..default });
     }
-    let speeds = section.may("speeds").whole(1, MANY).unwrap_or(20);
-    let slowest = section.may("slowest_rad_s").positive().unwrap_or(0.02);
-    let fastest = section.may("fastest_rad_s").positive().unwrap_or(0.4);
-    if slowest < SLOWEST_SWEEP_RAD_S || fastest < slowest {
-        let what = format!("is {slowest}, fastest_rad_s {fastest}");
+    let speeds = section.may("speeds").whole(1, MANY).and_then(|speeds| usize::try_from(speeds).ok());
+    let slowest_rad_s = section.may("slowest_rad_s").positive().unwrap_or(default.slowest_rad_s);
+    let fastest_rad_s = section.may("fastest_rad_s").positive().unwrap_or(default.fastest_rad_s);
+    if slowest_rad_s < SLOWEST_SWEEP_RAD_S || fastest_rad_s < slowest_rad_s {
+        let what = format!("is {slowest_rad_s}, fastest_rad_s {fastest_rad_s}");
         section.reject("slowest_rad_s", what, "expected 0.001 or more, and no more than fastest_rad_s");
         return None;
     }
-    let ratio: f64 = fastest / slowest;
-    let share = |i: i64| i as f64 / (speeds.max(2) - 1) as f64;
-    Some((0..speeds).map(|i| (slowest * ratio.powf(share(i)) * 1e4).round() / 1e4).collect())
+    Some(Uniform { speeds: speeds.unwrap_or(default.speeds), slowest_rad_s, fastest_rad_s, ..default })
 }

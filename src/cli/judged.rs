@@ -18,8 +18,7 @@ pub struct Judged {
 impl Judged {
     /// The model's file; of a folder that `identify` wrote, its model.json.
     pub fn model_file(&self) -> PathBuf {
-        let inside = self.model.join("model.json");
-        if inside.is_file() { inside } else { self.model.clone() }
+        model_file(&self.model)
     }
 
     /// Both, read.
@@ -27,6 +26,12 @@ impl Judged {
         let model = Model::read(&self.model_file())?;
         Ok((campaign_for(&model, &self.campaign)?, model))
     }
+}
+
+/// The model that `named` names: its file, or the model.json in a folder.
+pub fn model_file(named: &Path) -> PathBuf {
+    let inside = named.join("model.json");
+    if inside.is_file() { inside } else { named.to_path_buf() }
 }
 
 /// The campaign in `path`, with its clock where `model` goes by it.

@@ -2,12 +2,15 @@
 //!
 //! Exit status: 0 done, 1 a judgement that failed, 2 bad input or usage.
 
+mod arm;
 mod capture;
 mod compare;
 mod completions;
 mod diagnose;
 mod effects;
 mod evaluate;
+mod excite;
+mod export;
 mod fit;
 mod follow;
 mod identify;
@@ -15,6 +18,7 @@ mod interaction;
 mod interrupt;
 mod judged;
 mod live;
+
 mod outcome;
 mod predict;
 mod progress;
@@ -63,6 +67,10 @@ enum Command {
     Fit(fit::Arguments),
     /// List every problem of a campaign
     Validate(validate::Arguments),
+    /// Make motions to record, held against the joint's limits
+    Excite(Box<excite::Arguments>),
+    /// Write the model for where it is used: controllers in C and Rust, MuJoCo, URDF, tables
+    Export(export::Arguments),
     /// Record a campaign from a model
     Simulate(Box<simulate::Arguments>),
     /// Drive a joint over EtherCAT along a plan and record it, safely; `--rig demo` needs no hardware
@@ -88,6 +96,8 @@ pub fn run() -> ExitCode {
         Command::Compare(arguments) => compare::run(&arguments, &talk),
         Command::Fit(arguments) => fit::run(&arguments, &talk),
         Command::Validate(arguments) => validate::run(&arguments, &talk),
+        Command::Excite(arguments) => excite::run(&arguments, &talk),
+        Command::Export(arguments) => export::run(&arguments, &talk),
         Command::Simulate(arguments) => simulate::run(&arguments, &talk),
         Command::Capture(arguments) => capture::run(&arguments, &talk),
         Command::Rig(arguments) => rig::run(&arguments, &talk),

@@ -1,7 +1,7 @@
 //! Every cause that the library and the model offer, fitted on one ground.
 
 use super::fit::{Bench, Fit, Ground};
-use super::moves::{Move, Stale, of_effect, stale};
+use super::moves::{Knob, Move, Stale, of_effect, stale};
 use super::ripple;
 use crate::effects::{Added, Effect, LIBRARY};
 use crate::model::{Combination, Model};
@@ -42,6 +42,11 @@ pub struct Tried {
 }
 
 impl Tried {
+    /// It as it was found.
+    pub fn sketch(&self) -> Option<Sketch> {
+        Sketch::of((self.cause, self.how), &self.fit.model, &self.fit.moves)
+    }
+
     /// Numbers that were fitted.
     pub fn count(&self) -> usize {
         self.fit.moves.len()
@@ -53,17 +58,80 @@ impl Tried {
     }
 }
 
+/// A cause as it was found: what can be put into a model beside others.
+#[derive(Debug, Clone)]
+pub struct Sketch {
+    /// Which.
+    pub cause: Cause,
+    /// In which way, where a group of parameters can move in several.
+    pub how: &'static str,
+    change: Change,
+}
+
+#[derive(Debug, Clone)]
+enum Change {
+    Effect(Added),
+    Own(Vec<Move>, Vec<(Knob, f64)>),
+}
+
+impl Sketch {
+    /// `cause` as it stands in `model`; of the model's own parameters those that `moves` turn.
+    pub fn of((cause, how): (Cause, &'static str), model: &Model, moves: &[Move]) -> Option<Self> {
+        let change = match cause {
+            Cause::Effect(id) => Change::Effect(model.effects.iter().rev().find(|added| added.id() == id)?.clone()),
+            Cause::Stale(_) => {
+                let own: Vec<Move> = moves.iter().filter(|way| way.is_own()).cloned().collect();
+                let values = own.iter().flat_map(Move::knobs).map(|knob| (knob, knob.value(model))).collect();
+                Change::Own(own, values)
+            }
+        };
+        Some(Self { cause, how, change })
+    }
+
+    /// What of the model's own parameters it turns.
+    pub fn moves(&self) -> &[Move] {
+        match &self.change {
+            Change::Effect(_) => &[],
+            Change::Own(moves, _) => moves,
+        }
+    }
+
+    /// Puts it into `model`; returns what may move of it there.
+    pub fn put(&self, model: &mut Model, bench: &Bench<'_>) -> Vec<Move> {
+        match &self.change {
+            Change::Effect(added) => {
+                model.effects.push(added.clone());
+                of_effect(model, model.effects.len() - 1, &bench.extent)
+            }
+            Change::Own(moves, values) => {
+                values.iter().for_each(|(knob, value)| knob.set(model, *value));
+                moves.clone()
+            }
+        }
+    }
+}
+
+/// Everything that was tried in one place.
+#[derive(Debug, Clone, Default)]
+pub struct Round {
+    /// What was fitted, best first.
+    pub tried: Vec<Tried>,
+    /// All of it, and what showed too little promise alone to be fitted.
+    pub sketches: Vec<Sketch>,
+}
+
 /// Mean square left on held-out units plus the cost of the base's moves, (N m)^2.
 pub fn score(bench: &Bench<'_>, fit: &Fit) -> f64 {
     bench.surprise_factor(fit) * fit.held_out.iter().sum::<f64>() / bench.rows().max(1) as f64
 }
 
-/// All causes but those that `ground` has already, each at its best; effects without promise are left out.
-pub fn try_all(bench: &Bench<'_>, ground: &Ground, known: &[Cause]) -> Vec<Tried> {
+/// All causes but those that `ground` has already, each at its best; effects without promise are only sketched.
+pub fn try_all(bench: &Bench<'_>, ground: &Ground, known: &[Cause]) -> Round {
     let residual_nm = bench.rest_residual_nm(ground);
     let effects = LIBRARY.into_par_iter().filter(|effect| !known.contains(&Cause::Effect(effect.about().id)));
     let mut begun: Vec<Begun> = effects.filter_map(|effect| begin(bench, ground, effect, &residual_nm)).collect();
     begun.sort_by(|a, b| a.cost().total_cmp(&b.cost()));
+    let mut sketches: Vec<Sketch> = begun.iter().flat_map(Begun::sketches).collect();
     let mut place = 0..;
     begun.retain(|begun| place.next() < Some(FITTED) || begun.is_shape());
     let groups: Vec<Stale> =
@@ -74,7 +142,10 @@ pub fn try_all(bench: &Bench<'_>, ground: &Ground, known: &[Cause]) -> Vec<Tried
         fit: bench.fit(ground, ground.model.clone(), group.moves),
     });
     let of_effects = begun.into_par_iter().filter_map(|begun| begun.fit(bench, ground));
-    of_effects.chain(of_groups).collect()
+    let mut tried: Vec<Tried> = of_effects.chain(of_groups).collect();
+    tried.sort_by(|a, b| a.score(bench).total_cmp(&b.score(bench)));
+    sketches.extend(tried.iter().filter_map(Tried::sketch));
+    Round { tried, sketches }
 }
 
 /// Whether `effect` is one that `model` could lack.
@@ -102,11 +173,20 @@ impl Begun {
         self.starts[0].2.iter().all(|way| !way.is_linear)
     }
 
+    fn cause(&self) -> (Cause, &'static str) {
+        (Cause::Effect(self.effect.about().id), "")
+    }
+
+    fn sketches(&self) -> impl Iterator<Item = Sketch> {
+        self.starts.iter().filter_map(|(_, model, moves)| Sketch::of(self.cause(), model, moves))
+    }
+
     fn fit(self, bench: &Bench<'_>, ground: &Ground) -> Option<Tried> {
+        let (cause, how) = self.cause();
         let fits = self.starts.into_par_iter().map(|(_, model, moves)| bench.fit(ground, model, moves));
-        let fit =
-            fits.collect::<Vec<Fit>>().into_iter().min_by(|a, b| a.cost.mean_square.total_cmp(&b.cost.mean_square))?;
-        Some(Tried { cause: Cause::Effect(self.effect.about().id), how: "", fit })
+        let fits = fits.collect::<Vec<Fit>>().into_iter();
+        let fit = fits.min_by(|a, b| score(bench, a).total_cmp(&score(bench, b)))?;
+        Some(Tried { cause, how, fit })
     }
 }
 
@@ -134,9 +214,14 @@ fn begin(bench: &Bench<'_>, ground: &Ground, effect: &'static dyn Effect, residu
     };
     let mut starts: Vec<(f64, Model, Vec<Move>)> = starts.into_par_iter().map(glance).collect();
     starts.sort_by(|a, b| a.0.total_cmp(&b.0));
-    let is_linear = starts.first()?.2.iter().all(|way| way.is_linear) && effect.about().id != "sensor_drift";
-    let is_ripple = effect.about().id.ends_with("ripple");
-    starts.truncate(if is_linear || is_ripple { 1 } else { STARTS });
+    let is_linear = starts.first()?.2.iter().all(|way| way.is_linear);
+    let followed = match effect.about().id {
+        // Its starts are no guesses at one form, they are forms.
+        "sensor_drift" => starts.len(),
+        id if is_linear || id.ends_with("ripple") => 1,
+        _ => STARTS,
+    };
+    starts.truncate(followed);
     Some(Begun { effect, starts })
 }
 

@@ -1,14 +1,17 @@
 //! Which causes explain a gap: one after the other, each held against all rivals, earlier ones tried again once later ones are in.
 
-use super::candidates::{Cause, Tried, score, try_all};
+use super::candidates::{Cause, Round, Sketch, Tried, score, try_all};
 use super::fit::{Bench, Fit, Ground};
-use super::moves::{Move, within_confidence};
+use super::moves::{Move, SAME_TORQUE, within_confidence};
+use super::pairs;
 use crate::effects::find;
 use crate::model::Model;
 use crate::numerics::statistics::standard_deviation;
 
 /// Most causes that are looked for.
 const CAUSES_MAX: usize = 3;
+/// Rounds over the causes found in which each is tried again.
+const SWEEPS: usize = 2;
 /// A cause must change the prediction by this share of the floor at least, RMS ...
 const FLOOR_SHARE: f64 = 0.6;
 /// ... the first by this share of the gap's square, any other by this share of what is left ...
@@ -16,6 +19,9 @@ const GAP_SHARE_FIRST: f64 = 0.15;
 const GAP_SHARE_MORE: f64 = 0.30;
 /// ... and of the whole gap's square ...
 const WHOLE_SHARE_MORE: f64 = 0.02;
+/// ... or nearly all that is left, which is as large as the floor and this share of the whole ...
+const GAP_SHARE_NEARLY: f64 = 0.6;
+const WHOLE_SHARE_NEARLY: f64 = 0.01;
 /// ... or by so much of the whole: of a gap with many small causes even a large one is no great share of what is left.
 const WHOLE_SHARE_ALONE: f64 = 0.12;
 /// Its gain must exceed so many standard errors over clusters.
@@ -27,11 +33,15 @@ const TIE_ERRORS: f64 = 1.5;
 /// ... or this share of the gap's square, or of the floor's.
 const TIE_SHARE: f64 = 0.001;
 const TIE_FLOOR_SHARE: f64 = 0.01;
+/// ... or this share of what the best leaves above the floor: where its form fails, so much of the others' failure is form, too.
+const TIE_LEFT_SHARE: f64 = 0.05;
 /// However uncertain, what lies further apart than this share of the gap's square is not equal.
 const TIE_SHARE_MAX: f64 = 0.05;
 
-/// A cause that moves the base by so much more, in squared standard deviations, does not do as well: e^-5 as likely.
+/// A cause that moves the base by so much more, in squared standard deviations, does not do as well: e^-5 as likely ...
 const SURPRISE_APART: f64 = 10.0;
+/// ... and each number that it has less is worth as much as finding one within a hundredth of its range: 2 ln 100.
+const SURPRISE_A_NUMBER: f64 = 9.0;
 
 /// Causes found, and all that was tried in the place of each.
 #[derive(Debug)]
@@ -65,26 +75,25 @@ pub struct Found {
 
 /// Looks for the causes of what `model` leaves.
 pub fn choose(bench: &Bench<'_>, model: &Model, progress: &(dyn Fn() + Sync)) -> Choice {
-    let search = Search { bench, first: bench.ground(model, within_confidence(model)), progress };
-    let rest = bench.rest(&search.first);
+    let first = bench.ground(model, within_confidence(model));
+    let rest = bench.rest(&first);
     let start = score(bench, &rest);
-    let (mut chosen, refused, mut last) = search.forward(&rest, start);
-    if chosen.len() > 1 {
-        search.again(&mut chosen, start);
-        last = search.without_idle(&mut chosen, start);
-    }
-    let found = chosen
-        .into_iter()
-        .map(|step| Found {
-            cause: step.taken.cause,
-            how: step.taken.how,
-            rivals: rivals(bench, &step.taken, &step.tried, start),
-            seconds: seconds(bench, &step.taken, &step.tried, start),
-            without: score(bench, &step.without),
-            tried: step.tried,
-        })
-        .collect();
-    Choice { rest, found, refused, last }
+    let search = Search { bench, first, start, progress };
+    let Forward { chosen, fit, opening, refused } = search.forward(&rest);
+    let (steps, last) = match &chosen[..] {
+        [] => (Vec::new(), fit),
+        [one] => (vec![search.place(one, opening.tried, rest.clone(), &search.first)], fit),
+        _ => search.settle(chosen),
+    };
+    let found = steps.into_iter().map(|step| Found {
+        cause: step.taken.cause,
+        how: step.taken.how,
+        rivals: rivals(bench, &step.taken, &step.tried, start),
+        seconds: seconds(bench, &step.taken, &step.tried, start),
+        without: score(bench, &step.without),
+        tried: step.tried,
+    });
+    Choice { found: found.collect(), rest, refused, last }
 }
 
 /// A cause taken, with what it was chosen from.
@@ -96,141 +105,247 @@ struct Step {
     without: Fit,
 }
 
+/// What the way forward found.
+struct Forward {
+    chosen: Vec<Sketch>,
+    /// All of them together.
+    fit: Fit,
+    /// What was tried first.
+    opening: Round,
+    /// What was tried last, in vain.
+    refused: Vec<Tried>,
+}
+
 /// What all rounds share.
 struct Search<'s> {
     bench: &'s Bench<'s>,
     first: Ground,
+    /// What the base alone leaves, (N m)^2.
+    start: f64,
     progress: &'s (dyn Fn() + Sync),
 }
 
 impl Search<'_> {
-    /// One cause after the other; what the last round tried in vain; the fit of what was found.
-    fn forward(&self, rest: &Fit, start: f64) -> (Vec<Step>, Vec<Tried>, Fit) {
-        let bench = self.bench;
-        let is_gap = |now: f64| now - bench.floor_nm.powi(2) > (FLOOR_SHARE * bench.floor_nm).powi(2);
-        let mut chosen: Vec<Step> = Vec::new();
-        let (mut ground, mut fit) = (self.first.clone(), rest.clone());
-        while chosen.len() < CAUSES_MAX && is_gap(score(bench, &fit)) {
-            let known: Vec<Cause> = chosen.iter().map(|step| step.taken.cause).collect();
-            let tried = self.round(&ground, &known);
-            let Some(best) = simplest(bench, &tried, start) else { break };
-            // The simplest that does as well may be too little to be named where the best is not.
-            let enough = |at: &usize| is_material(bench, &tried[*at].fit, &fit, start, chosen.is_empty());
-            let Some(best) = [best, 0].into_iter().find(enough) else { return (chosen, tried, fit) };
-            let taken = tried[best].clone();
-            chosen.push(Step { taken, tried, without: fit });
-            fit = self.together(&chosen.iter().map(|step| &step.taken).collect::<Vec<&Tried>>());
-            ground = self.ground_of(&fit);
+    /// One cause after the other; two of them also as a pair, for the best one alone may be a compromise between both.
+    fn forward(&self, rest: &Fit) -> Forward {
+        let floor_nm = self.bench.floor_nm;
+        let is_gap = |now: f64| now - floor_nm.powi(2) > (FLOOR_SHARE * floor_nm).powi(2);
+        let mut way = Forward { chosen: Vec::new(), fit: rest.clone(), opening: Round::default(), refused: Vec::new() };
+        while way.chosen.len() < CAUSES_MAX && is_gap(score(self.bench, &way.fit)) {
+            let round = self.round(&self.ground_of(&way.fit), &way.chosen);
+            let mut next = self.one_more(&way, &round.tried);
+            if let [one] = &way.chosen[..] {
+                next = self.or_pair(next, one, &way);
+            }
+            let Some((chosen, fit)) = next else {
+                way.refused = round.tried;
+                break;
+            };
+            (way.chosen, way.fit) = (chosen, fit);
+            if way.chosen.len() == 1 {
+                way.opening = round;
+            }
         }
-        (chosen, Vec::new(), fit)
+        way
     }
 
-    /// Tries each cause but the last again, the others being in: an early compromise gives way to what it stood for.
-    fn again(&self, chosen: &mut [Step], start: f64) {
-        for at in 0..chosen.len() - 1 {
-            let others: Vec<&Tried> = others(chosen, at);
-            let known: Vec<Cause> = others.iter().map(|tried| tried.cause).collect();
-            let without = self.together(&others);
-            let tried = self.round(&self.ground_of(&without), &known);
-            let Some(best) = simplest(self.bench, &tried, start) else { continue };
-            // What was taken stays unless something does better, or as well by fewer numbers and still enough to be named.
-            let before = &chosen[at].taken;
-            let is_own = |t: &Tried| (t.cause, t.how) == (before.cause, before.how);
-            let own = tried.iter().position(is_own).unwrap_or(best);
-            let stays = tried[own].count() <= tried[best].count() && is_tie(self.bench, &tried[0], &tried[own], start);
-            let enough = |at: &usize| is_material(self.bench, &tried[*at].fit, &without, start, false);
-            let order = if stays { [own, best, 0] } else { [best, own, 0] };
-            let taken = tried[order.into_iter().find(enough).unwrap_or(best)].clone();
-            chosen[at] = Step { taken, tried, without };
-        }
+    /// What was chosen and the best of `tried` beside it, if that is enough to be named.
+    fn one_more(&self, way: &Forward, tried: &[Tried]) -> Option<(Vec<Sketch>, Fit)> {
+        let best = simplest(self.bench, tried, self.start)?;
+        // The simplest that does as well may be too little to be named where the best is not.
+        let enough = |at: &usize| self.is_material(&tried[*at].fit, &way.fit, way.chosen.is_empty());
+        let at = [best, 0].into_iter().find(enough)?;
+        let chosen: Vec<Sketch> = way.chosen.iter().cloned().chain(tried[at].sketch()).collect();
+        Some(self.together(&chosen))
     }
 
-    /// Leaves out what the others explain as well without it; returns the fit of those that stay.
-    fn without_idle(&self, chosen: &mut Vec<Step>, start: f64) -> Fit {
+    /// A pair that does better than `next`, or than `one` alone where that is nothing.
+    fn or_pair(&self, next: Option<(Vec<Sketch>, Fit)>, one: &Sketch, way: &Forward) -> Option<(Vec<Sketch>, Fit)> {
+        let likely = pairs::promising(self.bench, &self.first, &way.opening.sketches);
+        let fitted = likely
+            .into_iter()
+            .map(|pair| self.together(&pair))
+            .filter(|(_, fit)| self.is_material(fit, &way.fit, false));
+        let all: Vec<(Vec<Sketch>, Fit)> = fitted.chain(next).collect();
+        if std::env::var("TL_DEBUG").is_ok() {
+            let f = self.bench.floor_nm.powi(2);
+            eprintln!("single {:?} {:.3} (start {:.3})", one.cause, score(self.bench, &way.fit) / f, self.start / f);
+            for (pair, fit) in &all {
+                eprintln!(
+                    "   pair {:?}{} + {:?}{}: {:.3} count {} surprise {:.1}",
+                    pair[0].cause,
+                    pair[0].how,
+                    pair[1].cause,
+                    pair[1].how,
+                    score(self.bench, fit) / f,
+                    fit.moves.len(),
+                    fit.cost.surprise
+                );
+            }
+        }
+        let best = all.iter().min_by(|a, b| score(self.bench, &a.1).total_cmp(&score(self.bench, &b.1)))?.1.clone();
+        let equals = all.into_iter().filter(|(_, fit)| is_tie(self.bench, &best, fit, self.start));
+        // Of pairs that do as well the simplest, and of those the one with what does best alone.
+        let has_one = |pair: &[Sketch]| pair.iter().any(|sketch| sketch.cause == one.cause);
+        equals.min_by_key(|(pair, fit)| (fit.moves.len(), makeshifts(pair), !has_one(pair)))
+    }
+
+    /// Tries each cause again with the others in, until all stay: an early compromise gives way to what it stood for. Leaves out
+    /// what the others explain as well without it. Returns the causes, and the fit of all.
+    fn settle(&self, mut chosen: Vec<Sketch>) -> (Vec<Step>, Fit) {
+        let mut steps: Vec<Step> = Vec::new();
+        for _ in 0..SWEEPS {
+            let before: Vec<Cause> = chosen.iter().map(|sketch| sketch.cause).collect();
+            steps.clear();
+            for at in 0..chosen.len() {
+                let step = self.again(&chosen, at);
+                if let Some(sketch) = step.taken.sketch() {
+                    chosen[at] = sketch;
+                }
+                steps.push(step);
+            }
+            if chosen.iter().map(|sketch| sketch.cause).eq(before) {
+                break;
+            }
+        }
+        self.without_idle(chosen, steps)
+    }
+
+    /// The best in the place of number `at`. What stands there stays unless something does better, or as well by fewer numbers
+    /// and still enough to be named.
+    fn again(&self, chosen: &[Sketch], at: usize) -> Step {
+        let others = all_but(chosen, at);
+        let (others, without) = self.together(&others);
+        let ground = self.ground_of(&without);
+        let round = self.round(&ground, &others);
+        let mut step = self.place(&chosen[at], round.tried, without, &ground);
+        let Some(best) = simplest(self.bench, &step.tried, self.start) else { return step };
+        let (own, best, first) = (&step.taken, &step.tried[best], &step.tried[0]);
+        let stays = own.count() <= best.count() && is_tie(self.bench, &first.fit, &own.fit, self.start);
+        let order = if stays { [own, best, first] } else { [best, own, first] };
+        let enough = |tried: &&Tried| self.is_material(&tried.fit, &step.without, false);
+        let taken = order.into_iter().find(enough).unwrap_or(best).clone();
+        step.taken = taken;
+        step
+    }
+
+    /// `sketch` as one of `tried`, or fitted from where it stands.
+    fn place(&self, sketch: &Sketch, mut tried: Vec<Tried>, without: Fit, ground: &Ground) -> Step {
+        let is_own = |t: &Tried| (t.cause, t.how) == (sketch.cause, sketch.how);
+        let taken = tried.iter().find(|t| is_own(t)).cloned().unwrap_or_else(|| {
+            let mut model = ground.model.clone();
+            let moves = sketch.put(&mut model, self.bench);
+            let own = Tried { cause: sketch.cause, how: sketch.how, fit: self.bench.fit(ground, model, moves) };
+            let behind = tried.partition_point(|t| t.score(self.bench) < own.score(self.bench));
+            tried.insert(behind, own.clone());
+            own
+        });
+        Step { taken, tried, without }
+    }
+
+    fn without_idle(&self, mut chosen: Vec<Sketch>, mut steps: Vec<Step>) -> (Vec<Step>, Fit) {
         loop {
-            let all = self.together(&chosen.iter().map(|step| &step.taken).collect::<Vec<&Tried>>());
+            let (_, all) = self.together(&chosen);
             let idle = (0..chosen.len()).find(|at| {
-                chosen[*at].without = self.together(&others(chosen, *at));
-                !is_material(self.bench, &all, &chosen[*at].without, start, false)
+                steps[*at].without = self.together(&all_but(&chosen, *at)).1;
+                !self.is_material(&all, &steps[*at].without, false)
             });
             match idle {
-                Some(at) if chosen.len() > 1 => drop(chosen.remove(at)),
-                _ => return all,
+                Some(at) if chosen.len() > 1 => {
+                    chosen.remove(at);
+                    steps.remove(at);
+                }
+                _ => return (steps, all),
             }
         }
     }
 
-    fn round(&self, ground: &Ground, known: &[Cause]) -> Vec<Tried> {
-        let tried = ranked(self.bench, try_all(self.bench, ground, known));
+    fn round(&self, ground: &Ground, known: &[Sketch]) -> Round {
+        let known: Vec<Cause> = known.iter().map(|sketch| sketch.cause).collect();
+        let round = try_all(self.bench, ground, &known);
+        if std::env::var("TL_DEBUG").is_ok() {
+            let f = self.bench.floor_nm.powi(2);
+            eprintln!("round beside {known:?}:");
+            for t in round.tried.iter().take(9) {
+                eprintln!(
+                    "   {:?} {}: {:.3} count {} surprise {:.1}",
+                    t.cause,
+                    t.how,
+                    t.score(self.bench) / f,
+                    t.count(),
+                    t.fit.cost.surprise
+                );
+            }
+        }
         (self.progress)();
-        tried
+        round
     }
 
-    /// `chosen` fitted together on the first ground's model.
-    fn together(&self, chosen: &[&Tried]) -> Fit {
+    /// `chosen` fitted together on the first ground's model, and as they stand there.
+    fn together(&self, chosen: &[Sketch]) -> (Vec<Sketch>, Fit) {
         let mut model = self.first.model.clone();
-        let mut moves: Vec<Move> = Vec::new();
-        for tried in chosen {
-            match tried.cause {
-                Cause::Effect(_) => {
-                    let Some(added) = tried.fit.model.effects.last() else { continue };
-                    model.effects.push(added.clone());
-                    let at = model.effects.len() - 1;
-                    moves.extend(super::moves::of_effect(&model, at, &self.bench.extent));
-                }
-                Cause::Stale(_) => {
-                    for way in &tried.fit.moves {
-                        way.knobs().for_each(|knob| knob.set(&mut model, knob.value(&tried.fit.model)));
-                    }
-                    moves.extend(tried.fit.moves.iter().cloned());
-                }
-            }
+        let moves: Vec<Move> = chosen.iter().flat_map(|sketch| sketch.put(&mut model, self.bench)).collect();
+        let mut fit = self.bench.fit(&self.first, model, moves.clone());
+        if !moves.is_empty() {
+            // What the base does depends on the causes: its friction no longer jumps where a transition is. Once more on its own
+            // ground.
+            let own = self.bench.ground(&fit.model, self.first.moves.clone());
+            fit = self.bench.fit(&own, fit.model, moves);
         }
-        let fit = self.bench.fit(&self.first, model, moves.clone());
-        if moves.is_empty() {
-            return fit;
-        }
-        // What the base does depends on the causes: its friction no longer jumps where a transition is. Once more on its own ground.
-        let own = self.bench.ground(&fit.model, self.first.moves.clone());
-        self.bench.fit(&own, fit.model, moves)
+        let stands = |sketch: &Sketch| {
+            let own: Vec<Move> = sketch.moves().to_vec();
+            Sketch::of((sketch.cause, sketch.how), &fit.model, &own)
+        };
+        (chosen.iter().filter_map(stands).collect(), fit)
     }
 
     /// The ground that a fit makes for further causes: its own free within their strides.
     fn ground_of(&self, fit: &Fit) -> Ground {
+        if fit.moves.is_empty() {
+            return self.first.clone();
+        }
         let free = fit.moves.iter().map(|way| way.clone().believed_within(way.stride));
         self.bench.ground(&fit.model, self.first.moves.iter().cloned().chain(free).collect())
     }
+
+    fn is_material(&self, with: &Fit, without: &Fit, is_first: bool) -> bool {
+        is_material(self.bench, with, without, self.start, is_first)
+    }
 }
 
-/// All that were taken but number `at`.
-fn others(chosen: &[Step], at: usize) -> Vec<&Tried> {
-    chosen.iter().enumerate().filter(|(i, _)| *i != at).map(|(_, step)| &step.taken).collect()
+/// Whether friction would have to grow in one direction by just as much as it falls in the other: of equals no likely cause.
+fn is_makeshift((cause, how): (Cause, &str)) -> bool {
+    cause == Cause::Stale("coulomb") && how == SAME_TORQUE
 }
 
-/// Best first by what is left on held-out units.
-fn ranked(bench: &Bench<'_>, mut tried: Vec<Tried>) -> Vec<Tried> {
-    tried.sort_by(|a, b| a.score(bench).total_cmp(&b.score(bench)));
-    tried
+fn makeshifts(chosen: &[Sketch]) -> usize {
+    chosen.iter().filter(|sketch| is_makeshift((sketch.cause, sketch.how))).count()
+}
+
+/// All that were chosen but number `at`.
+fn all_but(chosen: &[Sketch], at: usize) -> Vec<Sketch> {
+    chosen.iter().enumerate().filter(|(i, _)| *i != at).map(|(_, sketch)| sketch.clone()).collect()
 }
 
 /// The simplest of those that do as well as the best.
 fn simplest(bench: &Bench<'_>, tried: &[Tried], start: f64) -> Option<usize> {
     let best = tried.first()?;
-    let equals = tried.iter().enumerate().filter(|(_, t)| is_tie(bench, best, t, start));
-    equals.min_by_key(|(_, t)| t.count()).map(|(at, _)| at)
+    let equals = tried.iter().enumerate().filter(|(_, t)| is_tie(bench, &best.fit, &t.fit, start));
+    equals.min_by_key(|(_, t)| (t.count(), is_makeshift((t.cause, t.how)))).map(|(at, _)| at)
 }
 
 /// Whether `other` does as well as `best` on held-out units, as far as they can tell.
-fn is_tie(bench: &Bench<'_>, best: &Tried, other: &Tried, start: f64) -> bool {
+fn is_tie(bench: &Bench<'_>, best: &Fit, other: &Fit, start: f64) -> bool {
     let floor_square = bench.floor_nm * bench.floor_nm;
-    let behind = other.score(bench) - best.score(bench);
-    let negligible = (TIE_SHARE * (start - floor_square)).max(TIE_FLOOR_SHARE * floor_square);
-    let weigh = |t: &Tried| bench.surprise_factor(&t.fit);
-    let (a, b) = (weigh(best), weigh(other));
-    if other.fit.cost.surprise > best.fit.cost.surprise + SURPRISE_APART {
+    let behind = score(bench, other) - score(bench, best);
+    let left = TIE_LEFT_SHARE * (score(bench, best) - floor_square);
+    let negligible = left.max(TIE_SHARE * (start - floor_square)).max(TIE_FLOOR_SHARE * floor_square);
+    let (a, b) = (bench.surprise_factor(best), bench.surprise_factor(other));
+    let spared = best.moves.len().saturating_sub(other.moves.len()) as f64;
+    if other.cost.surprise > best.cost.surprise + SURPRISE_APART + SURPRISE_A_NUMBER * spared {
         return false;
     }
-    let differences = clusters(bench, best.fit.held_out.iter().zip(&other.fit.held_out).map(|(x, y)| b * y - a * x));
+    let differences = clusters(bench, best.held_out.iter().zip(&other.held_out).map(|(x, y)| b * y - a * x));
     let uncertain = behind * bench.rows() as f64 <= TIE_ERRORS * error_of_sum(&differences);
     behind <= negligible || (uncertain && behind <= TIE_SHARE_MAX * (start - floor_square).max(floor_square))
 }
@@ -257,7 +372,11 @@ fn is_material(bench: &Bench<'_>, with: &Fit, without: &Fit, start: f64, is_firs
     let whole = start - floor_square;
     let enough = match is_first {
         true => gain >= GAP_SHARE_FIRST * gap,
-        false => gain >= GAP_SHARE_MORE * gap && gain >= WHOLE_SHARE_MORE * whole || gain >= WHOLE_SHARE_ALONE * whole,
+        false => {
+            let nearly = gain >= GAP_SHARE_NEARLY * gap && gain >= (WHOLE_SHARE_NEARLY * whole).max(floor_square);
+            let much = gain >= GAP_SHARE_MORE * gap && gain >= WHOLE_SHARE_MORE * whole;
+            nearly || much || gain >= WHOLE_SHARE_ALONE * whole
+        }
     };
     enough && gain >= FLOOR_SHARE * FLOOR_SHARE * floor_square && is_sure(bench, &without.held_out, &with.held_out)
 }
@@ -278,7 +397,8 @@ fn rivals(bench: &Bench<'_>, taken: &Tried, tried: &[Tried], start: f64) -> Vec<
         usize::from(taken.cause == Cause::Effect("gravity_phase") && cause == Cause::Effect("elastic_spring"))
     };
     let mut found: Vec<Cause> = Vec::new();
-    for other in tried.iter().filter(|other| other.cause != taken.cause && is_tie(bench, taken, other, start)) {
+    for other in tried.iter().filter(|other| other.cause != taken.cause && is_tie(bench, &taken.fit, &other.fit, start))
+    {
         if other.count() <= taken.count() + spare(other.cause) && !found.contains(&other.cause) {
             found.push(other.cause);
         }
@@ -289,7 +409,8 @@ fn rivals(bench: &Bench<'_>, taken: &Tried, tried: &[Tried], start: f64) -> Vec<
 fn seconds(bench: &Bench<'_>, taken: &Tried, tried: &[Tried], start: f64) -> Vec<Cause> {
     let known = rivals(bench, taken, tried, start);
     let mut found: Vec<Cause> = Vec::new();
-    for other in tried.iter().filter(|other| other.cause != taken.cause && is_tie(bench, taken, other, start)) {
+    for other in tried.iter().filter(|other| other.cause != taken.cause && is_tie(bench, &taken.fit, &other.fit, start))
+    {
         let is_new = !known.contains(&other.cause) && !found.contains(&other.cause);
         if is_new && (names(taken.cause, other.cause) || names(other.cause, taken.cause)) {
             found.push(other.cause);

@@ -51,7 +51,8 @@ pub struct Ground {
     pub predicted_nm: Vec<f64>,
     /// What moves along with any cause, and its columns.
     pub moves: Vec<Move>,
-    columns: Vec<Vec<f64>>,
+    /// How the prediction changes per unit of each.
+    pub columns: Vec<Vec<f64>>,
     /// Their products.
     gram: Gram,
 }
@@ -118,7 +119,7 @@ impl Bench<'_> {
     }
 
     /// The same, 0 where a row does not count.
-    fn counted_nm(&self, predicted_nm: &[f64]) -> Vec<f64> {
+    pub(super) fn counted_nm(&self, predicted_nm: &[f64]) -> Vec<f64> {
         let left = |((y, p), used): ((&f64, &f64), &bool)| if *used { y - p } else { 0.0 };
         self.measured_nm.iter().zip(predicted_nm).zip(&self.used).map(left).collect()
     }
@@ -155,7 +156,7 @@ impl Bench<'_> {
     }
 
     /// What `model`, like the ground's but for causes, predicts, N m.
-    fn predicted_nm(&self, ground: &Ground, model: &Model, passages: &Passages) -> Vec<f64> {
+    pub(super) fn predicted_nm(&self, ground: &Ground, model: &Model, passages: &Passages) -> Vec<f64> {
         match model.friction == ground.model.friction {
             true => self.records.predicted_nm(model, passages, &ground.branches),
             false => self.records.predicted_nm(model, passages, &self.records.branches(model)),
@@ -163,7 +164,7 @@ impl Bench<'_> {
     }
 
     /// How the prediction changes per unit of each move.
-    fn columns(
+    pub(super) fn columns(
         &self,
         ground: &Ground,
         model: &Model,
@@ -173,7 +174,7 @@ impl Bench<'_> {
     ) -> Vec<Vec<f64>> {
         let column = |way: &Move| {
             if let Some(added) = way.added(model) {
-                let column = self.records.added_nm(model, &added, passages);
+                let column = self.records.added_nm(model, &added, passages, &ground.branches);
                 return column.iter().zip(&self.used).map(|(c, used)| if *used { *c } else { 0.0 }).collect();
             }
             let mut moved = model.clone();

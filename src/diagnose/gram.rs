@@ -12,6 +12,8 @@ const ROUNDS: usize = 3;
 /// Priors are limits, too: the sum of squares of their moves stays within its expectation and so many standard deviations. A
 /// gap would else draw the base beyond its confidence wherever it has samples enough.
 const SURPRISE_ERRORS: f64 = 3.0;
+/// ... and each of them within so many of its own.
+const MOVE_ERRORS: f64 = 3.0;
 /// Until it does, priors weigh so many times more, at most so often.
 const FIRMER: f64 = 3.0;
 const FIRMER_MAX: usize = 10;
@@ -113,7 +115,7 @@ impl Gram {
 }
 
 /// |r - X x|^2.
-fn square_left(unit: &DMatrix<f64>, x: &DVector<f64>) -> f64 {
+pub fn square_left(unit: &DMatrix<f64>, x: &DVector<f64>) -> f64 {
     let n = x.len();
     let mut left = unit[(n, n)];
     for a in 0..n {
@@ -127,7 +129,7 @@ fn square_left(unit: &DMatrix<f64>, x: &DVector<f64>) -> f64 {
 
 /// Minimises |r - X x|^2 + s^2 sum (x / deviation)^2, with s^2 the noise of one independent sample spread over its rows; the
 /// noise is what the fit itself leaves, but no less than the floor.
-fn solve(sum: &DMatrix<f64>, rows: usize, prior: Prior<'_>) -> Solution {
+pub fn solve(sum: &DMatrix<f64>, rows: usize, prior: Prior<'_>) -> Solution {
     let n = sum.nrows() - 1;
     // What moves nothing stays where it is.
     let scale = |square: f64| if square > 0.0 { square.sqrt() } else { 1.0 };
@@ -136,18 +138,21 @@ fn solve(sum: &DMatrix<f64>, rows: usize, prior: Prior<'_>) -> Solution {
     let known = prior.deviations.iter().filter(|d| d.is_finite()).count() as f64;
     let limit = known + SURPRISE_ERRORS * (2.0 * known).sqrt();
     let mut found = Solution { x: DVector::zeros(n), square: sum[(n, n)], surprise: 0.0 };
-    let mut firmness = 1.0;
+    let mut firmness = vec![1.0; n];
     for round in 0..ROUNDS + FIRMER_MAX {
         if round >= ROUNDS {
-            if found.surprise <= limit {
+            let is_beyond = |a: usize| found.surprise > limit || found.x[a].abs() > MOVE_ERRORS * prior.deviations[a];
+            let beyond: Vec<usize> = (0..n).filter(|a| is_beyond(*a)).collect();
+            if beyond.is_empty() {
                 break;
             }
-            firmness *= FIRMER;
+            beyond.into_iter().for_each(|a| firmness[a] *= FIRMER);
         }
         let noise_square = per_row(found.square).max(prior.floor_square).max(f64::MIN_POSITIVE);
-        let weight = firmness * noise_square * prior.rows_per_independent;
+        let weight = noise_square * prior.rows_per_independent;
         let normal = DMatrix::from_fn(n, n, |a, b| {
-            let own = if a == b { RIDGE + weight / (prior.deviations[a] * scales[a]).powi(2) } else { 0.0 };
+            let own =
+                if a == b { RIDGE + firmness[a] * weight / (prior.deviations[a] * scales[a]).powi(2) } else { 0.0 };
             sum[(a, b)] / (scales[a] * scales[b]) + own
         });
         let right = DVector::from_fn(n, |a, _| sum[(a, n)] / scales[a]);

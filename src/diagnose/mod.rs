@@ -16,6 +16,7 @@ mod locate;
 mod motion;
 mod moves;
 mod next;
+mod pairs;
 mod parameters;
 mod parts;
 mod record;

@@ -127,6 +127,11 @@ impl Move {
         self.turns.iter().map(|(knob, _)| *knob)
     }
 
+    /// Whether it turns the model's own parameters.
+    pub fn is_own(&self) -> bool {
+        self.knobs().all(|knob| !matches!(knob, Knob::Effect(..)))
+    }
+
     /// What it adds per unit, where that is one strength of an effect that only adds torque: the effect with that strength alone.
     pub fn added(&self, model: &Model) -> Option<Added> {
         let [(Knob::Effect(at, index), Turn::Add(unit))] = self.turns[..] else { return None };
@@ -233,6 +238,9 @@ pub fn group_of(knob: Knob) -> &'static str {
 /// How viscous friction moves where it takes Coulomb friction along: a line per direction.
 pub const WHOLE_LINE: &str = "each direction by itself, with its coulomb";
 
+/// How Coulomb friction moves where one direction gains what the other loses: as by a bias of the sensor.
+pub const SAME_TORQUE: &str = "up and down by the same torque";
+
 /// A group of the model's own parameters that may have gone stale, in one of the ways in which that happens.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Stale {
@@ -276,11 +284,7 @@ pub fn stale(model: &Model) -> Vec<Stale> {
             }
         }
         if name == "coulomb" && present(up) && present(down) {
-            add(
-                name,
-                "up and down by the same torque",
-                vec![free(vec![(up, Turn::Add(unit)), (down, Turn::Add(unit))])],
-            );
+            add(name, SAME_TORQUE, vec![free(vec![(up, Turn::Add(unit)), (down, Turn::Add(unit))])]);
         }
         if (present(up) || present(down)) && name != "load_coefficient" || name == "load_coefficient" && size(at) == 0.0
         {
@@ -320,11 +324,13 @@ pub fn of_effect(model: &Model, at: usize, extent: &Extent) -> Vec<Move> {
         };
         match parameter.role {
             Role::Choice => None,
-            Role::Strength => Some(move_of(Turn::Add(1.0), true, f64::INFINITY)),
+            Role::Strength => Some(move_of(Turn::Add(1.0), true, parameter.share * span(extent.torque_nm))),
             Role::Shape => Some(move_of(Turn::Scale, false, 0.7)),
             Role::Position => Some(move_of(Turn::Add(span(extent.position_rad)), false, 0.1)),
             Role::Level => Some(move_of(Turn::Add(span(extent.torque_nm)), false, 0.1)),
         }
     };
-    model.effects[at].effect.about().parameters.iter().enumerate().filter_map(one).collect()
+    let Added { effect, parameters } = &model.effects[at];
+    let used = |(index, _): &(usize, &Parameter)| effect.uses(parameters, *index);
+    effect.about().parameters.iter().enumerate().filter(used).filter_map(one).collect()
 }

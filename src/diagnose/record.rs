@@ -2,7 +2,7 @@
 //! held against the same recordings.
 
 use crate::dynamics::{Both, JointKind, Motion, RigidTorque};
-use crate::effects::{Added, Family, Sample};
+use crate::effects::{Added, Carried, Family, Sample};
 use crate::log::{Campaign, clock_s, read_trial, span_s};
 use crate::model::{Asked, Model, Passage, settle};
 use crate::numerics::filter::LowPass;
@@ -157,11 +157,11 @@ impl Records {
     }
 
     /// What an effect that only adds torque adds to y at the rows, low-passed, N m.
-    pub fn added_nm(&self, model: &Model, added: &Added, passages: &Passages) -> Vec<f64> {
-        let one = |(record, k_tilde): (&Record, &Vec<f64>)| {
-            record.at_rows(&record.added_nm(model, added, k_tilde, self.kind))
+    pub fn added_nm(&self, model: &Model, added: &Added, passages: &Passages, branches: &Branches) -> Vec<f64> {
+        let one = |((record, k_tilde), branches): ((&Record, &Vec<f64>), &Vec<Both<f64>>)| {
+            record.at_rows(&record.added_nm(model, added, k_tilde, branches, self.kind))
         };
-        self.all.par_iter().zip(passages).with_max_len(1).map(one).collect::<Vec<Vec<f64>>>().concat()
+        self.all.par_iter().zip(passages).zip(branches).with_max_len(1).map(one).collect::<Vec<Vec<f64>>>().concat()
     }
 
     /// A signal given at every thinned sample, low-passed like the torque, at the rows.
@@ -202,9 +202,10 @@ impl Record {
         let (_, known_from) = settle(&trial.followed_rad, backlash_rad, trial.deadband_rad);
         let memory = forgotten(rate_hz, lowpass_hz);
         let first = (known_from + memory).div_ceil(step);
-        // Acceleration is not known at a log's end, where position has nothing after it.
-        let last = at.len().saturating_sub(memory.div_ceil(step));
         let rests = rests(&trial.followed_rad, rate_hz, trial.deadband_rad);
+        // Acceleration is not known at a log's end, where position has nothing after it, unless the joint rests there.
+        let ends_at_rest = rests[n.saturating_sub((2.0 * REST_S * rate_hz) as usize)..].iter().all(|rests| *rests);
+        let last = if ends_at_rest { at.len() } else { at.len().saturating_sub(memory.div_ceil(step)) };
         let compared = ((thinned_hz / (ROWS_PER_PERIOD * lowpass_hz)) as usize).max(1);
         let rows = (first..last).step_by(compared).collect();
         let entry = &trial.entry;
@@ -273,13 +274,17 @@ impl Record {
         let (direction, _) = settle(&self.followed_rad, backlash_rad, self.deadband_rad);
         let start_rad = self.followed_rad.first().copied().unwrap_or(0.0);
         let mut state = Passage::after(model, direction, start_rad, self.deadband_rad);
-        let (mut sums, mut counts) = (vec![0.0; self.own.len()], vec![0u32; self.own.len()]);
+        let (mut sums, mut weights) = (vec![0.0; self.own.len()], vec![0.0_f64; self.own.len()]);
+        let last = self.own.len() - 1;
         for (i, (x, forward)) in self.followed_rad.iter().zip(&self.forward).enumerate() {
-            let at = ((i + self.step / 2) / self.step).min(self.own.len() - 1);
-            sums[at] += state.step(*x, if *forward { 1.0 } else { -1.0 });
-            counts[at] += 1;
+            let k_tilde = state.step(*x, if *forward { 1.0 } else { -1.0 });
+            // What lies midway between two thinned samples belongs to both: the average would else come half a sample early.
+            for at in [(i + (self.step - 1) / 2) / self.step, (i + self.step / 2) / self.step] {
+                sums[at.min(last)] += k_tilde;
+                weights[at.min(last)] += 1.0;
+            }
         }
-        sums.iter().zip(counts).map(|(sum, count)| sum / f64::from(count.max(1))).collect()
+        sums.iter().zip(weights).map(|(sum, weight)| sum / weight.max(1.0)).collect()
     }
 
     /// The unloaded friction of both branches at each thinned sample.
@@ -314,7 +319,14 @@ impl Record {
     }
 
     /// What an effect that only adds torque adds to y, low-passed, N m.
-    fn added_nm(&self, model: &Model, added: &Added, k_tilde: &[f64], kind: JointKind) -> Vec<f64> {
+    fn added_nm(
+        &self,
+        model: &Model,
+        added: &Added,
+        k_tilde: &[f64],
+        branches: &[Both<f64>],
+        kind: JointKind,
+    ) -> Vec<f64> {
         let mut others = vec![Motion::default(); self.others.len()];
         let (mu_up, mu_down) = (model.friction.up.mu_c, model.friction.down.mu_c);
         let transmission = model.joint.transmission();
@@ -325,7 +337,8 @@ impl Record {
                 let (time_s, elapsed_s) = (self.time_s[i], self.elapsed_s(i));
                 let sample = Sample { time_s, elapsed_s, own: self.own[i], others: &others };
                 let load_nm = transmission * self.asked(i, kind, model).torque_nm;
-                let Both { up, down } = effect.friction_nm(p, &sample, load_nm);
+                let carried = Carried { load_nm, friction_nm: branches[i] };
+                let Both { up, down } = effect.friction_nm(p, &sample, carried);
                 let at_joint_nm = transmission * effect.joint_torque_nm(p, &sample);
                 let loss = 1.0 - mu_down - k_tilde[i] * (mu_up - mu_down);
                 let beside_nm = effect.winch_torque_nm(p, &sample) + effect.reading_nm(p, &sample, 0.0);

@@ -1,7 +1,7 @@
 //! Friction that varies periodically with position and changes sign with the direction.
 
 use super::ripple::{PARAMETERS, ripple_nm, starts};
-use super::{About, Effect, Extent, Family, Region, Sample};
+use super::{About, Carried, Effect, Extent, Family, Region, Sample};
 use crate::dynamics::Both;
 
 static ABOUT: About = About {
@@ -27,7 +27,7 @@ impl Effect for FrictionRipple {
         starts(extent)
     }
 
-    fn friction_nm(&self, p: &[f64], sample: &Sample<'_>, _load_nm: f64) -> Both<f64> {
+    fn friction_nm(&self, p: &[f64], sample: &Sample<'_>, _carried: Carried) -> Both<f64> {
         let ripple_nm = ripple_nm(p, sample);
         Both { up: ripple_nm, down: -ripple_nm }
     }

@@ -52,6 +52,15 @@ pub struct Sample<'a> {
     pub others: &'a [Motion],
 }
 
+/// What the cable carries at one sample, N m at the winch.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Carried {
+    /// (r1/r2) (G + I a + j): the joint's load.
+    pub load_nm: f64,
+    /// The model's own friction on each branch, u and d.
+    pub friction_nm: Both<f64>,
+}
+
 /// Over what range a campaign moves, for an effect to know where its shape may lie.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Extent {
@@ -99,6 +108,8 @@ pub struct Parameter {
     pub role: Role,
     /// The range beyond which it makes no sense.
     pub bounds: (f64, f64),
+    /// How large it is believed to be, as a share of the torque's range: infinite where nobody can say.
+    pub share: f64,
 }
 
 impl Parameter {
@@ -108,19 +119,24 @@ impl Parameter {
     }
 
     const fn strength(name: &'static str) -> Self {
-        Self { name, role: Role::Strength, bounds: (-1e9, 1e9) }
+        Self { name, role: Role::Strength, bounds: (-1e9, 1e9), share: f64::INFINITY }
+    }
+
+    /// One of many strengths that together describe a curve.
+    const fn wave(name: &'static str, share: f64) -> Self {
+        Self { share, ..Self::strength(name) }
     }
 
     const fn shape(name: &'static str, low: f64, high: f64) -> Self {
-        Self { name, role: Role::Shape, bounds: (low, high) }
+        Self { name, role: Role::Shape, bounds: (low, high), share: f64::INFINITY }
     }
 
     const fn placed(name: &'static str, role: Role, limit: f64) -> Self {
-        Self { name, role, bounds: (-limit, limit) }
+        Self { name, role, bounds: (-limit, limit), share: f64::INFINITY }
     }
 
     const fn choice(name: &'static str, low: f64, high: f64) -> Self {
-        Self { name, role: Role::Choice, bounds: (low, high) }
+        Self { name, role: Role::Choice, bounds: (low, high), share: f64::INFINITY }
     }
 }
 
@@ -242,6 +258,11 @@ pub trait Effect: Sync + std::fmt::Debug {
     /// cannot show it.
     fn starts(&self, extent: &Extent) -> Vec<Vec<f64>>;
 
+    /// Whether parameter number `at` does anything with these choices.
+    fn uses(&self, _p: &[f64], _at: usize) -> bool {
+        true
+    }
+
     /// Added to gravity and inertia, N m at the joint.
     fn joint_torque_nm(&self, _p: &[f64], _sample: &Sample<'_>) -> f64 {
         0.0
@@ -249,7 +270,7 @@ pub trait Effect: Sync + std::fmt::Debug {
 
     /// Added to the two branches, N m at the winch, for a load of `load_nm` there; the one of `down` is negative where it
     /// resists.
-    fn friction_nm(&self, _p: &[f64], _sample: &Sample<'_>, _load_nm: f64) -> Both<f64> {
+    fn friction_nm(&self, _p: &[f64], _sample: &Sample<'_>, _carried: Carried) -> Both<f64> {
         Both { up: 0.0, down: 0.0 }
     }
 

@@ -1,6 +1,6 @@
 //! Drag beyond linear in speed.
 
-use super::{About, Effect, Extent, Family, Parameter, Region, Sample};
+use super::{About, Carried, Effect, Extent, Family, Parameter, Region, Sample};
 use crate::dynamics::Both;
 
 static ABOUT: About = About {
@@ -26,7 +26,7 @@ impl Effect for QuadraticViscous {
         vec![vec![0.0, 0.0]]
     }
 
-    fn friction_nm(&self, p: &[f64], sample: &Sample<'_>, _load_nm: f64) -> Both<f64> {
+    fn friction_nm(&self, p: &[f64], sample: &Sample<'_>, _carried: Carried) -> Both<f64> {
         let square = sample.own.velocity * sample.own.velocity;
         Both { up: p[0] * square, down: -p[1] * square }
     }

@@ -1,6 +1,6 @@
 //! Friction that falls as the speed grows from rest.
 
-use super::{About, Effect, Extent, Family, Parameter, Region, Sample, spaced};
+use super::{About, Carried, Effect, Extent, Family, Parameter, Region, Sample, spaced};
 use crate::dynamics::Both;
 
 static ABOUT: About = About {
@@ -34,7 +34,7 @@ impl Effect for Stribeck {
             .collect()
     }
 
-    fn friction_nm(&self, p: &[f64], sample: &Sample<'_>, _load_nm: f64) -> Both<f64> {
+    fn friction_nm(&self, p: &[f64], sample: &Sample<'_>, _carried: Carried) -> Both<f64> {
         let decay = (-(sample.own.velocity.abs() / p[2]).powf(p[3])).exp();
         Both { up: p[0] * decay, down: -p[1] * decay }
     }

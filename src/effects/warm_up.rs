@@ -1,6 +1,6 @@
 //! Friction that falls as grease and bearings warm up.
 
-use super::{About, Effect, Extent, Family, Parameter, Region, Sample, clock_s, spaced};
+use super::{About, Carried, Effect, Extent, Family, Parameter, Region, Sample, clock_s, spaced};
 use crate::dynamics::Both;
 
 /// How cold the joint still is, 1 at first.
@@ -55,7 +55,7 @@ impl Effect for WarmUp {
         1.0 + p[1] * cold(p, sample)
     }
 
-    fn friction_nm(&self, p: &[f64], sample: &Sample<'_>, _load_nm: f64) -> Both<f64> {
+    fn friction_nm(&self, p: &[f64], sample: &Sample<'_>, _carried: Carried) -> Both<f64> {
         let more_nm = (p[2] + p[3] * sample.own.velocity.abs()) * cold(p, sample);
         Both { up: more_nm, down: -more_nm }
     }

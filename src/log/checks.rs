@@ -1,10 +1,11 @@
 //! What would make a log useless, found before anything is computed from it.
 
-use super::campaign::{Protocol, Signal, TrialEntry};
+use super::campaign::{Signal, TrialEntry};
 use super::columns::Wanted;
 use super::readings::{Faults, Readings, Rows};
 use crate::numerics::filter::LowPass;
 use crate::problem::Problem;
+use crate::trajectory::Protocol;
 use crate::units::Quantity;
 
 /// A pause between samples longer than this many periods is a hole that no interpolation fills. The last digit

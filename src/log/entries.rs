@@ -1,9 +1,10 @@
 //! `[[trials]]` of `campaign.toml`: which logs there are and how the joint was moved in each.
 
-use super::campaign::{Protocol, TrialEntry};
+use super::campaign::TrialEntry;
 use super::captured::Captured;
 use crate::document::Section;
 use crate::dynamics::JointKind;
+use crate::trajectory::Protocol;
 use std::collections::BTreeMap;
 use std::collections::btree_map::Entry;
 use std::path::{Component, Path, PathBuf};

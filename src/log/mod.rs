@@ -17,8 +17,9 @@ pub mod table;
 mod velocity;
 mod written;
 
+pub use crate::trajectory::Protocol;
 pub use arm::{Arm, Place};
-pub use campaign::{Campaign, Protocol, Signal, Survey, TrialEntry};
+pub use campaign::{Campaign, Signal, Survey, TrialEntry};
 pub use captured::Captured;
 pub use clock::{clock_s, span_s};
 pub use columns::{Column, Columns, OtherColumn, ReferenceColumn};

@@ -1,8 +1,9 @@
 //! A campaign as the text of its `campaign.toml`.
 
-use super::campaign::{Campaign, Protocol, TrialEntry};
+use super::campaign::{Campaign, TrialEntry};
 use crate::document::write_pairs;
 use crate::dynamics::Dynamics;
+use crate::trajectory::Protocol;
 use toml::Value;
 
 impl Campaign {

@@ -8,7 +8,7 @@
 //! B of each direction.
 
 use super::{Both, Model};
-use crate::effects::Sample;
+use crate::effects::{Carried, Sample};
 
 /// What a sample asks of the joint.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -68,8 +68,9 @@ impl Model {
             factor *= e.effect.friction_factor(&e.parameters, sample);
             winch_nm += e.effect.winch_torque_nm(&e.parameters, sample);
         }
+        let carried = Carried { load_nm: transmission * joint_nm, friction_nm: branches };
         for e in &self.effects {
-            let more = e.effect.friction_nm(&e.parameters, sample, transmission * joint_nm);
+            let more = e.effect.friction_nm(&e.parameters, sample, carried);
             (up, down) = (up + more.up, down + more.down);
         }
         let friction_nm = factor * (down + k_tilde * (up - down));

@@ -10,6 +10,7 @@
 //! | `identification` | the JSON of `model.json` and `--json` |
 //! | `evaluation` | an evaluation as JSON, on the terminal, as a page |
 //! | `effects` | the effect library as JSON, on the terminal |
+//! | `excitation` | motions held against limits, as JSON, on the terminal |
 //! | `comparison` | two models compared as JSON, on the terminal, as a page |
 //! | `diagnosis` | a diagnosis as JSON, on the terminal, as a page |
 //! | `interaction` | an interaction as JSON, tables, on the terminal, as a page |
@@ -27,6 +28,7 @@ pub mod comparison;
 pub mod diagnosis;
 pub mod effects;
 pub mod evaluation;
+pub mod excitation;
 mod forms;
 pub mod html;
 pub mod identification;
@@ -48,6 +50,7 @@ pub use tables::{read_trials_csv, trials_csv};
 
 use crate::compare::Comparison;
 use crate::evaluate::Evaluation;
+use crate::excite::{Asked, Limits};
 use crate::identify::{Identification, LegFit};
 use crate::interaction::Interaction;
 use crate::problem::{Problem, Result};
@@ -110,6 +113,19 @@ pub fn write_comparison(found: &Comparison, names: &[String; 2], output: &Output
     output.write("comparison.json", json_text(&comparison::to_json(found, names)))?;
     let drawings = plots::comparison::drawings(found).or_else(|error| unmade(output, "plots", error))?;
     comparison::page(found, names, drawings).write(output, png)
+}
+
+/// Writes a file for each motion of `asked`, `excitation.json` and `plan.svg` to `output`; `png` asks for a picture too.
+pub fn write_excitation(asked: &[Asked], limits: &Limits, output: &Output, picture: bool) -> Result<()> {
+    output.write("excitation.json", json_text(&excitation::to_json(asked, limits)))?;
+    for one in asked {
+        output.write(&excitation::file_of(one), one.trajectory.to_toml())?;
+    }
+    let svg = plots::excitation::draw(asked, limits).or_else(|error| unmade(output, "plan.svg", error))?;
+    if picture {
+        output.write("plan.png", png::render(&svg).or_else(|error| unmade(output, "plan.png", error))?)?;
+    }
+    output.write("plan.svg", svg)
 }
 
 /// Writes `legs` of the joint called `joint` to `trials.csv`.

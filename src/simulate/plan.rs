@@ -2,11 +2,8 @@
 
 use super::{Controller, Sensors};
 use crate::dynamics::{Chain, JointKind};
-use crate::log::{Protocol, Signal, TrialEntry};
-use crate::trajectory::Trajectory;
-
-/// The trajectory's name, and the beginning of the files' names, of cosines with another joint moving.
-const MULTI_JOINT: &str = "multi_joint";
+use crate::log::{Signal, TrialEntry};
+use crate::trajectory::{Trajectory, Uniform};
 
 /// What is recorded, and how.
 #[derive(Debug, Clone, PartialEq)]
@@ -64,8 +61,6 @@ pub struct PlannedTrial {
     /// How long its log is.
     pub samples: usize,
     pub(super) trajectory: Trajectory,
-    /// Whether the chain's first other joint swings along.
-    pub(super) swings: bool,
     pub(super) seed: u64,
     /// The same for repeats of one motion.
     pub(super) motion_seed: u64,
@@ -74,41 +69,27 @@ pub struct PlannedTrial {
 }
 
 impl Plan {
-    /// The speeds of the sweeps, rad/s, to a tenth of a mrad/s: the file's name and the declared speed then say the same.
-    pub fn speeds_rad_s(&self) -> Vec<f64> {
-        let ratio = self.fastest_rad_s / self.slowest_rad_s;
-        let speed = |i: usize| self.slowest_rad_s * ratio.powf(i as f64 / (self.speeds.max(2) - 1) as f64);
-        (0..self.speeds).map(|i| (speed(i) * 1e4).round() / 1e4).collect()
+    /// The protocol's sweeps.
+    pub fn sweeps(&self) -> Uniform {
+        let Self { speeds, slowest_rad_s, fastest_rad_s, .. } = *self;
+        Uniform { speeds, slowest_rad_s, fastest_rad_s, ..Uniform::default() }
     }
 
     /// The trials of a joint of this `kind`, in order: sweeps by speed and repeat, cosines, cosines with other joints moving,
     /// touched ones, further trajectories.
     pub fn trials(&self, kind: JointKind) -> Vec<PlannedTrial> {
         let mut list = List { plan: self, trials: Vec::new(), now_s: 0.0 };
-        for speed_rad_s in self.speeds_rad_s() {
-            for repeat in 1..=self.repeats {
-                let (name, protocol) = (format!("sweep_{speed_rad_s:.4}"), Protocol::Uniform { speed_rad_s });
-                list.add(&name, protocol, repeat, Trajectory::sweep(speed_rad_s).on(kind), None);
-            }
-        }
-        for repeat in 1..=self.cosines {
-            list.add("cosine", Protocol::Cosine, repeat, Trajectory::cascade().on(kind), None);
-        }
-        for repeat in 1..=self.arm.as_ref().map_or(0, |arm| arm.multi_joint) {
-            let wide = Trajectory::wide_cascade().on(kind);
-            list.add(MULTI_JOINT, Protocol::Cosine, repeat, wide, Some(MULTI_JOINT));
+        let multi_joint = self.arm.as_ref().map_or(0, |arm| arm.multi_joint);
+        let sweeps = self.sweeps().trajectories().into_iter().map(|sweep| (sweep, self.repeats));
+        let cosines = [(Trajectory::cascade(), self.cosines), (Trajectory::wide_cascade(), multi_joint)];
+        for (trajectory, repeats) in sweeps.chain(cosines) {
+            (1..=repeats).for_each(|repeat| list.add(&trajectory.on(kind), repeat));
         }
         for repeat in 1..=self.interactions {
-            for (name, trajectory) in [("held", Trajectory::held()), ("moving", Trajectory::touched())] {
-                let file = format!("touched_{name}");
-                list.add(&file, Protocol::Interaction, repeat, trajectory.on(kind), Some(name));
-            }
+            [Trajectory::held(), Trajectory::touched()].iter().for_each(|t| list.add(&t.on(kind), repeat));
         }
         for trajectory in &self.trajectories {
-            for repeat in 1..=trajectory.repeats.unwrap_or(self.repeats) {
-                let name = &trajectory.name;
-                list.add(name, Protocol::Free, repeat, trajectory.clone(), Some(name));
-            }
+            (1..=trajectory.repeats.unwrap_or(self.repeats)).for_each(|repeat| list.add(trajectory, repeat));
         }
         list.trials
     }
@@ -122,18 +103,23 @@ struct List<'p> {
 }
 
 impl List<'_> {
-    fn add(&mut self, stem: &str, protocol: Protocol, repeat: u32, trajectory: Trajectory, name: Option<&str>) {
+    fn add(&mut self, trajectory: &Trajectory, repeat: u32) {
         let ending = if self.plan.parquet { "parquet" } else { "csv" };
-        let file = format!("{stem}_{repeat}.{ending}");
+        let file = format!("{}_{repeat}.{ending}", trajectory.name);
         // Every trial its own stream of noise, whatever the order in which they are made.
         let seed = self.plan.seed.wrapping_mul(0x9E37_79B9_7F4A_7C15).wrapping_add(self.trials.len() as u64);
-        let motion_seed = self.plan.seed ^ hash(stem);
-        let entry = TrialEntry { file, protocol, repeat, trajectory: name.map(str::to_string), capture: None };
-        let (swings, began_s) = (protocol == Protocol::Cosine && name == Some(MULTI_JOINT), self.now_s);
+        let motion_seed = self.plan.seed ^ hash(&trajectory.name);
+        let entry = TrialEntry {
+            file,
+            protocol: trajectory.protocol,
+            repeat,
+            trajectory: trajectory.name_in_a_campaign(),
+            capture: None,
+        };
         // From the first stamp to the last: so the clock of a campaign is read back from its logs.
-        let samples = trajectory.samples(self.plan.rate_hz);
+        let (samples, began_s) = (trajectory.samples(self.plan.rate_hz), self.now_s);
         self.now_s += samples.saturating_sub(1) as f64 / self.plan.rate_hz;
-        self.trials.push(PlannedTrial { entry, trajectory, swings, seed, motion_seed, began_s, samples });
+        self.trials.push(PlannedTrial { entry, trajectory: trajectory.clone(), seed, motion_seed, began_s, samples });
     }
 }
 

@@ -11,13 +11,8 @@ use crate::model::Model;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, Normal};
-use std::f64::consts::TAU;
 
-/// Period of the chain's first other joint, s: slow against the joint's own motion.
-const SWING_PERIOD_S: f64 = 40.0;
-/// Half its stroke: 0 to 40 deg and back.
-const SWING_DEG: f64 = 20.0;
-/// Its noise as a share of the torque sensor's: a load cell at the handle has no transmission to measure through.
+/// A load cell's noise as a share of the torque sensor's: a load cell at the handle has no transmission to measure through.
 const LOAD_CELL_NOISE: f64 = 0.1;
 /// Contacts, the load cell's noise, errors of tracking and other joints have streams of their own beside the torque's noise.
 const CONTACT_SEED: u64 = 0x434F_4E54;
@@ -81,7 +76,7 @@ impl Plan {
         Course { position_rad, others_rad, contact_nm, began_s: trial.began_s }
     }
 
-    /// How the other joint `at` moves: as the trajectory has it, swinging, wandering, or at rest. Repeats of one motion share it.
+    /// How the other joint `at` moves: as the trajectory has it, wandering, or at rest. Repeats of one motion share it.
     fn other_rad(&self, at: usize, trial: &PlannedTrial, samples: usize) -> Vec<f64> {
         let wanders = at < self.other_joints && matches!(trial.entry.protocol, Protocol::Free | Protocol::Cosine);
         match trial.trajectory.others.get(at) {
@@ -90,18 +85,12 @@ impl Plan {
                 positions_rad.resize(samples, path.end_rad());
                 positions_rad
             }
-            None if trial.swings && at == 0 => (0..samples).map(|i| swing_rad(i as f64 / self.rate_hz)).collect(),
             None if wanders => {
                 motion_rad(samples, self.rate_hz, trial.motion_seed.wrapping_add(at as u64) ^ OTHERS_SEED)
             }
             None => vec![0.0; samples],
         }
     }
-}
-
-/// The motion of the chain's first other joint.
-fn swing_rad(time_s: f64) -> f64 {
-    SWING_DEG.to_radians() * (1.0 - (TAU * time_s / SWING_PERIOD_S).cos())
 }
 
 /// What a load cell with white noise of `noise_nm` says of the contacts, N m.

@@ -1,7 +1,7 @@
 //! `trajectory/1`: a motion as a TOML file.
 
 use super::protocol::ACCELERATION_RAD_S2;
-use super::{Path, Segment, Trajectory, Wave};
+use super::{Path, Protocol, Segment, Trajectory, Wave};
 use crate::document::{Document, Section, write_pairs};
 use crate::problem::Result;
 use std::path::Path as FilePath;
@@ -35,7 +35,8 @@ impl Trajectory {
             let repeats = root.may("repeats").whole(1, MANY).and_then(|n| u32::try_from(n).ok());
             let own = read_path(root);
             let others = root.may("others").sections(read_path).unwrap_or_default();
-            Some(Self { name, repeats, own: own?, others })
+            let protocol = read_protocol(root, own.as_ref());
+            Some(Self { name, protocol: protocol?, repeats, own: own?, others })
         })
     }
 
@@ -43,6 +44,9 @@ impl Trajectory {
     pub fn to_toml(&self) -> String {
         let mut text = String::new();
         let mut pairs = vec![("format", FORMAT.into()), ("name", self.name.as_str().into())];
+        if self.protocol != Protocol::Free {
+            pairs.push(("protocol", self.protocol.name().into()));
+        }
         pairs.extend(self.repeats.map(|repeats| ("repeats", i64::from(repeats).into())));
         pairs.push(("start_rad", self.own.start_rad.into()));
         write_pairs(&mut text, "", &pairs);
@@ -59,6 +63,26 @@ impl Trajectory {
 fn is_plain(name: &str) -> bool {
     let begins = name.chars().next().is_some_and(|c| c.is_alphanumeric());
     begins && name.chars().all(|c| c.is_alphanumeric() || "_-.".contains(c))
+}
+
+/// What the motion `own` is for, free motion where it does not say; the speed of a uniform one is that of its sweeps.
+fn read_protocol(root: &Section<'_>, own: Option<&Path>) -> Option<Protocol> {
+    let sweep = Protocol::Uniform { speed_rad_s: f64::NAN };
+    let all = [sweep, Protocol::Cosine, Protocol::Interaction, Protocol::Free];
+    let protocol = root.may("protocol").choice(&all.map(|protocol| (protocol.name(), protocol)));
+    let Protocol::Uniform { .. } = protocol.unwrap_or(Protocol::Free) else { return protocol.or(Some(Protocol::Free)) };
+    let speeds: Vec<f64> = own?.segments.iter().filter_map(Segment::sweep_speed_rad_s).collect();
+    match speeds.first() {
+        Some(first) if speeds.iter().all(|speed| speed == first) => Some(Protocol::Uniform { speed_rad_s: *first }),
+        Some(_) => {
+            root.reject("protocol", "is `uniform`, and its sweeps differ in speed", "one file for each speed");
+            None
+        }
+        None => {
+            root.reject("protocol", "is `uniform`, and no segment is a sweep", "delete it, or add sweeps");
+            None
+        }
+    }
 }
 
 fn read_path(section: &Section<'_>) -> Option<Path> {

@@ -61,6 +61,14 @@ impl Segment {
         }
     }
 
+    /// Of a sweep, the speed of its plateau, rad/s.
+    pub(super) fn sweep_speed_rad_s(&self) -> Option<f64> {
+        match self {
+            Self::Sweep { speed_rad_s, .. } => Some(*speed_rad_s),
+            Self::Rest { .. } | Self::Cosine { .. } | Self::Multisine { .. } => None,
+        }
+    }
+
     /// How long it takes from `from_rad`, s.
     pub fn duration_s(&self, from_rad: f64) -> f64 {
         match self {

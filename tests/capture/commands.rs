@@ -82,11 +82,7 @@ fn a_plan_beyond_the_limits_is_refused() {
     std::fs::write(path("typo.toml"), super::SWEEP.replace("uniform", "uniforn")).unwrap();
     let said = refused(&tautline(&["capture", "--rig", "demo", "--plan", &path("typo.toml")]));
     assert!(said.contains("did you mean `uniform`?"), "{said}");
-    std::fs::write(
-        path("missing.toml"),
-        "format = \"plan/1\"\n[[motions]]\nprotocol = \"free\"\ntrajectory = \"a.toml\"",
-    )
-    .unwrap();
+    std::fs::write(path("missing.toml"), "format = \"plan/1\"\n[[motions]]\ntrajectory = \"a.toml\"").unwrap();
     let said = refused(&tautline(&["capture", "--rig", "demo", "--plan", &path("missing.toml")]));
     assert!(said.contains("a.toml: cannot be read"), "{said}");
 }

@@ -72,8 +72,8 @@ fn the_other_modes_follow_too() {
 fn what_is_captured_identifies_the_joint() {
     let text = "format = \"plan/1\"\nrest_s = 0.1\n
         [[motions]]\nprotocol = \"uniform\"\nspeeds = 8\nslowest_rad_s = 0.1\nfastest_rad_s = 0.4\n
-        [[motions]]\nprotocol = \"cosine\"\ntrajectory = \"short.toml\"\n";
-    let cosine = "format = \"trajectory/1\"\nstart_rad = 0.4\n
+        [[motions]]\ntrajectory = \"short.toml\"\n";
+    let cosine = "format = \"trajectory/1\"\nprotocol = \"cosine\"\nstart_rad = 0.4\n
         [[segments]]\nkind = \"cosine\"\nlow_rad = 0.4\nhigh_rad = 1.0\nperiod_s = 8.0\nperiods = 3\n";
     let out = TempDir::new().unwrap();
     std::fs::write(out.path().join("short.toml"), cosine).unwrap();

@@ -1,10 +1,11 @@
 //! What `tautline simulate` takes, and the plan that it amounts to.
 
+use super::super::arm::ArmArguments;
 use super::motor::Motor;
 use crate::log::Signal;
 use crate::problem::{Problem, Problems, Result};
 use crate::simulate::{Plan, Sensors};
-use crate::trajectory::Trajectory;
+use crate::trajectory::{Trajectory, read_all};
 use clap::ValueEnum;
 use std::path::PathBuf;
 
@@ -32,7 +33,8 @@ pub struct Arguments {
     /// `tautline effects` lists all
     #[arg(long, value_name = "EFFECT", allow_hyphen_values = true)]
     pub effect: Vec<String>,
-    /// A file with another motion (`trajectory/1`), in place of the protocol's; any number of them
+    /// A file with another motion (`trajectory/1`), or a folder of such files as `excite` writes, in place of the protocol's; any
+    /// number of them
     #[arg(long, value_name = "FILE")]
     trajectory: Vec<PathBuf>,
     /// Number of sweep speeds; 0 for a prismatic joint [default: 20; 0 with --trajectory]
@@ -53,12 +55,8 @@ pub struct Arguments {
     /// Times that a person touches the joint, at rest and in motion (92 s and 80 s), beside a load cell that tells the torque at the winch
     #[arg(long, default_value_t = 0, value_parser = clap::value_parser!(u32).range(..=MANY))]
     interactions: u32,
-    /// URDF of the whole arm, in place of the model's gravity and inertia
-    #[arg(long, requires = "joint")]
-    pub urdf: Option<PathBuf>,
-    /// The model's joint in the URDF
-    #[arg(long, requires = "urdf")]
-    pub joint: Option<String>,
+    #[command(flatten)]
+    pub of_arm: ArmArguments,
     /// Trials of the cosine cascade with the arm's first other joint moving
     #[arg(long, default_value_t = 0, requires = "urdf", value_parser = clap::value_parser!(u32).range(..=MANY))]
     pub multi_joint: u32,
@@ -139,14 +137,8 @@ impl Arguments {
 
     /// The files with other motions.
     fn trajectories(&self) -> Result<Vec<Trajectory>> {
-        let (mut trajectories, mut problems) = (Vec::new(), Vec::new());
-        for file in &self.trajectory {
-            match Trajectory::read(file) {
-                Ok(read) => trajectories.push(Trajectory { repeats: self.repeats.or(read.repeats), ..read }),
-                Err(Problems(found)) => problems.extend(found),
-            }
-        }
-        Problems(problems).unless_errors(trajectories)
+        let read = read_all(&self.trajectory)?;
+        Ok(read.into_iter().map(|read| Trajectory { repeats: self.repeats.or(read.repeats), ..read }).collect())
     }
 
     fn speeds(&self) -> usize {

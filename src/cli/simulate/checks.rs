@@ -20,7 +20,7 @@ pub fn check_sweeps(plan: &Plan, joint: &Joint) -> Result<()> {
         return refuse(what, cure.to_string());
     }
     let (slowest, fastest) = (plan.slowest_rad_s, plan.fastest_rad_s);
-    if !plan.speeds_rad_s().is_sorted_by(|a, b| a < b) {
+    if !plan.sweeps().speeds_rad_s().is_sorted_by(|a, b| a < b) {
         let what = format!("--speeds is {} from {slowest} to {fastest} rad/s", plan.speeds);
         return refuse(what, "speeds must differ by 0.0001 rad/s: take fewer, or a wider range".to_string());
     }
@@ -37,8 +37,8 @@ pub fn check_sweeps(plan: &Plan, joint: &Joint) -> Result<()> {
     }
 }
 
-/// Errors: no trial, one without a sample, or two that would be one file.
-pub fn check_trials(trials: &[PlannedTrial]) -> Result<()> {
+/// Errors: no trial, one without a sample, a sweep of a joint without an angle, or two that would be one file.
+pub fn check_trials(trials: &[PlannedTrial], kind: JointKind) -> Result<()> {
     let refuse = |what: String, cure: &str| Problem::error("command line", what, cure).alone();
     if trials.is_empty() {
         return refuse("asks for no trial".to_string(), "give --speeds, --cosines or --trajectory");
@@ -46,6 +46,11 @@ pub fn check_trials(trials: &[PlannedTrial]) -> Result<()> {
     if let Some(trial) = trials.iter().find(|trial| trial.samples < 2) {
         let what = format!("{} would hold {} rows", trial.entry.file, trial.samples);
         return refuse(what, "a longer trajectory or a higher --rate-hz gives more");
+    }
+    let is_sweep = |trial: &&PlannedTrial| trial.entry.protocol.speed_rad_s().is_some();
+    if let Some(sweep) = trials.iter().find(is_sweep).filter(|_| kind == JointKind::Prismatic) {
+        let what = format!("{} is `uniform`, and the joint is prismatic", sweep.entry.file);
+        return refuse(what, "delete `protocol` in its trajectory");
     }
     let mut files = BTreeSet::new();
     match trials.iter().map(|trial| &trial.entry.file).find(|file| !files.insert(*file)) {

@@ -9,7 +9,6 @@ pub use arguments::Arguments;
 use super::interrupt;
 use super::outcome::Talk;
 use super::progress;
-use crate::dynamics::Chain;
 use crate::effects::Added;
 use crate::model::Model;
 use crate::problem::{Problem, Problems, Result};
@@ -39,24 +38,10 @@ impl Arguments {
 
     /// Errors: no such joint, one of another kind, or one that moves alone.
     fn arm(&self, model: &Model) -> Result<Option<SimulatedArm>> {
-        let (Some(urdf), Some(name)) = (&self.urdf, &self.joint) else {
-            return match &model.chain {
-                None => Ok(None),
-                Some(of) => {
-                    let what = format!("takes gravity and inertia from joint `{}` of {}", of.joint, of.urdf);
-                    Problem::error(&self.model, what, "name the arm with --urdf and --joint").alone()
-                }
-            };
-        };
-        let joint = &model.joint;
-        let chain = Chain::read(urdf, name)?;
-        if chain.kind() != joint.kind {
-            let what = format!("`{name}` is {}, the model's joint {}", chain.kind().name(), joint.kind.name());
-            return Problem::error(urdf, what, "name the joint that the model is of").alone();
-        }
+        let Some(chain) = self.of_arm.chain(model, &self.model)? else { return Ok(None) };
         if self.multi_joint > 0 && chain.others().next().is_none() {
-            let what = format!("--multi-joint is {}, and `{name}` moves alone", self.multi_joint);
-            return Problem::error(urdf, what, "leave it out").alone();
+            let what = format!("--multi-joint is {}, and the joint moves alone", self.multi_joint);
+            return Problem::error("command line", what, "leave it out").alone();
         }
         Ok(Some(SimulatedArm { urdf: URDF.to_string(), chain, multi_joint: self.multi_joint }))
     }
@@ -73,7 +58,7 @@ pub fn run(arguments: &Arguments, talk: &Talk) -> Result<ExitCode> {
     let plan = Plan { arm, controller, ..arguments.plan()? };
     check_sweeps(&plan, &model.joint)?;
     let trials = plan.trials(model.joint.kind);
-    check_trials(&trials)?;
+    check_trials(&trials, model.joint.kind)?;
     check_others(&plan, &model)?;
     let output = interrupt::output(
         &arguments.output,
@@ -87,7 +72,7 @@ pub fn run(arguments: &Arguments, talk: &Talk) -> Result<ExitCode> {
         Ok::<(), Problems>(())
     })?;
     bar.finish_and_clear();
-    if let Some(urdf) = &arguments.urdf {
+    if let Some(urdf) = &arguments.of_arm.urdf {
         let text = std::fs::read(urdf).or_else(|e| Problem::error(urdf, format!("cannot be read: {e}"), "").alone())?;
         output.write(URDF, text)?;
     }

@@ -15,7 +15,7 @@ use crate::log::Campaign;
 use crate::numerics::filter::LowPass;
 use crate::numerics::statistics::mean;
 use crate::trajectory::Trajectory;
-use motions::{Beyond, Motion, Reach, duration_s};
+use motions::{Beyond, Motion, Reach};
 use rayon::prelude::*;
 use stage::{Rival, Stage};
 
@@ -144,7 +144,7 @@ impl Situation<'_> {
 
     fn proposal(&self, motion: &Motion, apart_nm: f64, open: &[&'static str], tied: &[&'static str]) -> NextExperiment {
         let floors = apart_nm / self.floor_nm;
-        let independent = 2.0 * self.campaign.signal.lowpass_hz * duration_s(&motion.trajectory.own);
+        let independent = 2.0 * self.campaign.signal.lowpass_hz * motion.trajectory.own.duration_s();
         // The squares left by two rivals d apart differ by N d^2 with an error of 2 d floor sqrt(N).
         let needed = (2.0 * CLEAR_ERRORS / floors).powi(2) / independent.max(1.0);
         let repeats = (needed.ceil().min(f64::from(REPEATS_MAX)) as u32).max(REPEATS_MIN);

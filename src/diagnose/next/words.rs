@@ -1,6 +1,6 @@
 //! What a person does about causes: the words in one place.
 
-use super::motions::{Beyond, Motion, duration_s};
+use super::motions::{Beyond, Motion};
 use crate::effects::Extent;
 
 /// How a cause shows by itself, without the joint's motion: the only way out where no motion tells rivals apart.
@@ -73,7 +73,7 @@ pub fn checks(causes: &[&'static str]) -> String {
 /// How to record a motion.
 pub fn record(motion: &Motion, repeats: u32, extent: &Extent) -> String {
     let trajectory = &motion.trajectory;
-    let minutes = duration_s(&trajectory.own) / 60.0;
+    let minutes = trajectory.own.duration_s() / 60.0;
     let times = if repeats == 1 { "once".to_string() } else { format!("{repeats} times") };
     let caution = match motion.beyond {
         Beyond::Nothing => String::new(),

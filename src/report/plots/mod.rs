@@ -5,6 +5,7 @@ pub mod comparison;
 mod confidence;
 pub mod diagnosis;
 pub mod evaluation;
+pub mod excitation;
 mod friction;
 pub mod interaction;
 mod residual_cloud;

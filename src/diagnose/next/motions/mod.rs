@@ -3,7 +3,7 @@
 mod shapes;
 
 use crate::effects::Extent;
-use crate::trajectory::{Path, Segment, Trajectory};
+use crate::trajectory::{Path, Protocol, Segment, Trajectory};
 use shapes::{rounded, significant};
 
 /// A revolute joint may be asked to go so much beyond either end of the recorded range, rad: 45 deg, half of 0 to 90 deg.
@@ -142,7 +142,8 @@ impl Reach {
         };
         let own = Path { start_rad: rounded(self.low_rad), segments };
         let others = self.others_rad.iter().map(rest).collect();
-        Motion { trajectory: Trajectory { name: name.to_string(), repeats: None, own, others }, means, beyond }
+        let (name, protocol) = (name.to_string(), Protocol::Free);
+        Motion { trajectory: Trajectory { name, protocol, repeats: None, own, others }, means, beyond }
     }
 
     /// Each other joint swinging while this one sweeps, then rests.
@@ -160,7 +161,7 @@ impl Reach {
             );
             let (low, high) = self.others_rad[at];
             let (middle, half) = ((low + high) / 2.0, ((high - low) / 2.0).max(SWING_RAD));
-            let before_s: f64 = duration_s(&motion.trajectory.own) / 2.0 - still_s / 2.0;
+            let before_s: f64 = motion.trajectory.own.duration_s() / 2.0 - still_s / 2.0;
             motion.trajectory.others[at] = Path {
                 start_rad: rounded(middle - half),
                 segments: vec![
@@ -177,15 +178,4 @@ impl Reach {
         };
         (0..self.others_rad.len()).map(swing).collect()
     }
-}
-
-/// How long a motion takes, s.
-pub fn duration_s(path: &Path) -> f64 {
-    let mut at_rad = path.start_rad;
-    let step = |segment: &Segment| {
-        let took_s = segment.duration_s(at_rad);
-        at_rad = segment.end_rad(at_rad);
-        took_s
-    };
-    path.segments.iter().map(step).sum()
 }
