@@ -69,7 +69,7 @@ fn pulses_let_a_device_sample_and_their_absence_keeps_it_from_op() {
     master.pulses(TERMINAL, start_ns, MS as u32);
     let past_ns = master.system_ns(DRIVE) - 5 * MS;
     master.pulses(DRIVE, past_ns, MS as u32);
-    master.to_safe_op();
+    master.reach_safe_op();
     // The terminal converts with each pulse: its toggle bit turns every cycle.
     let toggles: Vec<bool> = master.cycles(10).iter().map(|told| told.sensor_status & 0x8000 != 0).collect();
     assert!(toggles.windows(2).all(|pair| pair[0] != pair[1]), "{toggles:?}");
@@ -81,7 +81,7 @@ fn pulses_let_a_device_sample_and_their_absence_keeps_it_from_op() {
 #[test]
 fn a_clock_without_a_period_is_refused() {
     let mut master = Master::new();
-    master.to_safe_op();
+    master.reach_safe_op();
     assert_eq!(master.ask(DRIVE, 2), (2, 0));
     master.write(DRIVE, 0x09A0, &[0; 4]);
     master.write(DRIVE, 0x0981, &[3]);

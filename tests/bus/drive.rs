@@ -43,7 +43,7 @@ impl Master {
 #[test]
 fn every_control_word_leads_where_cia_402_says() {
     let mut master = Master::new();
-    master.to_op();
+    master.reach_op();
     let steps = [
         (0x00, SWITCH_ON_DISABLED),
         (0x0F, SWITCH_ON_DISABLED),
@@ -73,7 +73,7 @@ fn every_control_word_leads_where_cia_402_says() {
 #[test]
 fn position_mode_follows_and_the_torque_is_what_the_model_asks() {
     let mut master = Master::new();
-    master.to_enabled();
+    master.reach_enabled();
     let told = master.glide(0.4, 2000);
     let last = told.last().unwrap();
     let behind = rad(master.wanted.position - last.position);
@@ -96,14 +96,14 @@ fn position_mode_follows_and_the_torque_is_what_the_model_asks() {
 fn speed_mode_runs_and_torque_mode_pushes() {
     let mut master = Master::new();
     master.wanted.mode = 9;
-    master.to_enabled();
+    master.reach_enabled();
     master.wanted.velocity = counts(0.3);
     let told = master.cycles(1000);
     assert!((rad(told[999].velocity) - 0.3).abs() < 0.003, "{} rad/s", rad(told[999].velocity));
 
     let mut master = Master::new();
     master.wanted.mode = 10;
-    master.to_enabled();
+    master.reach_enabled();
     master.wanted.torque = 300; // 0.6 N m are within what friction holds
     let still = master.cycles(200)[199];
     assert_eq!(still.torque, 300);
@@ -115,7 +115,7 @@ fn speed_mode_runs_and_torque_mode_pushes() {
 #[test]
 fn modes_that_it_lacks_are_ignored() {
     let mut master = Master::new();
-    master.to_enabled();
+    master.reach_enabled();
     master.wanted.mode = 1;
     master.cycles(3);
     let now = master.now_ns;
@@ -127,11 +127,11 @@ fn modes_that_it_lacks_are_ignored() {
 fn quick_stop_comes_to_rest_by_its_ramp_and_then_does_as_its_option_says() {
     for (option, rests_in) in [(2i16, SWITCH_ON_DISABLED), (6, QUICK_STOP)] {
         let mut master = Master::new();
-        master.to_pre_op();
+        master.reach_pre_op();
         master.set_object(0x605A, &option.to_le_bytes());
         master.set_object(0x6085, &(counts(8.0) as u32).to_le_bytes());
         let mut master = restart(master);
-        master.to_enabled();
+        master.reach_enabled();
         master.glide(0.4, 500);
         master.wanted.control = 0x02;
         let told = master.cycles(200);
@@ -158,10 +158,10 @@ fn restart(mut master: Master) -> Master {
 #[test]
 fn a_stopped_drive_goes_on_only_where_it_holds() {
     let mut master = Master::new();
-    master.to_pre_op();
+    master.reach_pre_op();
     master.set_object(0x605A, &6i16.to_le_bytes());
     let mut master = restart(master);
-    master.to_enabled();
+    master.reach_enabled();
     assert_eq!(master.control(0x02), QUICK_STOP);
     assert_eq!(master.control(0x0F), ENABLED);
     assert_eq!(master.control(0x02), QUICK_STOP);
@@ -171,17 +171,17 @@ fn a_stopped_drive_goes_on_only_where_it_holds() {
 #[test]
 fn a_quick_stop_that_is_switched_off_does_nothing() {
     let mut master = Master::new();
-    master.to_pre_op();
+    master.reach_pre_op();
     master.set_object(0x605A, &(-1i16).to_le_bytes());
     let mut master = restart(master);
-    master.to_enabled();
+    master.reach_enabled();
     assert_eq!(master.control(0x02), ENABLED);
 }
 
 #[test]
 fn a_joint_in_the_way_is_a_following_error_after_its_time() {
     let mut master = Master::new();
-    master.to_enabled();
+    master.reach_enabled();
     master.glide(0.4, 300);
     let cycle = master.bus.cycles();
     master.bus.inject(Fault::Blocked, When::Cycle(cycle));
@@ -199,10 +199,10 @@ fn a_joint_in_the_way_is_a_following_error_after_its_time() {
 #[test]
 fn the_most_torque_is_what_0x6072_says() {
     let mut master = Master::new();
-    master.to_pre_op();
+    master.reach_pre_op();
     master.set_object(0x6072, &200u16.to_le_bytes());
     let mut master = restart(master);
-    master.to_enabled();
+    master.reach_enabled();
     let told = master.glide(0.2, 300);
     assert!(told.iter().all(|told| told.torque.abs() <= 200));
     assert!(told[200].status & 1 << 11 != 0, "{:#x}", told[200].status);
@@ -211,7 +211,7 @@ fn the_most_torque_is_what_0x6072_says() {
 #[test]
 fn positions_beyond_its_own_limits_are_not_gone_to() {
     let mut master = Master::new();
-    master.to_enabled();
+    master.reach_enabled();
     let told = master.glide(-0.8, 1100);
     assert!(rad(told[1099].position) > -0.71, "{}", rad(told[1099].position));
     assert!(told[1099].status & 1 << 11 != 0);
@@ -220,7 +220,7 @@ fn positions_beyond_its_own_limits_are_not_gone_to() {
 #[test]
 fn a_fault_is_left_by_a_rising_edge_once() {
     let mut master = Master::new();
-    master.to_enabled();
+    master.reach_enabled();
     let now = master.now_ns;
     master.bus.inject(Fault::Drive { code: 0x2310 }, now + MS / 2);
     let told = master.cycles(50);
@@ -234,7 +234,7 @@ fn a_fault_is_left_by_a_rising_edge_once() {
 #[test]
 fn without_power_the_joint_hangs_and_falls() {
     let mut master = Master::new();
-    master.to_enabled();
+    master.reach_enabled();
     master.glide(0.5, 2400);
     master.control(0x00);
     master.wait(3_000 * MS);
@@ -247,7 +247,7 @@ fn without_power_the_joint_hangs_and_falls() {
 fn one_seed_one_course_another_seed_other_noise() {
     let run = |seed: u64| {
         let mut master = Master::at(Bus::demo(truth(), 0.02, seed));
-        master.to_enabled();
+        master.reach_enabled();
         master.glide(0.3, 300)
     };
     assert_eq!(run(3), run(3));

@@ -9,7 +9,7 @@ fn struck(fault: Fault) -> (Master, Vec<Told>) {
 }
 
 fn struck_at(mut master: Master, fault: Fault) -> (Master, Vec<Told>) {
-    master.to_enabled();
+    master.reach_enabled();
     let (begin, cycle) = (master.wanted.position, master.bus.cycles());
     master.bus.inject(fault, When::Cycle(cycle + 400));
     let mut told = Vec::new();

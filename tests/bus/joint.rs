@@ -9,7 +9,7 @@ use tautline::simulate::torque_nm;
 /// Half a swing of a cosine up and down again, 0.1 to 0.9 rad in 2 s, after going to its start: position, rad, and sensor, N m.
 fn swing(model: Model, noise_nm: f64) -> (Vec<f64>, Vec<f64>) {
     let mut master = Master::at(Bus::demo(model, noise_nm, 5));
-    master.to_enabled();
+    master.reach_enabled();
     let begin = rad(master.wanted.position);
     let mut all = Vec::new();
     for i in 0..3000 {

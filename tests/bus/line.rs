@@ -6,7 +6,7 @@ use tautline::bus::{Fault, Reply, When};
 /// An enabled drive, and the replies of ten cycles, `fault` striking with the fifth.
 fn struck(fault: Fault) -> (Master, Vec<Vec<Reply>>) {
     let mut master = Master::new();
-    master.to_enabled();
+    master.reach_enabled();
     let cycle = master.bus.cycles();
     master.bus.inject(fault, When::Cycle(cycle + 4));
     let replies = (0..10).map(|_| master.cycle_replies()).collect();
@@ -21,7 +21,7 @@ fn counts_of(replies: &[Vec<Reply>]) -> Vec<usize> {
 #[test]
 fn a_reply_takes_as_long_as_its_bytes_and_devices() {
     let mut master = Master::new();
-    master.to_op();
+    master.reach_op();
     let reply = master.cycle_replies().remove(0);
     let takes_ns = reply.at_ns - master.now_ns;
     assert_eq!(takes_ns, (reply.frame.len() as u64 + 24) * 80 + 4 * 700);
@@ -40,7 +40,7 @@ fn late_frames_come_later() {
 fn lost_frames_reached_the_devices_and_unsent_ones_did_not() {
     for (fault, reaches) in [(Fault::Lost { frames: 3 }, true), (Fault::Unsent { frames: 3 }, false)] {
         let mut master = Master::new();
-        master.to_enabled();
+        master.reach_enabled();
         let cycle = master.bus.cycles();
         master.bus.inject(fault, When::Cycle(cycle));
         master.wanted.control = 0x06;
@@ -54,7 +54,7 @@ fn lost_frames_reached_the_devices_and_unsent_ones_did_not() {
 fn one_missing_target_is_bridged_and_two_stop_the_motor() {
     for (frames, least) in [(1, 0.39), (3, 0.0)] {
         let mut master = Master::new();
-        master.to_enabled();
+        master.reach_enabled();
         let (begin, cycle) = (master.wanted.position, master.bus.cycles());
         master.bus.inject(Fault::Unsent { frames }, When::Cycle(cycle + 300));
         let mut slowest = f64::MAX;
@@ -70,7 +70,7 @@ fn one_missing_target_is_bridged_and_two_stop_the_motor() {
 #[test]
 fn unsent_frames_starve_the_watchdog() {
     let mut master = Master::new();
-    master.to_enabled();
+    master.reach_enabled();
     let now = master.now_ns;
     master.bus.inject(Fault::Unsent { frames: 120 }, now);
     (0..120).for_each(|_| assert!(master.cycle_replies().is_empty()));

@@ -63,7 +63,7 @@ fn abort(answer: &[u8]) -> u32 {
 #[test]
 fn short_objects_go_up_expedited() {
     let mut master = Master::new();
-    master.to_pre_op();
+    master.reach_pre_op();
     assert_eq!(master.upload(0x1018, 1), [0x43, 0x18, 0x10, 1, 0xBC, 0x0A, 0, 0]);
     assert_eq!(master.upload(0x605A, 0), [0x4B, 0x5A, 0x60, 0, 2, 0, 0, 0]);
     assert_eq!(master.upload(0x1C12, 1), [0x4B, 0x12, 0x1C, 1, 0x00, 0x16, 0, 0]);
@@ -73,7 +73,7 @@ fn short_objects_go_up_expedited() {
 #[test]
 fn longer_ones_go_up_in_one_piece_or_in_segments() {
     let mut master = Master::new();
-    master.to_pre_op();
+    master.reach_pre_op();
     let name = master.upload(0x1008, 0);
     assert_eq!((name[0], &name[4..8], &name[8..]), (0x41, &20u32.to_le_bytes()[..], &b"Winch drive, CiA 402"[..]));
     let first = master.upload(0x2100, 0);
@@ -96,7 +96,7 @@ fn longer_ones_go_up_in_one_piece_or_in_segments() {
 #[test]
 fn a_toggle_bit_that_does_not_change_ends_the_transfer() {
     let mut master = Master::new();
-    master.to_pre_op();
+    master.reach_pre_op();
     master.upload(0x2100, 0);
     assert_eq!(abort(&master.sdo(&[0x70, 0, 0, 0, 0, 0, 0, 0])), 0x0503_0000);
     assert_eq!(abort(&master.sdo(&[0x60, 0, 0, 0, 0, 0, 0, 0])), 0x0504_0001);
@@ -105,7 +105,7 @@ fn a_toggle_bit_that_does_not_change_ends_the_transfer() {
 #[test]
 fn segments_go_down() {
     let mut master = Master::new();
-    master.to_pre_op();
+    master.reach_pre_op();
     let mut request = vec![0x21, 0x00, 0x21, 0, 20, 0, 0, 0];
     request.extend(b"0123456789");
     assert_eq!(master.sdo(&request)[0], 0x60);
@@ -121,7 +121,7 @@ fn segments_go_down() {
 #[test]
 fn what_cannot_be_is_refused_with_its_code() {
     let mut master = Master::new();
-    master.to_pre_op();
+    master.reach_pre_op();
     assert_eq!(abort(&master.upload(0x5FFF, 0)), 0x0602_0000);
     assert_eq!(abort(&master.upload(0x1018, 9)), 0x0609_0011);
     assert_eq!(master.set(0x6041, 0, &[0, 0]), 0x0601_0002);
@@ -136,7 +136,7 @@ fn what_cannot_be_is_refused_with_its_code() {
 #[test]
 fn a_mapping_changes_and_with_it_the_length_of_process_data() {
     let mut master = Master::new();
-    master.to_pre_op();
+    master.reach_pre_op();
     assert_eq!(master.set(0x1A00, 1, &0x6041_0010u32.to_le_bytes()), 0x0800_0022, "in use");
     assert_eq!(master.set(0x1A00, 0, &[0]), 0);
     assert_eq!(master.set(0x1A00, 2, &0x60F4_0020u32.to_le_bytes()), 0);
@@ -155,7 +155,7 @@ fn a_mapping_changes_and_with_it_the_length_of_process_data() {
 #[test]
 fn assignments_hold_pdos_of_their_direction() {
     let mut master = Master::new();
-    master.to_pre_op();
+    master.reach_pre_op();
     assert_eq!(master.set(0x1C13, 0, &[0]), 0);
     assert_eq!(master.set(0x1C13, 1, &0x1601u16.to_le_bytes()), 0);
     assert_eq!(master.set(0x1C13, 0, &[1]), 0x0604_0041);
@@ -166,7 +166,7 @@ fn assignments_hold_pdos_of_their_direction() {
 #[test]
 fn a_mailbox_takes_one_message_at_a_time_and_answers_a_little_later() {
     let mut master = Master::new();
-    master.to_pre_op();
+    master.reach_pre_op();
     let request = [0, 0x20, 0x40, 0x18, 0x10, 1, 0, 0, 0, 0];
     assert!(master.post(3, &request));
     assert!(!master.post(3, &request), "it is full");
@@ -180,7 +180,7 @@ fn a_mailbox_takes_one_message_at_a_time_and_answers_a_little_later() {
 #[test]
 fn a_message_that_got_lost_comes_again() {
     let mut master = Master::new();
-    master.to_pre_op();
+    master.reach_pre_op();
     let answer = master.upload(0x1018, 1);
     master.write(DRIVE, 0x080E, &[3]);
     assert_eq!(master.read(DRIVE, 0x080F, 1)[0] & 2, 2);
@@ -190,7 +190,7 @@ fn a_message_that_got_lost_comes_again() {
 #[test]
 fn other_protocols_get_a_mailbox_error() {
     let mut master = Master::new();
-    master.to_pre_op();
+    master.reach_pre_op();
     for (kind, body, code) in [(4, vec![0; 10], 2), (3, vec![0, 0x80, 1, 0, 0, 0, 0, 0], 4)] {
         assert!(master.post(kind, &body));
         master.wait(MS);
@@ -201,7 +201,7 @@ fn other_protocols_get_a_mailbox_error() {
 #[test]
 fn an_emergency_comes_between() {
     let mut master = Master::new();
-    master.to_pre_op();
+    master.reach_pre_op();
     master.bus.inject(Fault::Emergency { device: 0, code: 0x4210 }, master.now_ns + MS);
     master.wait(2 * MS);
     assert!(master.post(3, &[0, 0x20, 0x40, 0x18, 0x10, 1, 0, 0, 0, 0]));

@@ -192,7 +192,7 @@ impl Master {
     }
 
     /// Mailboxes, and both devices in PRE-OP.
-    pub fn to_pre_op(&mut self) {
+    pub fn reach_pre_op(&mut self) {
         self.address();
         for station in [DRIVE, TERMINAL] {
             self.sync_manager(station, 0, 0x1000, 128, 0x26);
@@ -202,8 +202,8 @@ impl Master {
     }
 
     /// Process data mapped, and both devices in SAFE-OP.
-    pub fn to_safe_op(&mut self) {
-        self.to_pre_op();
+    pub fn reach_safe_op(&mut self) {
+        self.reach_pre_op();
         self.sync_manager(DRIVE, 2, 0x1100, OUT_BYTES as u16, 0x64);
         self.sync_manager(DRIVE, 3, 0x1400, IN_BYTES as u16, 0x20);
         self.sync_manager(TERMINAL, 2, 0x1100, 0, 0x64);
@@ -217,8 +217,8 @@ impl Master {
     }
 
     /// Both devices in OP, without pulses from their clocks.
-    pub fn to_op(&mut self) {
-        self.to_safe_op();
+    pub fn reach_op(&mut self) {
+        self.reach_safe_op();
         for station in [DRIVE, TERMINAL] {
             self.write(station, 0x0120, &[8, 0]);
         }
@@ -229,8 +229,8 @@ impl Master {
     }
 
     /// The same, and the drive enabled where it is.
-    pub fn to_enabled(&mut self) {
-        self.to_op();
+    pub fn reach_enabled(&mut self) {
+        self.reach_op();
         for control in [0x06, 0x07, 0x0F] {
             self.wanted.control = control;
             (0..3).for_each(|_| self.hold());

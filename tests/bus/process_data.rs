@@ -5,7 +5,7 @@ use super::master::*;
 #[test]
 fn every_command_counts_as_it_should() {
     let mut master = Master::new();
-    master.to_safe_op();
+    master.reach_safe_op();
     assert_eq!(master.one(LRW, OUT, &[0; ALL]).1, 4, "drive 1 + 2, terminal 1");
     assert_eq!(master.one(LRD, OUT, &[0; ALL]).1, 2);
     assert_eq!(master.one(LWR, OUT, &[0; ALL]).1, 1);
@@ -17,7 +17,7 @@ fn every_command_counts_as_it_should() {
 #[test]
 fn what_is_not_mapped_passes_untouched() {
     let mut master = Master::new();
-    master.to_safe_op();
+    master.reach_safe_op();
     let (data, _) = master.one(LRD, OUT - 2, &[0xEE; ALL + 4]);
     assert_eq!((&data[..2 + OUT_BYTES], &data[ALL + 2..]), (&[0xEE; 2 + OUT_BYTES][..], &[0xEE; 2][..]));
 }
@@ -25,7 +25,7 @@ fn what_is_not_mapped_passes_untouched() {
 #[test]
 fn before_safe_op_and_after_it_nothing_is_exchanged() {
     let mut master = Master::new();
-    master.to_safe_op();
+    master.reach_safe_op();
     assert_eq!(master.ask(TERMINAL, 2), (2, 0));
     assert_eq!(master.one(LRW, OUT, &[0; ALL]).1, 3);
     assert_eq!(master.ask(DRIVE, 1), (1, 0));
@@ -35,7 +35,7 @@ fn before_safe_op_and_after_it_nothing_is_exchanged() {
 #[test]
 fn a_device_that_fell_to_safe_op_still_counts() {
     let mut master = Master::new();
-    master.to_op();
+    master.reach_op();
     assert_eq!(master.ask(DRIVE, 4), (4, 0));
     let told = master.cycle();
     assert_eq!((told.counter, told.states), (4, [4, 8]), "the counter alone does not tell");
@@ -44,7 +44,7 @@ fn a_device_that_fell_to_safe_op_still_counts() {
 #[test]
 fn outputs_count_in_op_only() {
     let mut master = Master::new();
-    master.to_safe_op();
+    master.reach_safe_op();
     master.wanted.control = 0x06;
     assert_eq!(master.cycles(3)[2].status & 0x6F, 0x40);
     master.write(DRIVE, 0x0120, &[8, 0]);
@@ -54,7 +54,7 @@ fn outputs_count_in_op_only() {
 #[test]
 fn a_sync_manager_is_written_and_read_its_own_way() {
     let mut master = Master::new();
-    master.to_safe_op();
+    master.reach_safe_op();
     assert_eq!(master.one(FPWR, place(DRIVE, 0x1400), &[1; 4]).1, 0, "inputs are not written");
     assert_eq!(master.one(FPRD, place(DRIVE, 0x1100), &[0; 4]).1, 0, "outputs are not read");
     assert_eq!(master.one(FPRD, place(DRIVE, 0x1400 + IN_BYTES as u16 - 1), &[0; 2]).1, 0, "nor over their end");
@@ -65,7 +65,7 @@ fn a_sync_manager_is_written_and_read_its_own_way() {
 #[test]
 fn single_bits_are_mapped() {
     let mut master = Master::new();
-    master.to_safe_op();
+    master.reach_safe_op();
     // Bit 3 of the drive's mailbox status (a message waits) as bit 5 of a logical byte.
     let mut bytes = 0x0002_0000u32.to_le_bytes().to_vec();
     bytes.extend([1, 0, 5, 5, 0x0D, 0x08, 3, 1, 1, 0, 0, 0]);

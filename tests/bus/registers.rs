@@ -80,7 +80,7 @@ fn no_bytes_make_it_panic() {
     use rand::{RngExt, SeedableRng};
     let mut random = rand_chacha::ChaCha8Rng::seed_from_u64(7);
     let mut master = Master::new();
-    master.to_op();
+    master.reach_op();
     for _ in 0..20_000 {
         let command = random.random_range(0..15u8);
         let device = [DRIVE, TERMINAL, 0, random.random::<u16>()][random.random_range(0..4)];

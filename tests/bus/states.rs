@@ -5,7 +5,7 @@ use super::master::*;
 #[test]
 fn the_way_up_and_down() {
     let mut master = Master::new();
-    master.to_op();
+    master.reach_op();
     assert_eq!(master.ask(DRIVE, 4), (4, 0));
     assert_eq!(master.ask(DRIVE, 1), (1, 0));
     assert_eq!(master.ask(DRIVE, 2), (2, 0));
@@ -49,7 +49,7 @@ fn an_error_lets_no_device_up_before_it_is_acknowledged() {
 #[test]
 fn process_data_of_another_length_are_refused() {
     let mut master = Master::new();
-    master.to_pre_op();
+    master.reach_pre_op();
     master.sync_manager(DRIVE, 2, 0x1100, OUT_BYTES as u16 + 1, 0x64);
     master.sync_manager(DRIVE, 3, 0x1400, IN_BYTES as u16, 0x20);
     assert_eq!(master.ask(DRIVE, 4), (0x12, 0x001D));
@@ -63,14 +63,14 @@ fn process_data_of_another_length_are_refused() {
 #[test]
 fn op_waits_for_outputs_and_gives_up() {
     let mut master = Master::new();
-    master.to_safe_op();
+    master.reach_safe_op();
     assert_eq!(master.ask(DRIVE, 8), (4, 0), "no outputs yet");
     master.cycles(3);
     assert_eq!(master.read_u16(DRIVE, 0x0130), 8);
     assert_eq!(master.ask(TERMINAL, 8), (8, 0), "has no outputs");
 
     let mut silent = Master::new();
-    silent.to_safe_op();
+    silent.reach_safe_op();
     silent.write(DRIVE, 0x0120, &[8, 0]);
     silent.wait(6_000 * MS);
     assert_eq!((silent.read_u16(DRIVE, 0x0130), silent.read_u16(DRIVE, 0x0134)), (0x14, 0x001B));
@@ -79,7 +79,7 @@ fn op_waits_for_outputs_and_gives_up() {
 #[test]
 fn outputs_that_stay_away_trip_the_watchdog() {
     let mut master = Master::new();
-    master.to_op();
+    master.reach_op();
     assert_eq!(master.read(DRIVE, 0x0440, 1), [1]);
     master.wait(99 * MS);
     assert_eq!(master.read_u16(DRIVE, 0x0130), 8);
@@ -97,14 +97,14 @@ fn outputs_that_stay_away_trip_the_watchdog() {
 #[test]
 fn the_watchdog_is_as_long_as_its_registers_say() {
     let mut master = Master::new();
-    master.to_op();
+    master.reach_op();
     master.write(DRIVE, 0x0420, &100u16.to_le_bytes());
     master.cycle();
     master.wait(11 * MS);
     assert_eq!(master.read_u16(DRIVE, 0x0134), 0x001B);
 
     let mut off = Master::new();
-    off.to_op();
+    off.reach_op();
     off.write(DRIVE, 0x0420, &[0, 0]);
     off.wait(1_000 * MS);
     assert_eq!(off.read_u16(DRIVE, 0x0130), 8);
