@@ -38,6 +38,12 @@ pub mod simulate;
 /// Motions x the joint's limits -> what they ask of it, before anything moves.
 pub mod excite;
 
+/// Frames -> frames: a software EtherCAT bus, a drive and a torque sensor on a simulated joint, faults included.
+pub mod bus;
+
+/// A rig on the wire x a plan -> a campaign, recorded: the bus, the drive, its safety.
+pub mod capture;
+
 /// `Log` -> `Trial`: filtered, differentiated, cut into legs.
 pub mod prepare;
 

@@ -1,7 +1,9 @@
 //! All integration tests in one binary: it links once.
 
 mod architecture;
+mod bus;
 mod campaigns;
+mod capture;
 mod chain;
 mod cli;
 mod closed_loop;

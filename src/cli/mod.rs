@@ -3,6 +3,7 @@
 //! Exit status: 0 done, 1 a judgement that failed, 2 bad input or usage.
 
 mod arm;
+mod capture;
 mod compare;
 mod completions;
 mod demo;
@@ -18,13 +19,15 @@ mod import;
 mod interaction;
 mod interrupt;
 mod judged;
+mod live;
 mod man;
-mod motions;
 mod outcome;
 mod predict;
 mod progress;
+mod rig;
 mod simulate;
 mod validate;
+mod wire;
 
 use crate::problem::Result;
 use clap::{Parser, Subcommand};
@@ -76,6 +79,10 @@ enum Command {
     Export(export::Arguments),
     /// Record a campaign from a model
     Simulate(Box<simulate::Arguments>),
+    /// Drive a joint over EtherCAT along a plan and record it, safely; `--rig demo` needs no hardware
+    Capture(capture::Arguments),
+    /// List what is on an EtherCAT bus, check it against a rig, zero its torque sensor
+    Rig(rig::Arguments),
     /// List the effects that a model may have beyond the paper's formula, with their parameters
     Effects(effects::Arguments),
     /// See it work in a minute, on recordings that it makes
@@ -114,6 +121,8 @@ fn act(command: Command, talk: &Talk) -> Result<ExitCode> {
         Command::Excite(arguments) => excite::run(&arguments, talk),
         Command::Export(arguments) => export::run(&arguments, talk),
         Command::Simulate(arguments) => simulate::run(&arguments, talk),
+        Command::Capture(arguments) => capture::run(&arguments, talk),
+        Command::Rig(arguments) => rig::run(&arguments, talk),
         Command::Effects(arguments) => effects::run(&arguments, talk),
         Command::Demo(arguments) => demo::run(&arguments, talk),
         Command::Man(arguments) => man::run(&arguments, talk),

@@ -167,22 +167,6 @@ impl Search<'_> {
             .map(|pair| self.together(&pair))
             .filter(|(_, fit)| self.is_material(fit, &way.fit, false));
         let all: Vec<(Vec<Sketch>, Fit)> = fitted.chain(next).collect();
-        if std::env::var("TL_DEBUG").is_ok() {
-            let f = self.bench.floor_nm.powi(2);
-            eprintln!("single {:?} {:.3} (start {:.3})", one.cause, score(self.bench, &way.fit) / f, self.start / f);
-            for (pair, fit) in &all {
-                eprintln!(
-                    "   pair {:?}{} + {:?}{}: {:.3} count {} surprise {:.1}",
-                    pair[0].cause,
-                    pair[0].how,
-                    pair[1].cause,
-                    pair[1].how,
-                    score(self.bench, fit) / f,
-                    fit.moves.len(),
-                    fit.cost.surprise
-                );
-            }
-        }
         let best = all.iter().min_by(|a, b| score(self.bench, &a.1).total_cmp(&score(self.bench, &b.1)))?.1.clone();
         let equals = all.into_iter().filter(|(_, fit)| is_tie(self.bench, &best, fit, self.start));
         // Of pairs that do as well the simplest, and of those the one with what does best alone.
@@ -263,20 +247,6 @@ impl Search<'_> {
     fn round(&self, ground: &Ground, known: &[Sketch]) -> Round {
         let known: Vec<Cause> = known.iter().map(|sketch| sketch.cause).collect();
         let round = try_all(self.bench, ground, &known);
-        if std::env::var("TL_DEBUG").is_ok() {
-            let f = self.bench.floor_nm.powi(2);
-            eprintln!("round beside {known:?}:");
-            for t in round.tried.iter().take(9) {
-                eprintln!(
-                    "   {:?} {}: {:.3} count {} surprise {:.1}",
-                    t.cause,
-                    t.how,
-                    t.score(self.bench) / f,
-                    t.count(),
-                    t.fit.cost.surprise
-                );
-            }
-        }
         (self.progress)();
         round
     }

@@ -127,6 +127,14 @@ impl<'a> Field<'_, 'a> {
         self.take("a number, 0 or above", |value| finite(value).filter(|number| *number >= 0.0))
     }
 
+    /// true or false.
+    pub fn flag(self) -> Option<bool> {
+        self.take("true or false", |value| match value {
+            Value::Flag(flag) => Some(*flag),
+            _ => None,
+        })
+    }
+
     /// A number without fraction, between `low` and `high`.
     pub fn whole(self, low: i64, high: i64) -> Option<i64> {
         self.take(&format!("a whole number from {low} to {high}"), |value| match value {

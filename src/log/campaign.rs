@@ -1,6 +1,7 @@
 //! `campaign.toml`: one joint, how its signals were recorded, and the list of its trials.
 
 use super::arm::{Arm, Declared};
+use super::captured::Captured;
 use super::columns::{Columns, OtherColumn, Wanted};
 use super::entries::Entries;
 use crate::document::{Document, Section};
@@ -51,6 +52,8 @@ pub struct Survey {
     pub problems: Vec<Problem>,
     /// The trials whose logs are there to be read.
     pub readable: Vec<TrialEntry>,
+    /// All trials whose log is named.
+    pub listed: Vec<TrialEntry>,
     /// The folder that holds the logs.
     pub(super) folder: PathBuf,
     /// The columns whose names are given.
@@ -79,6 +82,15 @@ pub struct TrialEntry {
     pub repeat: u32,
     /// Name of the trajectory, where one protocol holds several.
     pub trajectory: Option<String>,
+    /// How its recording went, where that is told.
+    pub capture: Option<Captured>,
+}
+
+impl TrialEntry {
+    /// Whether its recording broke off.
+    pub fn is_incomplete(&self) -> bool {
+        self.capture.as_ref().is_some_and(|capture| capture.incomplete.is_some())
+    }
 }
 
 impl Campaign {
@@ -89,8 +101,33 @@ impl Campaign {
         let Survey { campaign, problems, .. } = Survey::read(path)?;
         let is_error = |problem: &Problem| problem.severity == Severity::Error;
         match campaign {
-            Some(campaign) if !problems.iter().any(is_error) => Ok(Self { warnings: problems, ..campaign }),
+            Some(campaign) if !problems.iter().any(is_error) => {
+                Self { warnings: problems, ..campaign }.without_stumps()
+            }
             _ => Err(Problems(problems)),
+        }
+    }
+}
+
+impl Campaign {
+    /// Without the trials whose recording broke off too early to be used, each of them told.
+    ///
+    /// Errors: none is left.
+    fn without_stumps(mut self) -> Result<Self> {
+        let is_stump =
+            |index: &usize| self.trials[*index].is_incomplete() && super::examine_trial(&self, *index).0.is_none();
+        let stumps: Vec<usize> = (0..self.trials.len()).filter(is_stump).collect();
+        for index in stumps.into_iter().rev() {
+            let entry = self.trials.remove(index);
+            let why = entry.capture.and_then(|capture| capture.incomplete).unwrap_or_default();
+            let what = format!("`{}` broke off too early to be used ({why})", entry.file);
+            self.warnings.push(Problem::warning(&self.file, what, "it is left out"));
+        }
+        match self.trials.is_empty() {
+            true => {
+                Err(Problems(self.warnings.into_iter().map(|w| Problem { severity: Severity::Error, ..w }).collect()))
+            }
+            false => Ok(self),
         }
     }
 }
@@ -125,7 +162,7 @@ impl Survey {
         let means = "a section with gravity_nm and inertia_kg_m2";
         let dynamics_field = root.need("dynamics").such_as("[dynamics]", means);
         let means = "a section with torque_sign, lowpass_hz and lowpass_order";
-        let signal = root.need("signal").such_as("[signal]", means).section(signal);
+        let signal = root.need("signal").such_as("[signal]", means).section(Signal::read);
         let means = "a section with time, position and torque";
         let columns = root.need("columns").such_as("[columns]", means);
         let (columns, named) = columns.section(|section| Some(Columns::read(section, kind))).unwrap_or_default();
@@ -145,12 +182,20 @@ impl Survey {
             arm: dynamics.and_then(|found| found.1),
             signal,
             columns,
-            trials: entries.trials,
+            trials: entries.trials.clone(),
             warnings: Vec::new(),
             clock_s: Vec::new(),
         });
         let (folder, problems) = (folder.to_path_buf(), Vec::new());
-        Self { campaign, is_whole, problems, readable: entries.readable, folder, columns: named }
+        Self {
+            campaign,
+            is_whole,
+            problems,
+            readable: entries.readable,
+            listed: entries.trials,
+            folder,
+            columns: named,
+        }
     }
 }
 
@@ -176,18 +221,20 @@ fn dynamics(
     Some((Dynamics { gravity_nm: gravity_nm?, inertia_kg_m2: inertia_kg_m2.unwrap_or(0.0) }, None))
 }
 
-/// Reads `[signal]`; a torque sign that is not understood is NaN, and reported.
-fn signal(section: &Section<'_>) -> Option<Signal> {
-    let means =
-        "1 or -1, so that y = torque_sign * recorded torque grows with gravity's torque when the joint moves up";
-    let torque_sign = section.need("torque_sign").such_as("-1", means).number();
-    if let Some(sign) = torque_sign.filter(|sign| sign.abs() != 1.0) {
-        section.reject("torque_sign", format!("is {sign}"), format!("expected {means}"));
+impl Signal {
+    /// Reads `[signal]`; a torque sign that is not understood is NaN, and reported.
+    pub fn read(section: &Section<'_>) -> Option<Self> {
+        let means =
+            "1 or -1, so that y = torque_sign * recorded torque grows with gravity's torque when the joint moves up";
+        let torque_sign = section.need("torque_sign").such_as("-1", means).number();
+        if let Some(sign) = torque_sign.filter(|sign| sign.abs() != 1.0) {
+            section.reject("torque_sign", format!("is {sign}"), format!("expected {means}"));
+        }
+        let torque_sign = torque_sign.filter(|sign| sign.abs() == 1.0).unwrap_or(f64::NAN);
+        let means = "cut-off of the low-pass on the torque, Hz";
+        let lowpass_hz = section.need("lowpass_hz").such_as("5.0", means).positive();
+        let means = "order of the low-pass, 1 to 12";
+        let order = section.need("lowpass_order").such_as("4", means).whole(1, ORDER_MAX);
+        Some(Self { torque_sign, lowpass_hz: lowpass_hz?, lowpass_order: usize::try_from(order?).ok()? })
     }
-    let torque_sign = torque_sign.filter(|sign| sign.abs() == 1.0).unwrap_or(f64::NAN);
-    let means = "cut-off of the low-pass on the torque, Hz";
-    let lowpass_hz = section.need("lowpass_hz").such_as("5.0", means).positive();
-    let means = "order of the low-pass, 1 to 12";
-    let order = section.need("lowpass_order").such_as("4", means).whole(1, ORDER_MAX);
-    Some(Signal { torque_sign, lowpass_hz: lowpass_hz?, lowpass_order: usize::try_from(order?).ok()? })
 }

@@ -1,6 +1,6 @@
 //! What would make a log useless, found before anything is computed from it.
 
-use super::campaign::Signal;
+use super::campaign::{Signal, TrialEntry};
 use super::columns::Wanted;
 use super::readings::{Faults, Readings, Rows};
 use crate::numerics::filter::LowPass;
@@ -11,6 +11,9 @@ use crate::units::Quantity;
 /// A pause between samples longer than this many periods is a hole that no interpolation fills. The last digit
 /// leaves room for rounded time stamps.
 const GAP_PERIODS: f64 = 3.01;
+/// Where a recorder counted what it missed, a pause may last this share of a period of the low-pass's cut-off: what is drawn
+/// straight across it is then not seen.
+const CAPTURED_GAP_PERIODS: f64 = 0.1;
 /// A log must last this many periods of the low-pass's cut-off; in less there is nothing left to filter.
 const CUTOFF_PERIODS_MIN: f64 = 2.0;
 
@@ -20,7 +23,7 @@ pub(super) fn check(
     readings: &Readings,
     wanted: &[Wanted],
     signal: Option<&Signal>,
-    protocol: Protocol,
+    entry: &TrialEntry,
     faults: &mut Faults<'_>,
 ) {
     let samples = readings.columns.first().map_or(0, Vec::len);
@@ -36,12 +39,16 @@ pub(super) fn check(
         Some((readings.columns[index].as_slice(), want))
     };
     if let Some((time, want)) = column(Quantity::Time) {
-        stamps(faults, time, want, signal, &readings.rows);
+        let gap_s = signal.filter(|_| entry.capture.is_some()).map_or(0.0, |s| CAPTURED_GAP_PERIODS / s.lowpass_hz);
+        let tell = stamps(faults, time, want, gap_s, &readings.rows);
+        if let Some(signal) = signal.filter(|_| tell) {
+            rate_and_duration(faults, time, want, signal);
+        }
     }
     if let Some((torque, want)) = column(Quantity::Torque) {
         alive(faults, torque, want, "a sensor that lives never reads so");
     }
-    let position = column(Quantity::Position).filter(|_| matches!(protocol, Protocol::Uniform { .. }));
+    let position = column(Quantity::Position).filter(|_| matches!(entry.protocol, Protocol::Uniform { .. }));
     if let Some((position, want)) = position {
         alive(faults, position, want, "a sweep moves the joint");
     }
@@ -92,7 +99,9 @@ fn steps(time: &[f64]) -> impl Iterator<Item = Step> {
     })
 }
 
-fn stamps(faults: &mut Faults<'_>, time: &[f64], want: &Wanted, signal: Option<&Signal>, rows: &Rows) {
+/// Time stamps that do not grow, and gaps of more than a few periods that are longer than `gap_s` too; whether the stamps tell
+/// a rate.
+fn stamps(faults: &mut Faults<'_>, time: &[f64], want: &Wanted, gap_s: f64, rows: &Rows) -> bool {
     let before = faults.count();
     for step in steps(time).filter(|step| step.to <= step.from) {
         faults.add("time that does not grow", |file| {
@@ -104,11 +113,12 @@ fn stamps(faults: &mut Faults<'_>, time: &[f64], want: &Wanted, signal: Option<&
     }
     let period: Vec<f64> = steps(time).filter(|step| step.rows == 1).map(|step| step.to - step.from).collect();
     if faults.count() > before || period.is_empty() {
-        return;
+        return false;
     }
     let period = median(period);
     let periods = |step: &Step| (step.to - step.from) / (period * step.rows as f64);
-    for step in steps(time).filter(|step| periods(step) > GAP_PERIODS) {
+    let longest = GAP_PERIODS.max(gap_s / (period * want.factor()));
+    for step in steps(time).filter(|step| periods(step) > longest) {
         faults.add("a gap before them", |file| {
             let gap_s = (step.to - step.from) * want.column.unit.factor();
             let what = format!("a gap of {gap_s:.6} s before this row: {:.1} sample periods", periods(&step));
@@ -117,9 +127,7 @@ fn stamps(faults: &mut Faults<'_>, time: &[f64], want: &Wanted, signal: Option<&
                 .in_column(&want.column.name)
         });
     }
-    if let Some(signal) = signal {
-        rate_and_duration(faults, time, want, signal);
-    }
+    true
 }
 
 fn rate_and_duration(faults: &mut Faults<'_>, time: &[f64], want: &Wanted, signal: &Signal) {

@@ -5,6 +5,7 @@ use super::readings::{Faults, Readings, Rows, locate};
 use crate::problem::{Problem, Result};
 use csv::{ByteRecord, Reader, ReaderBuilder};
 use std::fs::File;
+use std::io::{self, Read, Seek, Take};
 use std::path::Path;
 
 /// Bytes asked of the disk at a time: large enough that system calls do not count, small enough for the cache.
@@ -14,12 +15,12 @@ const ROWS_SEEN: usize = 64;
 /// Characters of a faulty field that a message shows.
 const SHOWN_CHARS: usize = 40;
 
-/// Reads the wanted columns of `file`. Missing columns, rows of unequal length, and every field that is no finite number
+/// Reads the wanted columns of `file`; of one that `broke_off` only whole rows. Missing columns, rows of unequal length, and every field that is no finite number
 /// go to `faults`, by row and column.
 ///
 /// Errors: the file cannot be read as a table at all.
-pub(super) fn read(file: &Path, wanted: &[Wanted], faults: &mut Faults<'_>) -> Result<Readings> {
-    let (source, length) = open(file)?;
+pub(super) fn read(file: &Path, broke_off: bool, wanted: &[Wanted], faults: &mut Faults<'_>) -> Result<Readings> {
+    let (source, length) = open(file, broke_off)?;
     let mut records = Records::new(source);
     let mut record = ByteRecord::new();
     if !records.next(file, &mut record)? {
@@ -57,12 +58,23 @@ pub(super) fn read(file: &Path, wanted: &[Wanted], faults: &mut Faults<'_>) -> R
     Ok(Readings { columns, rows })
 }
 
-fn open(file: &Path) -> Result<(File, u64)> {
-    let opened = File::open(file).and_then(|source| Ok((source.metadata()?.len(), source)));
+fn open(file: &Path, broke_off: bool) -> Result<(Take<File>, u64)> {
+    let length = |source: &mut File| if broke_off { whole_rows(source) } else { Ok(source.metadata()?.len()) };
+    let opened = File::open(file).and_then(|mut source| Ok((length(&mut source)?, source)));
     match opened {
-        Ok((length, source)) => Ok((source, length)),
+        // A log that grows while it is read is read as long as it was.
+        Ok((length, source)) => Ok((source.take(length), length)),
         Err(error) => unreadable(file, &error),
     }
+}
+
+/// Bytes up to the end of the last whole row: a recorder that was killed leaves part of one, a power cut zeros.
+fn whole_rows(source: &mut File) -> io::Result<u64> {
+    let mut bytes = Vec::new();
+    source.read_to_end(&mut bytes)?;
+    source.rewind()?;
+    let written = bytes.iter().position(|byte| *byte == 0).unwrap_or(bytes.len());
+    Ok(bytes[..written].iter().rposition(|byte| *byte == b'\n').map_or(0, |last| last as u64 + 1))
 }
 
 fn unreadable<T>(file: &Path, error: &dyn std::error::Error) -> Result<T> {
@@ -71,7 +83,7 @@ fn unreadable<T>(file: &Path, error: &dyn std::error::Error) -> Result<T> {
 
 /// The records of a file, with the row at which each begins: the csv crate's own count stands before blank rows.
 struct Records {
-    reader: Reader<File>,
+    reader: Reader<Take<File>>,
     /// Row of the last record, counted from 1.
     row: u64,
     /// Line breaks inside quotes of the last record, which belong to its row.
@@ -79,7 +91,7 @@ struct Records {
 }
 
 impl Records {
-    fn new(source: File) -> Self {
+    fn new(source: Take<File>) -> Self {
         // Flexible, so that ragged rows are ours to report, all of them.
         let mut builder = ReaderBuilder::new();
         let reader = builder.has_headers(false).flexible(true).buffer_capacity(BUFFER_BYTES).from_reader(source);

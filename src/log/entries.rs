@@ -1,6 +1,7 @@
 //! `[[trials]]` of `campaign.toml`: which logs there are and how the joint was moved in each.
 
 use super::campaign::TrialEntry;
+use super::captured::Captured;
 use crate::document::Section;
 use crate::dynamics::JointKind;
 use crate::trajectory::Protocol;
@@ -56,8 +57,10 @@ impl Seen {
         let repeat = section.may("repeat").whole(1, u32::MAX.into()).unwrap_or(1);
         let repeat = u32::try_from(repeat).ok()?;
         let trajectory = section.may("trajectory").text();
+        let capture = Captured::read(section);
         self.has_unknown_protocol |= protocol.is_none();
-        let entry = TrialEntry { file: file?, protocol: protocol.unwrap_or(Protocol::Free), repeat, trajectory };
+        let protocol_or_free = protocol.unwrap_or(Protocol::Free);
+        let entry = TrialEntry { file: file?, protocol: protocol_or_free, repeat, trajectory, capture };
         if protocol.is_some() {
             self.check_repeat(section, &entry);
         }

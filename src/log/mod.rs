@@ -2,6 +2,7 @@
 
 mod arm;
 mod campaign;
+mod captured;
 mod checks;
 mod clipping;
 mod clock;
@@ -19,6 +20,7 @@ mod written;
 pub use crate::trajectory::Protocol;
 pub use arm::{Arm, Place};
 pub use campaign::{Campaign, Signal, Survey, TrialEntry};
+pub use captured::Captured;
 pub use clock::{clock_s, span_s};
 pub use columns::{Column, Columns, OtherColumn, ReferenceColumn};
 pub use samples::{Sample, Samples};
@@ -83,12 +85,12 @@ pub fn examine_trial(campaign: &Campaign, index: usize) -> (Option<Log>, Vec<Pro
     let file = campaign.folder.join(&entry.file);
     let wanted = campaign.columns.wanted();
     let mut faults = Faults::of(&file);
-    let mut recorded = match read_columns(&file, &wanted, &mut faults) {
+    let mut recorded = match read_columns(&file, entry, &wanted, &mut faults) {
         Ok(recorded) => recorded,
         Err(Problems(problems)) => return (None, problems),
     };
     let in_cells = faults.count();
-    checks::check(&recorded, &wanted, Some(&campaign.signal), entry.protocol, &mut faults);
+    checks::check(&recorded, &wanted, Some(&campaign.signal), entry, &mut faults);
     let is_usable = faults.count() == in_cells && (in_cells == 0 || recorded.bridge_holes());
     let mut problems = faults.into_problems();
     let log = is_usable.then(|| log_of(file, recorded, &wanted, &campaign.signal));
@@ -104,9 +106,9 @@ impl Survey {
     pub fn problems_of(&self, entry: &TrialEntry) -> Vec<Problem> {
         let file = self.folder.join(&entry.file);
         let mut faults = Faults::of(&file);
-        match read_columns(&file, &self.columns, &mut faults) {
+        match read_columns(&file, entry, &self.columns, &mut faults) {
             Ok(recorded) => {
-                checks::check(&recorded, &self.columns, None, entry.protocol, &mut faults);
+                checks::check(&recorded, &self.columns, None, entry, &mut faults);
                 faults.into_problems()
             }
             Err(Problems(problems)) => problems,
@@ -114,10 +116,10 @@ impl Survey {
     }
 }
 
-fn read_columns(file: &Path, wanted: &[Wanted], faults: &mut Faults<'_>) -> Result<Readings> {
+fn read_columns(file: &Path, entry: &TrialEntry, wanted: &[Wanted], faults: &mut Faults<'_>) -> Result<Readings> {
     let extension = file.extension().and_then(|extension| extension.to_str()).unwrap_or_default();
     match extension.to_ascii_lowercase().as_str() {
-        "csv" => csv_file::read(file, wanted, faults),
+        "csv" => csv_file::read(file, entry.is_incomplete(), wanted, faults),
         "parquet" => parquet_file::read(file, wanted, faults),
         _ => Problem::error(file, "is no kind of log known here", "save it as .csv or .parquet").alone(),
     }

@@ -74,5 +74,6 @@ fn trial(entry: &TrialEntry) -> Vec<(&'static str, Value)> {
     }
     pairs.push(("repeat", i64::from(entry.repeat).into()));
     pairs.extend(entry.trajectory.as_ref().map(|name| ("trajectory", name.as_str().into())));
+    pairs.extend(entry.capture.iter().flat_map(|capture| capture.pairs()));
     pairs
 }

@@ -20,37 +20,46 @@ impl Model {
     ///
     /// Errors: the file, an unknown key or effect, a missing or impossible parameter.
     pub fn read(file: &Path) -> Result<Self> {
-        Document::open(file)?.read(|root| {
-            root.need("format").choice(&[(FORMAT, ())]);
-            for key in EXTRA_KEYS {
-                root.may(key);
-            }
-            let joint = root.need("joint").section(|s| Joint::read(s, Joint::read_kind(s)));
-            let dynamics = root.need("dynamics").section(|s| {
-                let gravity_nm = s.need("gravity_nm").number();
-                let inertia_kg_m2 = s.need("inertia_kg_m2").not_negative();
-                let (urdf, joint) = (s.may("urdf").text(), s.may("joint").text());
-                let chain = urdf.zip(joint).map(|(urdf, joint)| ChainName { urdf, joint });
-                Some((Dynamics { gravity_nm: gravity_nm?, inertia_kg_m2: inertia_kg_m2? }, chain))
-            });
-            let friction = root.need("friction").section(|s| {
-                let up = s.need("up").section(|s| read_friction(s, Direction::Up));
-                let down = s.need("down").section(|s| read_friction(s, Direction::Down));
-                Some(Both { up: up?, down: down? })
-            });
-            let combination = root.need("combination").section(read_combination);
-            let effects = root.may("effects").sections(read_effect).unwrap_or_default();
-            let confidence = root.may("confidence").sections_by_name(|_, s| read_confidence(s)).unwrap_or_default();
-            let (dynamics, chain) = dynamics?;
-            Some(Self {
-                joint: joint?,
-                dynamics,
-                chain,
-                friction: friction?,
-                combination: combination?,
-                effects,
-                confidence,
-            })
+        Document::open(file)?.read(Self::from_section)
+    }
+
+    /// Reads a model from `text`, JSON that is called `file` in messages.
+    ///
+    /// Errors: as `read`.
+    pub fn parse(file: &Path, text: &str) -> Result<Self> {
+        Document::from_json(file, text)?.read(Self::from_section)
+    }
+
+    fn from_section(root: &Section<'_>) -> Option<Self> {
+        root.need("format").choice(&[(FORMAT, ())]);
+        for key in EXTRA_KEYS {
+            root.may(key);
+        }
+        let joint = root.need("joint").section(|s| Joint::read(s, Joint::read_kind(s)));
+        let dynamics = root.need("dynamics").section(|s| {
+            let gravity_nm = s.need("gravity_nm").number();
+            let inertia_kg_m2 = s.need("inertia_kg_m2").not_negative();
+            let (urdf, joint) = (s.may("urdf").text(), s.may("joint").text());
+            let chain = urdf.zip(joint).map(|(urdf, joint)| ChainName { urdf, joint });
+            Some((Dynamics { gravity_nm: gravity_nm?, inertia_kg_m2: inertia_kg_m2? }, chain))
+        });
+        let friction = root.need("friction").section(|s| {
+            let up = s.need("up").section(|s| read_friction(s, Direction::Up));
+            let down = s.need("down").section(|s| read_friction(s, Direction::Down));
+            Some(Both { up: up?, down: down? })
+        });
+        let combination = root.need("combination").section(read_combination);
+        let effects = root.may("effects").sections(read_effect).unwrap_or_default();
+        let confidence = root.may("confidence").sections_by_name(|_, s| read_confidence(s)).unwrap_or_default();
+        let (dynamics, chain) = dynamics?;
+        Some(Self {
+            joint: joint?,
+            dynamics,
+            chain,
+            friction: friction?,
+            combination: combination?,
+            effects,
+            confidence,
         })
     }
 

@@ -10,7 +10,7 @@ mod plan;
 mod planned;
 mod wander;
 
-pub use closed::{Controller, Wanted};
+pub use closed::{Controller, Load, Machine, Wanted};
 pub use course::Course;
 pub use plan::{Plan, PlannedTrial, SimulatedArm};
 

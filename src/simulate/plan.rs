@@ -109,8 +109,13 @@ impl List<'_> {
         // Every trial its own stream of noise, whatever the order in which they are made.
         let seed = self.plan.seed.wrapping_mul(0x9E37_79B9_7F4A_7C15).wrapping_add(self.trials.len() as u64);
         let motion_seed = self.plan.seed ^ hash(&trajectory.name);
-        let entry =
-            TrialEntry { file, protocol: trajectory.protocol, repeat, trajectory: trajectory.name_in_a_campaign() };
+        let entry = TrialEntry {
+            file,
+            protocol: trajectory.protocol,
+            repeat,
+            trajectory: trajectory.name_in_a_campaign(),
+            capture: None,
+        };
         // From the first stamp to the last: so the clock of a campaign is read back from its logs.
         let (samples, began_s) = (trajectory.samples(self.plan.rate_hz), self.now_s);
         self.now_s += samples.saturating_sub(1) as f64 / self.plan.rate_hz;

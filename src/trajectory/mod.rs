@@ -14,11 +14,13 @@
 mod extremes;
 mod file;
 mod kind;
+mod list;
 mod protocol;
 mod segment;
 
 pub use extremes::Extremes;
 pub use kind::Protocol;
+pub use list::read_all;
 pub use protocol::{ACCELERATION_RAD_S2, CASCADE_S, Uniform};
 pub use segment::{Segment, Wave};
 

@@ -219,7 +219,7 @@ prop_compose! {
             arm: None,
             signal: Signal { torque_sign: -1.0, lowpass_hz: 5.0, lowpass_order: 4 },
             columns,
-            trials: vec![TrialEntry { file: "a.csv".into(), protocol, repeat, trajectory }],
+            trials: vec![TrialEntry { file: "a.csv".into(), protocol, repeat, trajectory, capture: None }],
             warnings: Vec::new(),
             clock_s: Vec::new(),
         }

@@ -1,8 +1,7 @@
 //! The motions that `tautline excite` makes, as they are asked for.
 
-use super::super::motions::read_all;
 use crate::problem::{Problem, Problems, Result};
-use crate::trajectory::{self, ACCELERATION_RAD_S2, CASCADE_S, Trajectory};
+use crate::trajectory::{self, ACCELERATION_RAD_S2, CASCADE_S, Trajectory, read_all};
 use std::f64::consts::FRAC_PI_2;
 use std::path::PathBuf;
 

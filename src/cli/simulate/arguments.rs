@@ -1,12 +1,11 @@
 //! What `tautline simulate` takes, and the plan that it amounts to.
 
 use super::super::arm::ArmArguments;
-use super::super::motions::read_all;
 use super::motor::Motor;
 use crate::log::Signal;
 use crate::problem::{Problem, Problems, Result};
 use crate::simulate::{Plan, Sensors};
-use crate::trajectory::Trajectory;
+use crate::trajectory::{Trajectory, read_all};
 use clap::ValueEnum;
 use std::path::PathBuf;
 

@@ -30,6 +30,14 @@ pub struct Wanted {
     pub feedforward: bool,
 }
 
+/// What a controller is told at one moment.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Command {
+    pub position_rad: f64,
+    pub velocity_rad_s: f64,
+    pub feedforward_nm: f64,
+}
+
 /// Motor torque = (r1/r2) (stiffness (command - position) + damping (its speed - speed)) + feedforward, within the motor's limit.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Controller {
@@ -71,6 +79,14 @@ impl Controller {
             motor_inertia_kg_m2: wanted.motor_inertia_kg_m2,
             feedforward: wanted.feedforward.then(|| known.clone()),
         })
+    }
+
+    /// What the motor gives at the winch of a joint of this `transmission` in `own` motion, N m.
+    pub(super) fn motor_nm(&self, transmission: f64, command: Command, own: Motion) -> f64 {
+        let behind_nm = self.stiffness_nm_rad * (command.position_rad - own.position)
+            + self.damping_nm_s_rad * (command.velocity_rad_s - own.velocity);
+        let wanted_nm = command.feedforward_nm + transmission * behind_nm;
+        wanted_nm.min(self.torque_limit_nm).max(-self.torque_limit_nm)
     }
 
     /// For people who want to know what was chosen; a limit that is infinite becomes null.

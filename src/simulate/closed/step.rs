@@ -6,7 +6,6 @@
 //! the jump, the joint sticks and y is what the motor gives: no threshold of speed is needed, and nothing chatters.
 
 use super::super::driven::asked;
-use super::Controller;
 use crate::dynamics::{Chain, Motion};
 use crate::effects::Sample;
 use crate::model::{Asked, Model, Passage};
@@ -31,18 +30,16 @@ pub(super) struct State {
 pub(super) struct Plant<'a> {
     pub model: &'a Model,
     pub chain: Option<&'a Chain>,
-    pub controller: &'a Controller,
+    /// Of motor and gear about the winch, before the torque sensor, kg m^2.
+    pub motor_inertia_kg_m2: f64,
     /// The length of a step, s.
     pub step_s: f64,
 }
 
-/// What is wanted of the joint, and done to it, at the end of a step.
+/// What is done to the joint at the end of a step, but for its motor.
 pub(super) struct Moment<'a> {
     pub time_s: f64,
     pub elapsed_s: f64,
-    pub command_rad: f64,
-    pub command_rad_s: f64,
-    pub feedforward_nm: f64,
     pub contact_nm: f64,
     pub others: &'a [Motion],
 }
@@ -83,16 +80,8 @@ impl Plant<'_> {
         self.model.driven_nm(&sample, mass.asked(own), k_tilde).torque_nm + moment.contact_nm
     }
 
-    /// What the motor gives, N m.
-    pub fn motor_nm(&self, own: Motion, moment: &Moment<'_>) -> f64 {
-        let behind_nm = self.controller.stiffness_nm_rad * (moment.command_rad - own.position)
-            + self.controller.damping_nm_s_rad * (moment.command_rad_s - own.velocity);
-        let wanted_nm = moment.feedforward_nm + self.model.joint.transmission() * behind_nm;
-        wanted_nm.min(self.controller.torque_limit_nm).max(-self.controller.torque_limit_nm)
-    }
-
-    /// The joint one step on from `state`, at `moment`.
-    pub fn step(&self, state: State, moment: &Moment<'_>) -> State {
+    /// The joint one step on from `state`, at `moment`, under a motor whose torque at the winch falls as the joint moves on.
+    pub fn step(&self, state: State, moment: &Moment<'_>, motor_nm: impl Fn(Motion) -> f64) -> State {
         let mass = self.mass(state.position_rad, state.velocity_rad_s, moment.others);
         let motion = |velocity: f64| Motion {
             position: state.position_rad + self.step_s * velocity,
@@ -102,7 +91,7 @@ impl Plant<'_> {
         let excess_nm = |velocity: f64| {
             let own = motion(velocity);
             let k_tilde = { state.passage }.step(own.position, own.velocity);
-            self.sensed_nm(own, moment) - self.asked_nm(own, k_tilde, &mass, moment)
+            self.sensed_nm(own, &motor_nm) - self.asked_nm(own, k_tilde, &mass, moment)
         };
         let velocity_rad_s = self.balance_rad_s(excess_nm, &mass);
         let own = motion(velocity_rad_s);
@@ -110,21 +99,20 @@ impl Plant<'_> {
         if velocity_rad_s != 0.0 {
             passage.step(own.position, own.velocity);
         }
-        let torque_nm = self.sensed_nm(own, moment);
+        let torque_nm = self.sensed_nm(own, &motor_nm);
         State { position_rad: own.position, velocity_rad_s, passage, torque_nm }
     }
 
     /// What reaches the torque sensor from the motor's side, N m.
-    fn sensed_nm(&self, own: Motion, moment: &Moment<'_>) -> f64 {
-        self.motor_nm(own, moment)
-            - self.controller.motor_inertia_kg_m2 / self.model.joint.transmission() * own.acceleration
+    pub fn sensed_nm(&self, own: Motion, motor_nm: impl Fn(Motion) -> f64) -> f64 {
+        motor_nm(own) - self.motor_inertia_kg_m2 / self.model.joint.transmission() * own.acceleration
     }
 
     /// The speed at which `excess_nm`, which falls with it, is zero; 0 where the jump of friction at rest holds the joint.
     fn balance_rad_s(&self, excess_nm: impl Fn(f64) -> f64, mass: &Mass) -> f64 {
         // The slope of the excess is at least that of inertia without friction: the zero is hardly farther than this.
         let transmission = self.model.joint.transmission();
-        let inertia = transmission * mass.inertia_kg_m2 + self.controller.motor_inertia_kg_m2 / transmission;
+        let inertia = transmission * mass.inertia_kg_m2 + self.motor_inertia_kg_m2 / transmission;
         let stride = |excess: f64| if inertia > 0.0 { excess * self.step_s / inertia } else { excess.signum() };
         for side in [BESIDE_REST_RAD_S, -BESIDE_REST_RAD_S] {
             let excess = excess_nm(side);

@@ -1,10 +1,10 @@
-//! Motions named on the command line: files, or folders of them.
+//! Motions as they are named: files, or folders of them.
 
+use super::Trajectory;
 use crate::problem::{Problem, Problems, Result};
-use crate::trajectory::Trajectory;
 use std::path::{Path, PathBuf};
 
-/// All motions that `paths` name, those of a folder by their files' names.
+/// All motions that `paths` name, those of a folder in the order of their files' names.
 ///
 /// Errors: everything that is wrong with any of them; a folder without any.
 pub fn read_all(paths: &[PathBuf]) -> Result<Vec<Trajectory>> {

@@ -1,0 +1,256 @@
+//! One device on the wire: registers, EEPROM, state machine, mailbox, clock, and what it is for.
+
+use super::application::{Application, Moment};
+use super::clock::Clock;
+use super::coe::{Dictionary, IN, Mailbox, OUT};
+use super::eeprom::Eeprom;
+use super::fault::Fault;
+use super::fmmu;
+use super::frame::{Addressing, Datagram};
+use super::memory::{Memory, Touched};
+use super::process::{self, Mapping};
+use super::registers as at;
+use super::states::States;
+use super::world::World;
+
+/// How often a device works that no pulse drives, ns.
+const OWN_CYCLE_NS: u64 = 1_000_000;
+/// A device on the wire.
+#[derive(Debug)]
+pub struct Device {
+    pub(super) memory: Memory,
+    pub(super) clock: Option<Clock>,
+    pub(super) dictionary: Dictionary,
+    pub(super) mailbox: Option<Mailbox>,
+    pub(super) states: States,
+    pub(super) inputs: Mapping,
+    pub(super) outputs: Mapping,
+    /// When outputs last came.
+    pub(super) fed_ns: Option<u64>,
+    pub(super) eeprom: Eeprom,
+    pub(super) application: Box<dyn Application>,
+    pub(super) worked_ns: u64,
+}
+
+impl Device {
+    /// The sync managers of outputs and inputs.
+    pub(super) fn process_managers(&self) -> (usize, usize) {
+        if self.mailbox.is_some() { (2, 3) } else { (0, 1) }
+    }
+
+    /// Shows on which sides the device has a link.
+    pub(super) fn link(&mut self, behind: bool) {
+        // Bit 0 operational, 4 and 5 links of ports 0 and 1; per port from bit 8: loop closed, communication established.
+        let status: u16 = 0x0001 | 0x0010 | 0x0200 | 0x5000 | if behind { 0x0020 | 0x0800 } else { 0x0400 };
+        self.memory.put(at::DL_STATUS, &status.to_le_bytes());
+    }
+
+    /// When it has something to do by itself, as of `now_ns`.
+    pub(super) fn due_ns(&self, now_ns: u64) -> u64 {
+        let pulse_ns = self.clock.as_ref().and_then(|clock| clock.next_pulse_ns(&self.memory, now_ns));
+        let mailbox_ns = self.mailbox.as_ref().and_then(Mailbox::due_ns);
+        let works_ns = pulse_ns.unwrap_or(self.worked_ns + OWN_CYCLE_NS);
+        let others = [mailbox_ns, self.states.due_ns(), self.watchdog_ns()];
+        others.into_iter().flatten().fold(works_ns, u64::min)
+    }
+
+    /// Does what is due at `now_ns`.
+    pub(super) fn act(&mut self, world: &mut World, now_ns: u64) {
+        if self.watchdog_ns().is_some_and(|due_ns| due_ns <= now_ns) {
+            self.starve();
+        }
+        self.change_state(now_ns);
+        self.answer(now_ns);
+        let pulse_ns = self.clock.as_ref().and_then(|clock| clock.next_pulse_ns(&self.memory, now_ns));
+        match pulse_ns {
+            Some(pulse_ns) if pulse_ns <= now_ns => {
+                if let Some(clock) = &mut self.clock {
+                    clock.pulse(&self.memory, now_ns);
+                }
+                self.work(world, now_ns, true);
+            }
+            None if self.worked_ns + OWN_CYCLE_NS <= now_ns => self.work(world, now_ns, false),
+            _ => {}
+        }
+    }
+
+    /// Before a frame comes in: a device that no pulse drives samples for it, as process data pass or before they ever do.
+    pub(super) fn expect(&mut self, world: &mut World, now_ns: u64, process_data: bool) {
+        let pulsed = self.clock.as_ref().is_some_and(Clock::is_running);
+        if !pulsed && (process_data || !self.states.exchanges()) {
+            self.work(world, now_ns, true);
+        }
+    }
+
+    /// Outputs to objects, the application, objects to inputs.
+    fn work(&mut self, world: &mut World, now_ns: u64, samples: bool) {
+        let fresh = self.fed_ns.is_some_and(|fed_ns| fed_ns >= self.worked_ns);
+        self.worked_ns = now_ns;
+        let operational = self.states.is_operational();
+        let (out, into) = self.process_managers();
+        if operational && !self.outputs.is_empty() {
+            let start = self.memory.sync_manager(out).start;
+            process::unpack(
+                &self.outputs,
+                self.memory.bytes(start, process::length(&self.outputs)),
+                &mut self.dictionary,
+            );
+        }
+        let warning =
+            self.application.work(&mut self.dictionary, world, Moment { now_ns, operational, fresh, samples });
+        if self.states.exchanges() {
+            let start = self.memory.sync_manager(into).start;
+            let length = process::length(&self.inputs);
+            process::pack(&self.inputs, &self.dictionary, self.memory.bytes_mut(start, length));
+        }
+        if let (Some(mailbox), Some(warning)) = (&mut self.mailbox, warning) {
+            mailbox.warn(warning);
+            self.answer(now_ns);
+        }
+    }
+
+    /// Lets the mailbox work.
+    fn answer(&mut self, now_ns: u64) {
+        let in_pre_op = self.states.is_pre_op();
+        if let Some(mailbox) = &mut self.mailbox {
+            mailbox.work(&mut self.memory, &mut self.dictionary, in_pre_op, now_ns);
+        }
+    }
+
+    /// Something goes wrong in the device or in what it is for.
+    pub(super) fn fail(&mut self, fault: Fault, now_ns: u64) {
+        match fault {
+            Fault::SafeOp { code, .. } => self.fall(code),
+            Fault::Watchdog { .. } => self.starve(),
+            Fault::Emergency { code, .. } => {
+                if let Some(mailbox) = &mut self.mailbox {
+                    mailbox.warn(super::coe::Emergency { code, register: 1 });
+                }
+                self.answer(now_ns);
+            }
+            other => self.application.fail(other),
+        }
+    }
+
+    /// An object's value, for tests.
+    pub fn object(&self, index: u16, sub: u8) -> Option<&[u8]> {
+        self.dictionary.entry(index, sub).ok().map(|entry| entry.value.as_slice())
+    }
+
+    /// The AL status: state, and bit 4 for an error.
+    pub fn al_status(&self) -> u16 {
+        self.memory.u16(at::AL_STATUS)
+    }
+
+    /// A datagram passes. `times_ns`: when it comes in, and when it comes back from those behind.
+    pub(super) fn pass(&mut self, datagram: &Datagram, frame: &mut [u8], times_ns: (u64, Option<u64>), logical: bool) {
+        let command = datagram.command;
+        let mut touched = Touched::default();
+        let counted = match command.to {
+            Addressing::Nobody => 0,
+            Addressing::Logical if !logical => 0,
+            Addressing::Logical => {
+                let address = datagram.logical(frame);
+                let data = &mut frame[datagram.data.clone()];
+                let ways = (command.reads, command.writes);
+                let (read, written) = fmmu::pass(&mut self.memory, (address, data), ways, &mut touched);
+                count(command.writes && command.reads, read, written)
+            }
+            _ => self.physical(datagram, frame, times_ns, &mut touched),
+        };
+        if matches!(command.to, Addressing::Position | Addressing::Broadcast) {
+            datagram.pass(frame);
+        }
+        datagram.count(frame, counted);
+        self.notice(touched, times_ns.0);
+    }
+
+    fn physical(
+        &mut self,
+        datagram: &Datagram,
+        frame: &mut [u8],
+        times_ns: (u64, Option<u64>),
+        touched: &mut Touched,
+    ) -> u16 {
+        let (command, device, offset) = (datagram.command, datagram.device(frame), datagram.offset(frame));
+        let by_alias = self.memory.u8(at::DL_CONTROL + 3) & 1 != 0 && device == self.memory.u16(at::ALIAS);
+        let meant = match command.to {
+            Addressing::Position => device == 0,
+            Addressing::Station => device == self.memory.u16(at::STATION) || by_alias,
+            _ => true,
+        };
+        if !meant && !command.multiple {
+            return 0;
+        }
+        let (reads, writes) = if command.multiple { (meant, !meant) } else { (command.reads, command.writes) };
+        let data = &mut frame[datagram.data.clone()];
+        let incoming = data.to_vec();
+        let mut read = false;
+        if reads {
+            if let Some(clock) = self.clock.as_ref().filter(|_| overlaps(offset, data.len(), at::SYSTEM_TIME, 8)) {
+                clock.show(&mut self.memory, times_ns.0);
+            }
+            read = self.memory.read(offset, data, command.to == Addressing::Broadcast, touched);
+        }
+        let written = writes && self.write(offset, &incoming, times_ns, touched);
+        count(reads && writes, read, written)
+    }
+
+    /// The master writes; registers may set things off.
+    fn write(&mut self, offset: u16, data: &[u8], times_ns: (u64, Option<u64>), touched: &mut Touched) -> bool {
+        let has = |register: u16, length: usize| overlaps(offset, data.len(), register, length);
+        if self.clock.is_none() && (0x0900..0x0A00).contains(&offset) || !self.memory.write(offset, data, touched) {
+            return false;
+        }
+        if has(at::AL_CONTROL, 2) {
+            self.states.ask(self.memory.u16(at::AL_CONTROL), times_ns.0);
+        }
+        if has(at::EEPROM_CONTROL + 1, 1) {
+            self.eeprom.obey(&mut self.memory);
+        }
+        if let Some(mailbox) = self.mailbox.as_mut().filter(|_| has(at::SYNC_MANAGER + 8 * IN as u16 + 6, 1)) {
+            mailbox.repeat_if_asked(&mut self.memory);
+        }
+        if let Some(clock) = &mut self.clock {
+            if has(at::RECEIVE_TIMES, 1) {
+                clock.latch(&mut self.memory, times_ns.0, times_ns.1);
+            }
+            if offset == at::SYSTEM_TIME {
+                clock.follow(&mut self.memory, data, times_ns.0);
+            }
+            if has(at::SYNC_ACTIVATION, 1) {
+                clock.activate(&self.memory, times_ns.0);
+            }
+        }
+        true
+    }
+
+    /// What followed from touching the process memory.
+    fn notice(&mut self, touched: Touched, now_ns: u64) {
+        if touched == Touched::default() {
+            return;
+        }
+        let (out, _) = self.process_managers();
+        if touched.written >> out & 1 != 0 && self.states.exchanges() {
+            self.fed_ns = Some(now_ns);
+            self.memory.put(at::WATCHDOG_STATUS, &[1]);
+        }
+        if let Some(mailbox) = &mut self.mailbox {
+            if touched.written >> OUT & 1 != 0 {
+                mailbox.take(&self.memory, now_ns);
+            }
+            if touched.read >> IN & 1 != 0 {
+                self.answer(now_ns);
+            }
+        }
+    }
+}
+
+/// What a device adds to the working counter: 1 for reading, 1 for writing, and where both are asked for 2 for writing.
+fn count(both: bool, read: bool, written: bool) -> u16 {
+    u16::from(read) + u16::from(written) * if both { 2 } else { 1 }
+}
+
+fn overlaps(offset: u16, length: usize, register: u16, of: usize) -> bool {
+    usize::from(offset) < usize::from(register) + of && usize::from(register) < usize::from(offset) + length
+}

@@ -1,0 +1,210 @@
+//! What the devices have their hands on: a joint, its motor, its torque sensor.
+
+use crate::dynamics::Motion;
+use crate::model::Model;
+use crate::simulate::{Load, Machine};
+use rand::SeedableRng;
+use rand_chacha::ChaCha8Rng;
+use rand_distr::{Distribution, Normal};
+use std::collections::VecDeque;
+
+/// The longest step of the joint, ns: each is solved for its end, so that none is unstable.
+const STEP_NS: u64 = 500_000;
+/// Shorter times are made up for in the next step, ns.
+const SHORTEST_NS: u64 = 20_000;
+/// How long ago the joint was let go, ns.
+const SETTLES_IN_NS: u64 = 3_000_000_000;
+/// Inertia of the motor about the winch, kg m^2: that of the joint as it is felt there.
+const MOTOR_INERTIA_KG_M2: f64 = 1e-3;
+
+/// What a motor does until it is told otherwise.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Law {
+    /// Nothing: the joint moves it.
+    Off,
+    /// From `position_rad` at `from_ns` at a speed until `until_ns`, then stays there.
+    Follow {
+        /// Where, rad.
+        position_rad: f64,
+        /// How fast, rad/s.
+        velocity_rad_s: f64,
+        /// Since when, ns.
+        from_ns: u64,
+        /// Until when, ns.
+        until_ns: u64,
+    },
+    /// A torque at the winch, N m.
+    Torque(f64),
+}
+
+impl Law {
+    /// Where the motor is to be at `now_ns`, and how fast; none where it follows nothing.
+    pub fn command(&self, now_ns: u64) -> Option<(f64, f64)> {
+        match *self {
+            Law::Follow { position_rad, velocity_rad_s, from_ns, until_ns } => {
+                let gone_s = now_ns.clamp(from_ns, until_ns).saturating_sub(from_ns) as f64 * 1e-9;
+                let velocity = if now_ns > until_ns { 0.0 } else { velocity_rad_s };
+                Some((position_rad + velocity_rad_s * gone_s, velocity))
+            }
+            _ => None,
+        }
+    }
+}
+
+/// A motor with its position controller.
+#[derive(Debug, Clone)]
+pub struct Motor {
+    /// What it does.
+    pub law: Law,
+    /// At the joint, N m/rad.
+    pub stiffness_nm_rad: f64,
+    /// At the joint, N m s/rad.
+    pub damping_nm_s_rad: f64,
+    /// The most that it gives at the winch, N m.
+    pub limit_nm: f64,
+    /// What it gives, N m.
+    pub torque_nm: f64,
+    /// What its encoder shows beyond the truth, rad.
+    pub encoder_off_rad: f64,
+}
+
+impl Motor {
+    fn wanted_nm(&self, transmission: f64, own: Motion, now_ns: u64) -> f64 {
+        match (self.law, self.law.command(now_ns)) {
+            (_, Some((position_rad, velocity_rad_s))) => {
+                let behind_rad = position_rad - (own.position + self.encoder_off_rad);
+                transmission
+                    * (self.stiffness_nm_rad * behind_rad + self.damping_nm_s_rad * (velocity_rad_s - own.velocity))
+            }
+            (Law::Torque(torque_nm), _) => torque_nm,
+            _ => 0.0,
+        }
+    }
+
+    fn given_nm(&self, transmission: f64, own: Motion, now_ns: u64) -> f64 {
+        self.wanted_nm(transmission, own, now_ns).clamp(-self.limit_nm, self.limit_nm)
+    }
+
+    /// Whether it gives all it may.
+    pub fn is_at_limit(&self) -> bool {
+        self.torque_nm.abs() >= self.limit_nm
+    }
+}
+
+/// A joint that moves in virtual time.
+#[derive(Debug)]
+pub struct Joint {
+    machine: Machine,
+    /// Its motor.
+    pub motor: Motor,
+    noise: Option<Normal<f64>>,
+    random: ChaCha8Rng,
+    /// y before the sensor and when, as long as its reading is late.
+    past: VecDeque<(u64, f64)>,
+    now_ns: u64,
+}
+
+impl Joint {
+    /// A joint like `model` that was let go at `position_rad` a while ago, whose torque sensor has white noise of `noise_nm`, N m.
+    pub fn new(model: Model, position_rad: f64, noise_nm: f64, seed: u64) -> Self {
+        /// Stiffness of a drive of 40 Hz on a joint with its motor, N m/rad, and damping that is just critical, N m s/rad.
+        const STIFFNESS_NM_RAD: f64 = 1500.0;
+        let felt_kg_m2 = model.dynamics.inertia_kg_m2 + MOTOR_INERTIA_KG_M2 / model.joint.transmission().powi(2);
+        let motor = Motor {
+            law: Law::Off,
+            stiffness_nm_rad: STIFFNESS_NM_RAD,
+            damping_nm_s_rad: 2.0 * (STIFFNESS_NM_RAD * felt_kg_m2).sqrt(),
+            limit_nm: f64::MAX,
+            torque_nm: 0.0,
+            encoder_off_rad: 0.0,
+        };
+        let mut machine = Machine::at_rest(model, MOTOR_INERTIA_KG_M2, position_rad);
+        (0..SETTLES_IN_NS / STEP_NS).for_each(|_| machine.step(STEP_NS as f64 * 1e-9, |_| 0.0));
+        Self {
+            machine,
+            motor,
+            noise: Normal::new(0.0, noise_nm).ok(),
+            random: ChaCha8Rng::seed_from_u64(seed),
+            past: VecDeque::new(),
+            now_ns: 0,
+        }
+    }
+
+    /// Moves on to `now_ns`.
+    fn advance(&mut self, now_ns: u64) {
+        let ahead_ns = now_ns.saturating_sub(self.now_ns);
+        if ahead_ns < SHORTEST_NS {
+            return;
+        }
+        let steps = ahead_ns.div_ceil(STEP_NS);
+        let (began_ns, transmission) = (self.now_ns, self.machine.model().joint.transmission());
+        let delay_ns = (self.machine.model().delay_s() * 1e9).max(0.0) as u64;
+        for step in 1..=steps {
+            let at_ns = began_ns + ahead_ns * step / steps;
+            let step_s = (at_ns - self.now_ns) as f64 * 1e-9;
+            let motor = &self.motor;
+            self.machine.step(step_s, |own| motor.given_nm(transmission, own, at_ns));
+            self.now_ns = at_ns;
+            let own = Motion {
+                position: self.machine.position_rad(),
+                velocity: self.machine.velocity_rad_s(),
+                acceleration: 0.0,
+            };
+            self.motor.torque_nm = self.motor.given_nm(transmission, own, at_ns);
+            if delay_ns > 0 {
+                self.past.push_back((at_ns, self.machine.torque_nm()));
+                while self.past.get(1).is_some_and(|(ns, _)| ns + delay_ns <= at_ns) {
+                    self.past.pop_front();
+                }
+            }
+        }
+    }
+
+    /// Position, rad.
+    pub fn position_rad(&self) -> f64 {
+        self.machine.position_rad()
+    }
+
+    /// Position as the encoder shows it, rad.
+    pub fn encoder_rad(&self) -> f64 {
+        self.machine.position_rad() + self.motor.encoder_off_rad
+    }
+
+    /// Speed, rad/s.
+    pub fn velocity_rad_s(&self) -> f64 {
+        self.machine.velocity_rad_s()
+    }
+
+    /// y before the sensor, N m.
+    pub fn torque_nm(&self) -> f64 {
+        self.machine.torque_nm()
+    }
+
+    /// What the sensor reads now, N m.
+    pub fn reading_nm(&mut self) -> f64 {
+        let noise_nm = self.noise.map_or(0.0, |noise| noise.sample(&mut self.random));
+        let torque_nm = self.past.front().map_or(self.machine.torque_nm(), |(_, torque_nm)| *torque_nm);
+        self.machine.reading_nm(torque_nm, noise_nm)
+    }
+
+    /// What the motor moves from now on.
+    pub fn set_load(&mut self, load: Load) {
+        self.machine.load = load;
+    }
+}
+
+/// The joint, if there is one.
+#[derive(Debug, Default)]
+pub struct World {
+    /// It.
+    pub joint: Option<Joint>,
+}
+
+impl World {
+    /// Moves everything on to `now_ns`.
+    pub fn advance(&mut self, now_ns: u64) {
+        if let Some(joint) = &mut self.joint {
+            joint.advance(now_ns);
+        }
+    }
+}

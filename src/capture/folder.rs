@@ -1,0 +1,202 @@
+//! The folder of a campaign being captured: what is recorded, as what, and where to go on.
+//!
+//! | file | what it holds |
+//! |---|---|
+//! | `campaign.toml` | the campaign, replaced as one at the beginning and end of every trial |
+//! | `rig.toml`, `plan.toml` | copies of what it was captured by |
+//! | `capture.log` | what happened when |
+//! | `*.csv` | the trials |
+
+use super::rig::Rig;
+use crate::dynamics::JointKind;
+use crate::log::{Campaign, Captured, Column, Columns, TrialEntry};
+use crate::problem::{Problem, Result};
+use crate::units::Unit;
+use std::fs::{File, OpenOptions};
+use std::io::{self, Write};
+use std::path::{Path, PathBuf};
+use std::time::{SystemTime, UNIX_EPOCH};
+
+/// What an incomplete trial is said to have broken off by until its end is known.
+const UNKNOWN: &str = "the recorder was killed, or lost power";
+
+/// A campaign's folder, being filled.
+#[derive(Debug)]
+pub struct Folder {
+    /// Where it is.
+    pub path: PathBuf,
+    campaign: Campaign,
+    notes: File,
+    origin: Origin,
+}
+
+/// When a capture began, by the time of day.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Origin {
+    since_1970_s: f64,
+}
+
+impl Origin {
+    /// How long ago that is, s.
+    pub fn elapsed_s(self) -> f64 {
+        (today_s() - self.since_1970_s).max(0.0)
+    }
+}
+
+impl Folder {
+    /// Makes `path` for a capture by `rig`; `texts` are the files kept beside the logs, by name.
+    ///
+    /// Errors: it exists, or cannot be written.
+    pub fn create(path: &Path, rig: &Rig, texts: &[(&str, &str)]) -> Result<Self> {
+        if path.exists() {
+            let cure = "name another, or go on with a capture by --resume";
+            return Problem::error(path, "exists already", cure).alone();
+        }
+        let made = || -> io::Result<Self> {
+            std::fs::create_dir_all(path)?;
+            texts.iter().try_for_each(|(name, text)| replace(path, name, text))?;
+            let campaign = campaign(path, rig, Vec::new());
+            let mut folder = Self {
+                path: path.to_path_buf(),
+                campaign,
+                notes: notes(path)?,
+                origin: Origin { since_1970_s: today_s() },
+            };
+            folder.note("capture begins")?;
+            Ok(folder)
+        };
+        made().or_else(|error| unwritable(path, &error))
+    }
+
+    /// Opens `path`, which a capture has left, to go on; `texts` must be what it was captured by.
+    ///
+    /// Errors: it is no such folder, or of another rig or plan.
+    pub fn resume(path: &Path, rig: &Rig, texts: &[(&str, &str)]) -> Result<Self> {
+        for (name, text) in texts {
+            let file = path.join(name);
+            match std::fs::read_to_string(&file) {
+                Ok(found) if found == *text => {}
+                Ok(_) => {
+                    let what = "is not what the capture began with";
+                    return Problem::error(&file, what, "resume with the same rig and plan, or capture anew").alone();
+                }
+                Err(error) => {
+                    let what = format!("cannot be read: {error}");
+                    return Problem::error(&file, what, "--resume goes on with a folder that a capture has left")
+                        .alone();
+                }
+            }
+        }
+        // Before its first trial a capture has no campaign.
+        let trials = if path.join("campaign.toml").exists() { listed(path)? } else { Vec::new() };
+        let opened = || -> io::Result<Self> {
+            let first = std::fs::read_to_string(path.join("capture.log"))?;
+            let since_1970_s = first.split(' ').next().and_then(|stamp| stamp.parse().ok()).unwrap_or_else(today_s);
+            let origin = Origin { since_1970_s };
+            let campaign = campaign(path, rig, trials);
+            let mut folder = Self { path: path.to_path_buf(), campaign, notes: notes(path)?, origin };
+            folder.note("capture goes on")?;
+            Ok(folder)
+        };
+        opened().or_else(|error| unwritable(path, &error))
+    }
+
+    /// What is recorded, whole or not.
+    pub fn trials(&self) -> &[TrialEntry] {
+        &self.campaign.trials
+    }
+
+    /// When the first run began.
+    pub fn origin(&self) -> Origin {
+        self.origin
+    }
+
+    /// A trial begins.
+    pub(super) fn begin(&mut self, entry: TrialEntry) -> io::Result<()> {
+        let capture = Some(Captured { incomplete: Some(UNKNOWN.to_string()), ..Captured::default() });
+        self.note(&format!("{} begins", entry.file))?;
+        self.campaign.trials.push(TrialEntry { capture, ..entry });
+        self.write().inspect_err(|_| drop(self.campaign.trials.pop()))
+    }
+
+    /// The last trial that began ends.
+    pub(super) fn end(&mut self, captured: Captured) -> io::Result<()> {
+        let Some(entry) = self.campaign.trials.last_mut() else { return Ok(()) };
+        let how = captured.incomplete.clone().map_or("complete".to_string(), |why| format!("incomplete: {why}"));
+        let (late, missed) = (captured.late_cycles, captured.missed_cycles);
+        let line = format!("{} {how}; {late} cycles late, {missed} missed", entry.file);
+        entry.capture = Some(captured);
+        self.write()?;
+        self.note(&line)
+    }
+
+    /// A line of `capture.log`, with the time of day in s since 1970 (UTC). It is not waited for: rows may be coming.
+    pub(super) fn note(&mut self, line: &str) -> io::Result<()> {
+        writeln!(self.notes, "{:.3} {line}", today_s())
+    }
+
+    fn write(&self) -> io::Result<()> {
+        replace(&self.path, "campaign.toml", &self.campaign.to_toml())
+    }
+}
+
+/// The time of day, s since 1970.
+fn today_s() -> f64 {
+    SystemTime::now().duration_since(UNIX_EPOCH).unwrap_or_default().as_secs_f64()
+}
+
+/// The trials of the campaign in `path`, also those that are too short to be used.
+fn listed(path: &Path) -> Result<Vec<TrialEntry>> {
+    Ok(crate::log::Survey::read(path)?.listed)
+}
+
+fn unwritable<T>(path: &Path, error: &io::Error) -> Result<T> {
+    Problem::error(path, format!("cannot be written: {error}"), "check the path, its permissions and the free space")
+        .alone()
+}
+
+fn notes(path: &Path) -> io::Result<File> {
+    OpenOptions::new().create(true).append(true).open(path.join("capture.log"))
+}
+
+/// Writes `text` to `name` in `folder` so that either the old or the new stands there, whatever happens.
+fn replace(folder: &Path, name: &str, text: &str) -> io::Result<()> {
+    let mut new = tempfile::Builder::new().prefix(".tautline-").tempfile_in(folder)?;
+    new.write_all(text.as_bytes())?;
+    new.as_file().sync_all()?;
+    #[cfg(unix)]
+    new.as_file().set_permissions(std::os::unix::fs::PermissionsExt::from_mode(0o644))?;
+    new.persist(folder.join(name))?;
+    // The name itself must reach the disk too.
+    File::open(folder)?.sync_all()
+}
+
+fn campaign(path: &Path, rig: &Rig, trials: Vec<TrialEntry>) -> Campaign {
+    let column = |name: &str, unit| Column { name: name.to_string(), unit };
+    let (angle, torque) = match rig.joint.kind {
+        JointKind::Revolute => (Unit::Radian, Unit::NewtonMetre),
+        JointKind::Prismatic => (Unit::Metre, Unit::Newton),
+    };
+    Campaign {
+        folder: path.to_path_buf(),
+        file: path.join("campaign.toml"),
+        joint: rig.joint.clone(),
+        dynamics: rig.dynamics,
+        arm: None,
+        signal: rig.signal,
+        columns: Columns {
+            time: column("time_s", Unit::Second),
+            position: column("position_rad", angle),
+            torque: column("torque_nm", torque),
+            velocity: None,
+            current: None,
+            temperature: None,
+            load_torque: None,
+            reference_torque: None,
+            other_position: Vec::new(),
+        },
+        trials,
+        warnings: Vec::new(),
+        clock_s: Vec::new(),
+    }
+}

@@ -1,0 +1,314 @@
+//! The way to OP: who is there, what is exchanged, the drive's own limits, the clocks, cyclic data.
+
+use super::clock;
+use super::drive::brakes;
+use super::found::{ASSIGNED_INPUTS, ASSIGNED_OUTPUTS, Found, entries, found};
+use super::line::{Failure, Line};
+use super::rig::{Drive, Identity, ProcessData, Rig};
+use super::wire::Wire;
+use ethercrab::subdevice_group::{DcConfiguration, HasDc, NoDc, Op, PreOp, PreOpPdi};
+use ethercrab::{DcSync, DefaultLock, EtherCrabWireReadSized, EtherCrabWireWrite, MainDevice, SubDevice};
+use ethercrab::{SubDeviceGroup, SubDeviceRef};
+use std::ops::Deref;
+use std::time::Duration;
+
+/// Devices on a bus, a power of two as the stack wants it.
+pub const DEVICES: usize = 16;
+/// Bytes of process data of all devices together.
+pub const BYTES: usize = 512;
+/// A group of the stack in one of its states.
+pub type Group<S, C> = SubDeviceGroup<DEVICES, BYTES, DefaultLock, S, C>;
+
+/// Cycles between starting the exchange and the clocks' own pulses.
+const CLOCK_START: Duration = Duration::from_millis(20);
+/// Exchanges that bring the clocks together before their pulses are set.
+const CLOCK_EXCHANGES: usize = 20;
+/// Cycles with everybody at work that end the way up: by then the clocks' pulses have begun.
+const SETTLED: u32 = 50;
+/// How long the devices may take to get to OP while data flow, s.
+const TO_OP_S: f64 = 5.0;
+
+/// Why the bus did not start, in words with the device at fault.
+#[derive(Debug, Clone, PartialEq)]
+pub struct NotStarted(pub String);
+
+impl NotStarted {
+    fn of<T>(what: impl Into<String>) -> Result<T, Self> {
+        Err(Self(what.into()))
+    }
+}
+
+/// A step that was not taken.
+fn while_doing(what: &str) -> impl Fn(Failure) -> NotStarted + '_ {
+    move |failure| NotStarted(format!("{what}: {failure}"))
+}
+
+/// Brings all devices to PRE-OP.
+///
+/// Errors: nobody answers, or somebody does not go there.
+pub fn pre_op<'m, W: Wire>(line: &mut Line<'_, W>, main: &'m MainDevice<'m>) -> Result<Group<PreOp, NoDc>, Failure> {
+    line.run(main.init_single_group::<DEVICES, BYTES>(clock::now_ns))
+}
+
+/// Checks every device against `rig`, in PRE-OP and without enabling anything; sets up what the drive and its process data
+/// need. Gives the devices, and the lines of a report.
+///
+/// Errors: the first mismatch, with device and cure.
+pub fn prepare<W: Wire>(
+    line: &mut Line<'_, W>,
+    main: &MainDevice<'_>,
+    group: &Group<PreOp, NoDc>,
+    rig: &Rig,
+) -> Result<Vec<String>, NotStarted> {
+    let mut report = Vec::new();
+    let devices: Vec<_> = group.iter(main).collect();
+    for identity in [&rig.drive.identity, &rig.sensor.identity] {
+        let Some(device) = devices.get(identity.place) else {
+            let (place, count) = (identity.place, devices.len());
+            return NotStarted::of(format!("`{}` should be device {place}, and there are {count}", identity.name));
+        };
+        let found = found(line, identity.place, device);
+        if let Some(mismatch) = found.mismatch(identity) {
+            return NotStarted::of(format!("device {} is not `{}`: {mismatch}", identity.place, identity.name));
+        }
+        report.push(format!("{}: {}", identity.name, described(&found)));
+    }
+    let (drive, sensor) = (&devices[rig.drive.identity.place], &devices[rig.sensor.identity.place]);
+    map(line, drive, &rig.drive.identity, ASSIGNED_OUTPUTS, &rig.drive.outputs, &mut report)?;
+    map(line, drive, &rig.drive.identity, ASSIGNED_INPUTS, &rig.drive.inputs, &mut report)?;
+    map(line, sensor, &rig.sensor.identity, ASSIGNED_INPUTS, &rig.sensor.inputs, &mut report)?;
+    limit(line, drive, &rig.drive, &mut report)?;
+    Ok(report)
+}
+
+fn described(found: &Found) -> String {
+    let clock = if found.has_clock { "with a clock" } else { "without a clock" };
+    format!("`{}`, serial {:#010x}, revision {:#010x}, {clock}", found.name, found.serial, found.revision)
+}
+
+/// Maps `wanted` to the device's process data, if it is not so mapped already, and reads it back.
+fn map<W: Wire, S: Deref<Target = SubDevice>>(
+    line: &mut Line<'_, W>,
+    device: &SubDeviceRef<'_, S>,
+    identity: &Identity,
+    assigned: u16,
+    wanted: &ProcessData,
+    report: &mut Vec<String>,
+) -> Result<(), NotStarted> {
+    let (name, pdo) = (&identity.name, wanted.pdo);
+    if !super::found::has_objects(line, device) {
+        let what =
+            "has no object dictionary: its process data are taken to be as the rig says, and their length is checked";
+        report.push(format!("`{name}` {what}"));
+        return Ok(());
+    }
+    let words: Vec<u32> = wanted.entries.iter().map(|entry| entry.mapping()).collect();
+    let is_so = |line: &mut Line<'_, W>| {
+        let has_pdo = super::found::mapped(line, device, assigned).iter().map(|data| data.pdo).eq([pdo]);
+        let mapped = entries(line, device, pdo).unwrap_or_default();
+        has_pdo && mapped.iter().map(|entry| entry.mapping()).eq(words.iter().copied())
+    };
+    if is_so(line) {
+        return Ok(());
+    }
+    let written = [
+        line.run(device.sdo_write(assigned, 0u8, 0u8)),
+        line.run(device.sdo_write_array(pdo, &words)),
+        line.run(device.sdo_write_array(assigned, [pdo])),
+    ];
+    if is_so(line) {
+        return Ok(());
+    }
+    let why = written.into_iter().find_map(Result::err).map_or(String::new(), |failure| format!(" ({failure})"));
+    let found = entries(line, device, pdo).unwrap_or_default();
+    let found: Vec<String> = found.iter().map(|entry| format!("{:#010x}", entry.mapping())).collect();
+    let found = if found.is_empty() { "nothing".to_string() } else { found.join(", ") };
+    NotStarted::of(format!(
+        "`{name}` does not take the process data that the rig maps to {pdo:#06x}{why}: it has {found}; \
+         correct the entries in the rig: `tautline rig scan` shows the device's own"
+    ))
+}
+
+/// Reads what the drive does on a stop, and sets and reads back what it allows itself.
+fn limit<W: Wire, S: Deref<Target = SubDevice>>(
+    line: &mut Line<'_, W>,
+    device: &SubDeviceRef<'_, S>,
+    drive: &Drive,
+    report: &mut Vec<String>,
+) -> Result<(), NotStarted> {
+    let option: i16 = object(line, device, drive, 0x605A, "quick-stop option")?;
+    if !brakes(option) {
+        return NotStarted::of(format!(
+            "`{}` does not brake on a quick stop: its option (0x605A) is {option}; set it to 2 in the drive's own tool",
+            drive.identity.name
+        ));
+    }
+    let reaction: i16 = object(line, device, drive, 0x605E, "fault reaction")?;
+    let ramp: u32 = object(line, device, drive, 0x6085, "quick-stop deceleration")?;
+    if ramp == 0 {
+        return NotStarted::of(format!("`{}` has a quick-stop deceleration (0x6085) of 0", drive.identity.name));
+    }
+    let ramp_rad_s2 = f64::from(ramp) / drive.counts_per_rad;
+    report.push(format!(
+        "quick stop: option {option}, {ramp_rad_s2:.1} rad/s^2 if its unit is counts/s^2; fault reaction: option {reaction}"
+    ));
+    let window = (drive.following_error_rad * drive.counts_per_rad).round() as u32;
+    let time_ms = (drive.following_error_s * 1e3).round() as u16;
+    let torque = (drive.torque_max_nm / drive.rated_torque_nm * 1e3).round().clamp(0.0, 65_535.0) as u16;
+    let mode = drive.mode.code();
+    set(line, device, drive, 0x6065, "following-error window", window)?;
+    set(line, device, drive, 0x6066, "following-error time", time_ms)?;
+    set(line, device, drive, 0x6072, "maximum torque", torque)?;
+    // Where it is exchanged every cycle, that is what counts, and a drive need not take it otherwise.
+    if drive.outputs.place("mode").is_none() {
+        set(line, device, drive, 0x6060, "mode", mode as u8)?;
+    }
+    report.push(format!(
+        "drive's own limits, read back: following error {window} counts for {time_ms} ms, torque {torque} per mille"
+    ));
+    Ok(())
+}
+
+fn object<W: Wire, S: Deref<Target = SubDevice>, T: EtherCrabWireReadSized>(
+    line: &mut Line<'_, W>,
+    device: &SubDeviceRef<'_, S>,
+    drive: &Drive,
+    index: u16,
+    what: &str,
+) -> Result<T, NotStarted> {
+    let asking = format!("`{}` does not tell its {what} ({index:#06x})", drive.identity.name);
+    line.run(device.sdo_read::<T>(index, 0u8)).map_err(while_doing(&asking))
+}
+
+fn set<W: Wire, S: Deref<Target = SubDevice>, T>(
+    line: &mut Line<'_, W>,
+    device: &SubDeviceRef<'_, S>,
+    drive: &Drive,
+    index: u16,
+    what: &str,
+    value: T,
+) -> Result<(), NotStarted>
+where
+    T: EtherCrabWireReadSized + EtherCrabWireWrite + PartialEq + std::fmt::Display + Copy,
+{
+    let name = &drive.identity.name;
+    let setting = format!("`{name}` does not take a {what} ({index:#06x}) of {value}");
+    line.run(device.sdo_write(index, 0u8, value)).map_err(while_doing(&setting))?;
+    let found: T = object(line, device, drive, index, what)?;
+    match found == value {
+        true => Ok(()),
+        false => NotStarted::of(format!("{setting}: it reads back {found}")),
+    }
+}
+
+/// The bus exchanging data in OP.
+pub struct Exchange<C> {
+    /// The stack's group.
+    pub group: Group<Op, C>,
+    /// Working counter with every device at work.
+    pub working_counter: u16,
+}
+
+/// Prepares for clocks that pulse together every cycle.
+///
+/// Errors: there is no clock, or it is not taken.
+pub fn with_clocks<W: Wire>(
+    line: &mut Line<'_, W>,
+    main: &MainDevice<'_>,
+    mut group: Group<PreOp, NoDc>,
+    period: Duration,
+) -> Result<Group<PreOpPdi, HasDc>, NotStarted> {
+    for mut device in group.iter_mut(main) {
+        if device.dc_support().any() {
+            device.set_dc_sync(DcSync::Sync0);
+        }
+    }
+    let group = with_data(line, main, group)?;
+    for _ in 0..CLOCK_EXCHANGES {
+        line.run(group.tx_rx_sync_system_time(main)).map_err(while_doing("bringing the clocks together"))?;
+        let next_ns = line.wire.now_ns() + period.as_nanos() as u64;
+        line.wire.sleep(next_ns);
+    }
+    let clocks = DcConfiguration { start_delay: CLOCK_START, sync0_period: period, sync0_shift: period / 2 };
+    line.run(group.configure_dc_sync(main, clocks))
+        .map_err(while_doing("setting the clocks' pulses (a bus without clocks takes `clocks = false`)"))
+}
+
+/// Lays out the process data.
+///
+/// Errors: a device whose data cannot be laid out.
+pub fn with_data<W: Wire>(
+    line: &mut Line<'_, W>,
+    main: &MainDevice<'_>,
+    group: Group<PreOp, NoDc>,
+) -> Result<Group<PreOpPdi, NoDc>, NotStarted> {
+    line.run(group.into_pre_op_pdi(main)).map_err(while_doing("laying out the process data"))
+}
+
+/// From PRE-OP to OP, data flowing all the way: a device that waits for them would stall otherwise. Outputs are zero.
+///
+/// Errors: a device that refuses, or is not in OP in time.
+pub fn to_op<W: Wire, C>(
+    line: &mut Line<'_, W>,
+    main: &MainDevice<'_>,
+    group: Group<PreOpPdi, C>,
+    rig: &Rig,
+) -> Result<Exchange<C>, NotStarted> {
+    let period_ns = u64::from(rig.bus.cycle_us) * 1000;
+    let group = line.run(group.into_safe_op(main)).map_err(while_doing("going to SAFE-OP"))?;
+    let group = line.run(group.request_into_op(main)).map_err(while_doing("asking for OP"))?;
+    check_lengths(main, &group, rig)?;
+    let (began_ns, mut last, mut alike) = (line.wire.now_ns(), 0, 0);
+    let mut next_ns = began_ns;
+    while (line.wire.now_ns() - began_ns) as f64 * 1e-9 < TO_OP_S {
+        next_ns = (next_ns + period_ns).max(line.wire.now_ns());
+        line.wire.sleep(next_ns);
+        let Ok(seen) = line.run_until(next_ns + period_ns, group.tx_rx_sync_system_time(main)) else { continue };
+        // A counter that has not settled is none to compare with.
+        alike = if seen.all_op() && seen.working_counter == last { alike + 1 } else { 0 };
+        last = seen.working_counter;
+        if alike >= SETTLED && last > 0 {
+            return Ok(Exchange { group, working_counter: last });
+        }
+    }
+    let states = states(line, main, &group, rig);
+    NotStarted::of(format!("not all devices got to OP within {TO_OP_S} s: {states}"))
+}
+
+/// The layout that the devices ended up with must be the one that the rig reads by.
+fn check_lengths<C>(main: &MainDevice<'_>, group: &Group<Op, C>, rig: &Rig) -> Result<(), NotStarted> {
+    let (drive, sensor) = (&rig.drive, &rig.sensor);
+    for (identity, inputs, outputs) in
+        [(&drive.identity, &drive.inputs, Some(&drive.outputs)), (&sensor.identity, &sensor.inputs, None)]
+    {
+        let Ok(device) = group.subdevice(main, identity.place) else {
+            return NotStarted::of(format!("`{}` is gone", identity.name));
+        };
+        let (found_in, found_out) = (device.inputs_raw().len(), device.outputs_raw().len());
+        let wanted_out = outputs.map_or(found_out, ProcessData::bytes);
+        if found_in < inputs.bytes() || found_out < wanted_out {
+            return NotStarted::of(format!(
+                "`{}` exchanges {found_in} bytes in and {found_out} out, the rig reads {} and {wanted_out}",
+                identity.name,
+                inputs.bytes()
+            ));
+        }
+    }
+    Ok(())
+}
+
+/// Where each device is, and why, in words.
+pub fn states<W: Wire, C>(line: &mut Line<'_, W>, main: &MainDevice<'_>, group: &Group<Op, C>, rig: &Rig) -> String {
+    let named = |place: usize| {
+        let known = [&rig.drive.identity, &rig.sensor.identity].into_iter().find(|identity| identity.place == place);
+        known.map_or(format!("device {place}"), |identity| format!("`{}`", identity.name))
+    };
+    let one = |(place, device): (usize, SubDeviceRef<'_, _>)| {
+        let state = line.run(device.status());
+        match state {
+            Ok((state, code)) => format!("{} in {state:?} ({code})", named(place)),
+            Err(failure) => format!("{} in error: {failure}", named(place)),
+        }
+    };
+    group.iter(main).enumerate().map(one).collect::<Vec<_>>().join(", ")
+}

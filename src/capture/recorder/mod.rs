@@ -1,0 +1,187 @@
+//! Samples to the disk as they come, in a thread of their own: nothing of the cycle waits for the disk.
+//!
+//! A trial's log is a CSV to which whole rows are added; what has come is written every 20 ms, and forced to the disk every 50 ms
+//! by a third thread, as a disk may take its time.
+//! While it is being written `campaign.toml` lists it as incomplete, and is replaced as one when it ends: whatever happens in
+//! between, the folder opens as a campaign with all that was written.
+
+mod writer;
+
+use super::folder::Folder;
+use crate::log::{Captured, TrialEntry};
+use std::io::{self, Write};
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::mpsc::{SyncSender, TrySendError, sync_channel};
+use std::sync::{Arc, Mutex, PoisonError};
+use std::thread::JoinHandle;
+use std::time::Duration;
+use writer::Writer;
+
+/// Rows that may wait for the disk: 8 s at 1 kHz, longer than a disk is ever away. They are made room for beforehand.
+const WAITING: usize = 8192;
+/// Header of a log, as `Sample::write` fills it.
+pub const HEADER: &str = "time_s,cycle,state,working_counter,position_rad,torque_nm,command_rad,bus_time_s,status_word,sensor_status,sensor_counts,drive_torque_nm";
+
+/// One cycle as recorded. For a prismatic joint `_rad` is m and `_nm` is N.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Sample {
+    /// When its frame was sent, by this machine's own steady clock, s since the trial began.
+    pub time_s: f64,
+    /// Number of its period since the bus began to cycle: one that is missing was missed.
+    pub cycle: u64,
+    /// Where the safety machine was.
+    pub state: &'static str,
+    /// As it came back.
+    pub working_counter: u16,
+    /// rad.
+    pub position_rad: f64,
+    /// At the sensor, N m.
+    pub torque_nm: f64,
+    /// What the drive was told with the same frame, rad.
+    pub command_rad: f64,
+    /// The devices' common clock, s since the trial began; 0 without clocks.
+    pub bus_time_s: f64,
+    /// The drive's status word.
+    pub status_word: u16,
+    /// The terminal's status word.
+    pub sensor_status: u16,
+    /// The terminal's value as it came.
+    pub sensor_counts: f64,
+    /// The drive's own torque, N m at the winch; 0 where it is not mapped.
+    pub drive_torque_nm: f64,
+}
+
+impl Sample {
+    /// Adds its row to `out`.
+    fn write(&self, out: &mut Vec<u8>) -> io::Result<()> {
+        let Self { time_s, cycle, state, working_counter, position_rad, torque_nm, command_rad, bus_time_s, .. } = self;
+        let Self { status_word, sensor_status, sensor_counts, drive_torque_nm, .. } = self;
+        writeln!(
+            out,
+            "{time_s:.6},{cycle},{state},{working_counter},{position_rad:.8},{torque_nm:.6},{command_rad:.8},\
+             {bus_time_s:.6},{status_word},{sensor_status},{sensor_counts},{drive_torque_nm:.4}"
+        )
+    }
+}
+
+/// What the thread is told.
+enum Message {
+    Begin(TrialEntry),
+    Row(Sample),
+    End(Captured),
+    Note(String),
+}
+
+/// What the threads tell each other.
+#[derive(Debug, Default)]
+struct Shared {
+    /// The first failure.
+    failed: Mutex<Option<String>>,
+    /// Whether the log of the trial that was begun last is on the disk.
+    ready: AtomicBool,
+}
+
+impl Shared {
+    fn fail(&self, why: String) {
+        self.failed.lock().unwrap_or_else(PoisonError::into_inner).get_or_insert(why);
+    }
+}
+
+/// The other end of the thread.
+pub struct Recorder {
+    sender: Option<SyncSender<Message>>,
+    thread: Option<JoinHandle<()>>,
+    shared: Arc<Shared>,
+    /// Whether to wait for the disk rather than to fail: in virtual time.
+    waits: bool,
+}
+
+/// How often the disk is looked at where it is waited for.
+const LOOKED: Duration = Duration::from_micros(200);
+
+impl Recorder {
+    /// Records into `folder`. With `waits` the disk is waited for, else a full queue is a failure.
+    pub fn new(folder: Folder, waits: bool) -> Self {
+        let (sender, receiver) = sync_channel(WAITING);
+        let shared = Arc::new(Shared::default());
+        let mut writer = Writer::new(folder, Arc::clone(&shared));
+        let thread = std::thread::spawn(move || writer.run(&receiver));
+        Self { sender: Some(sender), thread: Some(thread), shared, waits }
+    }
+
+    /// Records nothing.
+    pub fn none() -> Self {
+        Self { sender: None, thread: None, shared: Arc::default(), waits: true }
+    }
+
+    /// A trial begins: it is in the campaign from now on, as incomplete.
+    pub fn begin(&mut self, entry: TrialEntry) {
+        self.shared.ready.store(self.sender.is_none(), Ordering::Release);
+        self.tell(Message::Begin(entry));
+    }
+
+    /// Whether its log is on the disk, and rows can come; in virtual time it will be.
+    pub fn is_ready(&self) -> bool {
+        while self.waits && !self.shared.ready.load(Ordering::Acquire) {
+            std::thread::sleep(LOOKED);
+        }
+        self.shared.ready.load(Ordering::Acquire)
+    }
+
+    /// One more cycle of it.
+    pub fn record(&mut self, sample: Sample) {
+        self.tell(Message::Row(sample));
+    }
+
+    /// It ends, as `captured` says.
+    pub fn end(&mut self, captured: Captured) {
+        self.tell(Message::End(captured));
+    }
+
+    /// A line for the campaign's own log.
+    pub fn note(&mut self, line: String) {
+        self.tell(Message::Note(line));
+    }
+
+    /// Why nothing more can be recorded, if that is so.
+    pub fn failed(&self) -> Option<String> {
+        self.shared.failed.lock().unwrap_or_else(PoisonError::into_inner).clone()
+    }
+
+    /// Waits until everything is on the disk.
+    pub fn finish(mut self) -> Option<String> {
+        self.close();
+        self.failed()
+    }
+
+    fn close(&mut self) {
+        self.sender = None;
+        if let Some(thread) = self.thread.take() {
+            let _ = thread.join();
+        }
+    }
+
+    fn tell(&mut self, message: Message) {
+        let Some(sender) = &self.sender else { return };
+        let is_row = matches!(message, Message::Row(_));
+        // Only rows come in numbers; for what is between them there is always room.
+        let told = if self.waits || !is_row {
+            sender.send(message).map_err(|_| "its thread has ended")
+        } else {
+            sender.try_send(message).map_err(|error| match error {
+                TrySendError::Full(_) => "the disk is too slow",
+                TrySendError::Disconnected(_) => "its thread has ended",
+            })
+        };
+        if let Err(why) = told {
+            self.shared.fail(why.to_string());
+            self.shared.ready.store(true, Ordering::Release);
+        }
+    }
+}
+
+impl Drop for Recorder {
+    fn drop(&mut self) {
+        self.close();
+    }
+}

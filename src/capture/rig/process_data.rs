@@ -1,0 +1,239 @@
+//! Process data: what stands where in the bytes that a device exchanges every cycle.
+
+use crate::document::Section;
+use toml::Value;
+
+/// How a number is written on the wire, little end first.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Kind {
+    /// So many bits, 1 to 7.
+    Bits(u8),
+    /// Signed, of so many bits: 8, 16 or 32.
+    Signed(u8),
+    /// Unsigned, of so many bits.
+    Unsigned(u8),
+    /// IEEE 754, 32 bits.
+    Real,
+}
+
+impl Kind {
+    const ALL: [(&'static str, Self); 14] = [
+        ("i8", Self::Signed(8)),
+        ("i16", Self::Signed(16)),
+        ("i32", Self::Signed(32)),
+        ("u8", Self::Unsigned(8)),
+        ("u16", Self::Unsigned(16)),
+        ("u32", Self::Unsigned(32)),
+        ("f32", Self::Real),
+        ("bit", Self::Bits(1)),
+        ("bit2", Self::Bits(2)),
+        ("bit3", Self::Bits(3)),
+        ("bit4", Self::Bits(4)),
+        ("bit5", Self::Bits(5)),
+        ("bit6", Self::Bits(6)),
+        ("bit7", Self::Bits(7)),
+    ];
+
+    /// Its length in bits.
+    pub fn bits(self) -> usize {
+        match self {
+            Self::Bits(bits) | Self::Signed(bits) | Self::Unsigned(bits) => usize::from(bits),
+            Self::Real => 32,
+        }
+    }
+
+    /// The name used in files.
+    pub fn name(self) -> &'static str {
+        Self::ALL.iter().find(|(_, kind)| *kind == self).map_or("", |(name, _)| name)
+    }
+
+    /// The unsigned kind of that length, where there is one.
+    pub fn of_bits(bits: usize) -> Option<Self> {
+        Self::ALL
+            .iter()
+            .map(|(_, kind)| *kind)
+            .find(|kind| !matches!(kind, Self::Signed(_) | Self::Real) && kind.bits() == bits)
+    }
+}
+
+/// One object in the process data.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Entry {
+    /// What it is to us; nothing where we leave it alone.
+    pub role: Option<String>,
+    /// Index in the device's object dictionary; 0 fills a gap.
+    pub index: u16,
+    /// Subindex.
+    pub sub: u8,
+    /// How it is written.
+    pub kind: Kind,
+}
+
+impl Entry {
+    /// The mapping word that a device's dictionary holds for it: index, subindex, bits.
+    pub fn mapping(&self) -> u32 {
+        u32::from(self.index) << 16 | u32::from(self.sub) << 8 | self.kind.bits() as u32
+    }
+}
+
+/// The entries of one direction, in the order in which they stand.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ProcessData {
+    /// The PDO that holds them.
+    pub pdo: u16,
+    /// The entries.
+    pub entries: Vec<Entry>,
+}
+
+impl ProcessData {
+    /// Reads one direction, whose entries may play `roles`; those of `needed` must be there.
+    pub fn read(section: &Section<'_>, roles: &[&str], needed: &[&str]) -> Option<Self> {
+        let pdo = section.need("pdo").such_as("0x1A00", "the PDO's index").whole(0x1600, 0x1BFF);
+        let list = section.need("entries").such_as("[]", "its entries, each { as, index, sub, type }");
+        let entries = list.sections(|entry| {
+            let choices: Vec<(&str, String)> = roles.iter().map(|role| (*role, role.to_string())).collect();
+            let role = entry.may("as").choice(&choices);
+            let index = entry.need("index").whole(0, 0xFFFF);
+            let sub = entry.may("sub").whole(0, 0xFF).unwrap_or(0);
+            let kind = entry.need("type").choice(&Kind::ALL);
+            Some(Entry { role, index: u16::try_from(index?).ok()?, sub: u8::try_from(sub).ok()?, kind: kind? })
+        });
+        let found = Self { pdo: u16::try_from(pdo?).ok()?, entries: entries? };
+        for role in roles {
+            let times = found.entries.iter().filter(|entry| entry.role.as_deref() == Some(*role)).count();
+            if times > 1 {
+                section.reject("entries", format!("hold `{role}` {times} times"), "leave one");
+            } else if times == 0 && needed.contains(role) {
+                section.reject("entries", format!("lack `{role}`"), format!("add one with `as = \"{role}\"`"));
+            }
+        }
+        Some(found)
+    }
+
+    /// What its file holds.
+    pub fn to_value(&self) -> Value {
+        let entry = |entry: &Entry| {
+            let mut table = toml::Table::new();
+            if let Some(role) = &entry.role {
+                table.insert("as".to_string(), role.as_str().into());
+            }
+            table.insert("index".to_string(), i64::from(entry.index).into());
+            table.insert("sub".to_string(), i64::from(entry.sub).into());
+            table.insert("type".to_string(), entry.kind.name().into());
+            Value::Table(table)
+        };
+        let mut table = toml::Table::new();
+        table.insert("pdo".to_string(), i64::from(self.pdo).into());
+        table.insert("entries".to_string(), self.entries.iter().map(entry).collect::<Vec<Value>>().into());
+        table.into()
+    }
+
+    /// Its length in whole bytes.
+    pub fn bytes(&self) -> usize {
+        self.entries.iter().map(|entry| entry.kind.bits()).sum::<usize>().div_ceil(8)
+    }
+
+    /// Where `role` stands.
+    pub fn place(&self, role: &str) -> Option<Place> {
+        let mut bit = 0;
+        for entry in &self.entries {
+            if entry.role.as_deref() == Some(role) {
+                return Some(Place { bit, kind: entry.kind });
+            }
+            bit += entry.kind.bits();
+        }
+        None
+    }
+}
+
+/// Where a number stands among the bytes of its device.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Place {
+    bit: usize,
+    kind: Kind,
+}
+
+impl Place {
+    /// The number that stands in `bytes`; NaN past their end, where a real holds none, never a panic.
+    pub fn get(&self, bytes: &[u8]) -> f64 {
+        let bits = self.kind.bits();
+        if self.bit + bits > 8 * bytes.len() {
+            return f64::NAN;
+        }
+        let raw = (0..bits).fold(0u32, |raw, i| {
+            let bit = self.bit + i;
+            raw | u32::from(bytes[bit / 8] >> (bit % 8) & 1) << i
+        });
+        match self.kind {
+            Kind::Signed(_) => f64::from(((raw << (32 - bits)) as i32) >> (32 - bits)),
+            Kind::Real => f64::from(f32::from_bits(raw)),
+            Kind::Bits(_) | Kind::Unsigned(_) => f64::from(raw),
+        }
+    }
+
+    /// Writes `value`, rounded and kept within what fits; nothing past the end of `bytes`.
+    pub fn set(&self, bytes: &mut [u8], value: f64) {
+        let bits = self.kind.bits();
+        if self.bit + bits > 8 * bytes.len() {
+            return;
+        }
+        let raw = match self.kind {
+            Kind::Signed(_) => {
+                let top = 2f64.powi(bits as i32 - 1);
+                value.round().clamp(-top, top - 1.0) as i32 as u32
+            }
+            Kind::Real => (value as f32).to_bits(),
+            Kind::Bits(_) | Kind::Unsigned(_) => value.round().clamp(0.0, 2f64.powi(bits as i32) - 1.0) as u32,
+        };
+        for i in 0..bits {
+            let (byte, bit) = ((self.bit + i) / 8, (self.bit + i) % 8);
+            bytes[byte] = bytes[byte] & !(1 << bit) | ((raw >> i & 1) as u8) << bit;
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn entry(role: &str, kind: Kind) -> Entry {
+        Entry { role: Some(role.to_string()), index: 0x6000, sub: 1, kind }
+    }
+
+    #[test]
+    fn numbers_survive_the_wire() {
+        let kinds = [
+            ("a", Kind::Bits(3)),
+            ("b", Kind::Signed(16)),
+            ("c", Kind::Real),
+            ("d", Kind::Signed(32)),
+            ("e", Kind::Unsigned(8)),
+        ];
+        let data = ProcessData { pdo: 0x1A00, entries: kinds.iter().map(|(role, kind)| entry(role, *kind)).collect() };
+        let mut bytes = vec![0u8; data.bytes()];
+        let values = [("a", 5.0), ("b", -12345.0), ("c", 0.25), ("d", -2147483648.0), ("e", 200.0)];
+        for (role, value) in values {
+            data.place(role).unwrap().set(&mut bytes, value);
+        }
+        for (role, value) in values {
+            assert_eq!(data.place(role).unwrap().get(&bytes), value, "{role}");
+        }
+        assert_eq!((bytes.len(), data.place("f")), (12, None));
+        assert!(data.place("e").unwrap().get(&bytes[..3]).is_nan());
+    }
+
+    #[test]
+    fn what_does_not_fit_is_kept_within() {
+        let place = Place { bit: 0, kind: Kind::Signed(16) };
+        let mut bytes = [0u8; 2];
+        for (value, expected) in [(1e9, 32767.0), (-1e9, -32768.0), (f64::NAN, 0.0), (0.6, 1.0)] {
+            place.set(&mut bytes, value);
+            assert_eq!(place.get(&bytes), expected);
+        }
+    }
+
+    #[test]
+    fn a_mapping_word_is_index_sub_and_bits() {
+        assert_eq!(Entry { role: None, index: 0x6064, sub: 0, kind: Kind::Signed(32) }.mapping(), 0x6064_0020);
+    }
+}

@@ -1,0 +1,43 @@
+//! `tautline rig`: what is on the bus, whether it is what the rig says, where the sensor's zero is.
+
+mod check;
+mod emulate;
+mod scan;
+mod tare;
+
+use super::outcome::Talk;
+use crate::problem::Result;
+use std::process::ExitCode;
+
+#[derive(Debug, clap::Args)]
+#[command(after_help = "Examples:
+  tautline rig scan --interface eth1 -o rig.toml     lists the bus, writes a rig to fill in
+  tautline rig check --rig rig.toml                  verifies everything without enabling the drive
+  tautline rig tare --rig rig.toml                   zeroes the torque sensor
+
+`demo` serves as interface and as rig. None of these gives the drive torque.")]
+pub struct Arguments {
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(Debug, clap::Subcommand)]
+enum Command {
+    /// List the devices on a bus; write a rig.toml to fill in
+    Scan(scan::Arguments),
+    /// Check devices, process data, the drive's limits, clocks, timing and sensor against a rig
+    Check(check::Arguments),
+    /// Set the torque sensor's zero to what it reads now
+    Tare(tare::Arguments),
+    /// Be the demo's devices on a network interface
+    Emulate(emulate::Arguments),
+}
+
+pub fn run(arguments: &Arguments, talk: &Talk) -> Result<ExitCode> {
+    match &arguments.command {
+        Command::Scan(arguments) => scan::run(arguments, talk),
+        Command::Check(arguments) => check::run(arguments, talk),
+        Command::Tare(arguments) => tare::run(arguments, talk),
+        Command::Emulate(arguments) => emulate::run(arguments),
+    }
+}

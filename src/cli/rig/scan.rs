@@ -1,0 +1,91 @@
+//! `tautline rig scan`: who is on the bus.
+
+use crate::capture::found::{Found, scan};
+use crate::capture::line::with_line;
+use crate::capture::rig::{ProcessData, starting_rig};
+use crate::cli::outcome::Talk;
+use crate::cli::wire;
+use crate::problem::{Problem, Result};
+use serde_json::{Value, json};
+use std::io::{self, Write};
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+#[derive(Debug, clap::Args)]
+pub struct Arguments {
+    /// The network interface, or `demo`
+    #[arg(long)]
+    interface: String,
+    /// Write a rig.toml to fill in, from the first drive and the first device that only sends
+    #[arg(short, long)]
+    output: Option<PathBuf>,
+}
+
+pub fn run(arguments: &Arguments, talk: &Talk) -> Result<ExitCode> {
+    let wire = wire::open(&arguments.interface, false, 1)?;
+    let found = with_line(wire, |line, main| scan(line, main)).or_else(|failure| {
+        let what = format!("the devices cannot be brought to PRE-OP: {failure}");
+        Problem::error(&arguments.interface, what, "check cables and power of the devices").alone()
+    })?;
+    if found.is_empty() {
+        let cure = "check the cable, the devices' power, and that this is the interface they hang on";
+        return Problem::error(&arguments.interface, "no device answers", cure).alone();
+    }
+    if let Some(file) = &arguments.output {
+        write_rig(file, &arguments.interface, &found)?;
+    }
+    talk.result(
+        || json!({ "devices": found.iter().map(to_json).collect::<Vec<_>>() }),
+        |out| found.iter().try_for_each(|device| write_device(out, device)),
+    )?;
+    Ok(ExitCode::SUCCESS)
+}
+
+fn write_rig(file: &PathBuf, interface: &str, found: &[Found]) -> Result<()> {
+    let Some(text) = starting_rig(interface, found) else {
+        let what = "no drive with a control word, or no device beside it that sends something, is on the bus";
+        return Problem::error(interface, what, "leave out -o; write the rig from data/rigs/demo/rig.toml").alone();
+    };
+    let mut new = match std::fs::File::create_new(file) {
+        Ok(new) => new,
+        Err(error) => {
+            return Problem::error(file, format!("cannot be written: {error}"), "name a new file").alone();
+        }
+    };
+    new.write_all(text.as_bytes())
+        .or_else(|error| Problem::error(file, format!("cannot be written: {error}"), "make room").alone())
+}
+
+fn to_json(device: &Found) -> Value {
+    let data = |data: &ProcessData| {
+        let entries = data.entries.iter().map(
+            |entry| json!({ "index": entry.index, "sub": entry.sub, "bits": entry.kind.bits(), "as": entry.role }),
+        );
+        json!({ "pdo": data.pdo, "entries": entries.collect::<Vec<_>>() })
+    };
+    json!({
+        "place": device.place, "name": device.name, "vendor": device.vendor, "product": device.product,
+        "revision": device.revision, "serial": device.serial, "clock": device.has_clock,
+        "outputs": device.outputs.iter().map(data).collect::<Vec<_>>(),
+        "inputs": device.inputs.iter().map(data).collect::<Vec<_>>(),
+    })
+}
+
+fn write_device(out: &mut impl Write, device: &Found) -> io::Result<()> {
+    let Found { place, name, vendor, product, revision, serial, has_clock, outputs, inputs } = device;
+    writeln!(
+        out,
+        "{place}  {name}  vendor {vendor:#010x} product {product:#010x} revision {revision:#010x} serial {serial:#010x}{}",
+        if *has_clock { ", with a clock" } else { "" }
+    )?;
+    for (direction, all) in [("takes", outputs), ("sends", inputs)] {
+        for data in all {
+            writeln!(out, "   {direction} {:#06x}", data.pdo)?;
+            for entry in &data.entries {
+                let role = entry.role.as_deref().unwrap_or("");
+                writeln!(out, "      {:#06x}:{:02x} {:>2} bit  {role}", entry.index, entry.sub, entry.kind.bits())?;
+            }
+        }
+    }
+    Ok(())
+}

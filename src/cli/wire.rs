@@ -1,0 +1,85 @@
+//! Which wire a command works on: a network interface, or the demo's bus in this process.
+
+use crate::bus::Bus;
+use crate::capture::in_process::InProcess;
+use crate::capture::rig::Rig;
+use crate::capture::wire::Wire;
+use crate::model::Model;
+use crate::problem::{Problem, Result};
+use std::path::Path;
+
+/// What the demo's rig and its interface are called.
+pub const DEMO: &str = "demo";
+/// The demo's joint.
+const MODEL: &str = include_str!("../../data/elbow/truth/model.json");
+const RIG: &str = include_str!("../../data/rigs/demo/rig.toml");
+/// Noise of the demo's torque sensor, N m.
+const NOISE_NM: f64 = 0.005;
+
+/// A rig with the text of its file.
+pub struct Described {
+    pub rig: Rig,
+    pub text: String,
+    /// Whether it is the demo: nothing can be hurt.
+    pub is_demo: bool,
+}
+
+impl Described {
+    /// Reads the rig in `file`, or the demo's.
+    ///
+    /// Errors: everything that is wrong with the file.
+    pub fn read(file: &Path) -> Result<Self> {
+        let text = if file == Path::new(DEMO) { RIG.to_string() } else { text_of(file)? };
+        let rig = Rig::parse(file, &text)?;
+        Ok(Self { is_demo: rig.bus.interface == DEMO, rig, text })
+    }
+}
+
+/// The text of `file`.
+///
+/// Errors: it cannot be read.
+pub fn text_of(file: &Path) -> Result<String> {
+    std::fs::read_to_string(file).or_else(|error| {
+        Problem::error(file, format!("cannot be read: {error}"), "check the path and its permissions").alone()
+    })
+}
+
+/// Opens `interface`; the demo's in virtual time unless in `real_time`, its noise repeatable by `seed`.
+///
+/// Errors: there is none such, or the process may not.
+pub fn open(interface: &str, real_time: bool, seed: u64) -> Result<Box<dyn Wire>> {
+    if interface != DEMO {
+        return socket(interface);
+    }
+    let mut bus = demo_bus(seed)?;
+    let answers = move |now_ns: u64, frame: &[u8]| {
+        bus.send(now_ns, frame).into_iter().map(|reply| (reply.at_ns, reply.frame)).collect()
+    };
+    Ok(match real_time {
+        true => Box::new(InProcess::in_real_time(answers)),
+        false => Box::new(InProcess::new(answers)),
+    })
+}
+
+/// The demo's devices on the bundled elbow.
+pub fn demo_bus(seed: u64) -> Result<Bus> {
+    let model = Model::parse(Path::new("data/elbow/truth/model.json"), MODEL)?;
+    Ok(Bus::demo(model, NOISE_NM, seed))
+}
+
+#[cfg(target_os = "linux")]
+fn socket(interface: &str) -> Result<Box<dyn Wire>> {
+    match crate::capture::socket::RawSocket::open(interface) {
+        Ok(socket) => Ok(Box::new(socket)),
+        Err(error) => {
+            let cure = "name an interface that `ip link` shows, up; a raw socket takes CAP_NET_RAW: \
+                        `sudo setcap cap_net_raw,cap_sys_nice,cap_ipc_lock+ep $(which tautline)`";
+            Problem::error(interface, format!("cannot be opened: {error}"), cure).alone()
+        }
+    }
+}
+
+#[cfg(not(target_os = "linux"))]
+fn socket(interface: &str) -> Result<Box<dyn Wire>> {
+    Problem::error(interface, "raw sockets are known on Linux only", "use Linux, or `--rig demo`").alone()
+}

@@ -1,0 +1,88 @@
+//! The commands as a user types them.
+
+use crate::cli::tautline;
+use serde_json::Value;
+use std::io::Write;
+use std::process::{Command, Output, Stdio};
+use tempfile::TempDir;
+
+fn text(bytes: &[u8]) -> String {
+    String::from_utf8(bytes.to_vec()).unwrap()
+}
+
+fn refused(output: &Output) -> String {
+    assert_eq!(output.status.code(), Some(2), "{output:?}");
+    text(&output.stderr)
+}
+
+#[test]
+fn the_demo_needs_no_hardware() {
+    let out = TempDir::new().unwrap();
+    let (plan, folder) = (out.path().join("plan.toml"), out.path().join("captured"));
+    std::fs::write(&plan, super::SWEEP).unwrap();
+    let (plan, folder) = (plan.to_string_lossy(), folder.to_string_lossy());
+    let done = tautline(&["capture", "--rig", "demo", "--plan", &plan, "-o", &folder, "--json"]);
+    assert_eq!(done.status.code(), Some(0), "{done:?}");
+    let outcome: Value = serde_json::from_slice(&done.stdout).unwrap();
+    assert_eq!((&outcome["complete"], &outcome["missed_cycles"]), (&2.into(), &0.into()));
+    let read = out.path().join("predicted").to_string_lossy().into_owned();
+    let done = tautline(&["predict", &folder, "--model", "data/elbow/truth/model.json", "-o", &read]);
+    assert_eq!(done.status.code(), Some(0), "{done:?}");
+    // Again into the same folder: not over what is there, but on from it.
+    let again = tautline(&["capture", "--rig", "demo", "--plan", &plan, "-o", &folder]);
+    assert!(refused(&again).contains("--resume"));
+    let resumed = tautline(&["capture", "--rig", "demo", "--plan", &plan, "-o", &folder, "--resume", "--json"]);
+    let outcome: Value = serde_json::from_slice(&resumed.stdout).unwrap();
+    assert_eq!((&outcome["complete"], &outcome["recorded_before"]), (&0.into(), &2.into()));
+}
+
+#[test]
+fn a_dry_run_and_a_check_find_the_demo_in_order() {
+    for arguments in [&["rig", "check", "--rig", "demo"][..], &["capture", "--rig", "demo"]] {
+        let done = tautline(arguments);
+        assert_eq!(done.status.code(), Some(0), "{done:?}");
+        assert!(text(&done.stdout).contains("nothing was enabled"), "{done:?}");
+    }
+    let done = tautline(&["rig", "scan", "--interface", "demo", "--json"]);
+    let devices: Value = serde_json::from_slice(&done.stdout).unwrap();
+    assert_eq!(devices["devices"][1]["product"], 0x301);
+    let done = tautline(&["rig", "tare", "--rig", "demo", "--json"]);
+    let tared: Value = serde_json::from_slice(&done.stdout).unwrap();
+    assert!(tared["zero_counts"].is_number());
+}
+
+#[test]
+fn nothing_is_armed_without_the_operators_word() {
+    let out = TempDir::new().unwrap();
+    let path = |name: &str| out.path().join(name).to_string_lossy().into_owned();
+    std::fs::write(path("plan.toml"), super::SWEEP).unwrap();
+    std::fs::write(path("rig.toml"), super::RIG.replace("\"demo\"", "\"no-such-interface\"")).unwrap();
+    for (typed, expected) in [("", "did not type"), ("yes\n", "did not type"), ("arm\n", "cannot be opened")] {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_tautline"))
+            .args(["capture", "--rig", &path("rig.toml"), "--plan", &path("plan.toml"), "-o", &path("c"), "--arm"])
+            .stdin(Stdio::piped())
+            .stderr(Stdio::piped())
+            .stdout(Stdio::piped())
+            .spawn()
+            .unwrap();
+        command.stdin.take().unwrap().write_all(typed.as_bytes()).unwrap();
+        let said = refused(&command.wait_with_output().unwrap());
+        assert!(said.contains(expected) && said.contains("safe torque off"), "{said}");
+        assert!(!out.path().join("c").exists());
+    }
+}
+
+#[test]
+fn a_plan_beyond_the_limits_is_refused() {
+    let out = TempDir::new().unwrap();
+    let path = |name: &str| out.path().join(name).to_string_lossy().into_owned();
+    std::fs::write(path("fast.toml"), super::SWEEP.replace("speed_rad_s = 0.4", "speed_rad_s = 1.6")).unwrap();
+    let said = refused(&tautline(&["capture", "--rig", "demo", "--plan", &path("fast.toml")]));
+    assert!(said.contains("sweep_1.6000 goes beyond the limit of speed, rad/s"), "{said}");
+    std::fs::write(path("typo.toml"), super::SWEEP.replace("uniform", "uniforn")).unwrap();
+    let said = refused(&tautline(&["capture", "--rig", "demo", "--plan", &path("typo.toml")]));
+    assert!(said.contains("did you mean `uniform`?"), "{said}");
+    std::fs::write(path("missing.toml"), "format = \"plan/1\"\n[[motions]]\ntrajectory = \"a.toml\"").unwrap();
+    let said = refused(&tautline(&["capture", "--rig", "demo", "--plan", &path("missing.toml")]));
+    assert!(said.contains("a.toml: cannot be read"), "{said}");
+}

@@ -1,0 +1,74 @@
+//! What is on the disk, whatever happens.
+
+use super::{SWEEP, demo, folder, plan, rig, run};
+use std::fs;
+use tautline::bus::{Fault, When};
+use tautline::log::{Campaign, read_trial};
+use tempfile::TempDir;
+
+#[test]
+fn a_capture_that_broke_off_goes_on_with_the_next_trial() {
+    let (rig, plan, out) = (rig(), plan(SWEEP), TempDir::new().unwrap());
+    let path = out.path().join("c");
+    let mut bus = demo();
+    bus.inject(Fault::Drive { code: 0x2310 }, When::Cycle(3000));
+    let broken = run(bus, &rig, &plan, Some(folder(&path, &rig, false))).outcome;
+    assert_eq!((broken.complete, broken.cause.map(|cause| cause.name())), (0, Some("drive_fault")));
+    let resumed = run(demo(), &rig, &plan, Some(folder(&path, &rig, true))).outcome;
+    assert_eq!((resumed.complete, resumed.before, resumed.cause), (1, 1, None));
+    let campaign = Campaign::read(&path).unwrap();
+    let incomplete: Vec<bool> = campaign.trials.iter().map(|trial| trial.is_incomplete()).collect();
+    assert_eq!(incomplete, [true, false]);
+    assert!((0..2).all(|index| read_trial(&campaign, index).is_ok()));
+}
+
+#[test]
+fn a_recording_cut_anywhere_opens() {
+    let (rig, plan, out) = (rig(), plan(SWEEP), TempDir::new().unwrap());
+    let path = out.path().join("c");
+    let mut bus = demo();
+    bus.inject(Fault::Lost { frames: 10 }, When::Cycle(4000));
+    run(bus, &rig, &plan, Some(folder(&path, &rig, false)));
+    let log = path.join("sweep_0.4000_1.csv");
+    let whole = fs::read(&log).unwrap();
+    let rows = |bytes: &[u8]| bytes.iter().filter(|byte| **byte == b'\n').count() - 1;
+    for cut in [whole.len() - 1, whole.len() - 7, whole.len() - 60, whole.len() - 131, whole.len() / 2] {
+        // As a killed process leaves it, and as a power cut does.
+        for tail in [&b""[..], &[0; 512]] {
+            fs::write(&log, [&whole[..cut], tail].concat()).unwrap();
+            let campaign = Campaign::read(&path).unwrap();
+            assert_eq!(read_trial(&campaign, 0).unwrap().time_s.len(), rows(&whole[..cut]), "cut at {cut}");
+        }
+    }
+    // What is too short for anything is left out, and said.
+    fs::write(&log, &whole[..2000]).unwrap();
+    let refused = Campaign::read(&path).unwrap_err().to_string();
+    assert!(refused.contains("broke off too early"), "{refused}");
+}
+
+#[test]
+fn resuming_by_another_plan_is_refused() {
+    let (rig, out) = (rig(), TempDir::new().unwrap());
+    let path = out.path().join("c");
+    drop(folder(&path, &rig, false));
+    let other = [("rig.toml", super::RIG), ("plan.toml", "format = \"plan/1\"")];
+    let refused = tautline::capture::folder::Folder::resume(&path, &rig, &other).unwrap_err().to_string();
+    assert!(refused.contains("not what the capture began with"), "{refused}");
+    let twice = tautline::capture::folder::Folder::create(&path, &rig, &other).unwrap_err().to_string();
+    assert!(twice.contains("--resume"), "{twice}");
+}
+
+/// `/dev/full` is a disk without room.
+#[test]
+#[cfg(target_os = "linux")]
+fn a_full_disk_stops_the_joint_and_is_named() {
+    let (rig, plan, out) = (rig(), plan(SWEEP), TempDir::new().unwrap());
+    let path = out.path().join("c");
+    let folder = folder(&path, &rig, false);
+    std::os::unix::fs::symlink("/dev/full", path.join("sweep_0.4000_2.csv")).unwrap();
+    let outcome = run(demo(), &rig, &plan, Some(folder)).outcome;
+    assert_eq!((outcome.complete, outcome.cause.map(|cause| cause.name())), (1, Some("recording")));
+    assert!(outcome.unwritten.unwrap().contains("No space left"));
+    let campaign = Campaign::read(&path).unwrap();
+    assert!(!campaign.trials[0].is_incomplete() && read_trial(&campaign, 0).is_ok());
+}
