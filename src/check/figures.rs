@@ -7,11 +7,11 @@ use crate::model::{Combination, Confidence, Direction, Friction, Model};
 use crate::numerics::statistics::{mean, standard_deviation, student_t};
 use std::f64::consts::SQRT_2;
 
-/// What another machine's rounding may do to a figure that is a sum over samples: its share of it. Rounding by 1e-12 of the
-/// values was seen to move errors of 1 % of the signal by 1e-10; a sample that passes a threshold moves them further.
+/// What another machine's arithmetic (the last digit of a sine) may do to a figure on the same data: a share of it. Far above
+/// what it does, far below any change of a filter or a formula.
 const ROUNDING: f64 = 1e-6;
 /// The same for what an iterative fit ends at, as a share of the half width of its 95 % interval: where many values do equally
-/// well, rounding decides between them.
+/// well, the last digit decides between them.
 const ROUNDING_OF_INTERVAL: f64 = 0.01;
 
 /// One number, and what it may move by.
@@ -25,7 +25,7 @@ pub struct Figure {
     pub file: Option<String>,
     /// The number; NaN where there is none.
     pub value: f64,
-    /// What it may move by on the same data.
+    /// What it may move by on the same data, bit for bit.
     pub rounding: f64,
     /// What it may move by on other recordings of the same joint: half width of the 95 % interval of a difference; infinite
     /// where it is too loosely known to tell.
@@ -52,7 +52,11 @@ pub(super) fn of_identification(found: &Identification, trials: &[TrialMark], lo
     match &found.route {
         Route::Sweeps(fits) => Direction::BOTH.iter().for_each(|direction| all.extend(of_fit(fits.of(*direction)))),
         Route::Free(free) => {
-            all.push(error("free_motion.held_out_rmse_nm".to_string(), free.held_out_nm, of_all(found, trials, lowpass_hz)));
+            all.push(error(
+                "free_motion.held_out_rmse_nm".to_string(),
+                free.held_out_nm,
+                of_all(found, trials, lowpass_hz),
+            ));
         }
     }
     all.push(error("fit.whole.rmse_nm".to_string(), whole_nm(found), of_all(found, trials, lowpass_hz)));
@@ -99,7 +103,15 @@ fn parameter(model: &Model, name: String, unit: &str, value: f64) -> Figure {
     // What nobody estimated was declared, or follows from what was: it has no errors of its own.
     let half_width = model.confidence.get(&name).map_or(0.0, half_width);
     let rounding = (ROUNDING * value.abs()).max(ROUNDING_OF_INTERVAL * half_width);
-    Figure { name, unit: unit.to_string(), file: None, value, rounding, tolerance: SQRT_2 * half_width, is_error: false }
+    Figure {
+        name,
+        unit: unit.to_string(),
+        file: None,
+        value,
+        rounding,
+        tolerance: SQRT_2 * half_width,
+        is_error: false,
+    }
 }
 
 /// How the model foretells each trial, and each group of repeats.

@@ -151,10 +151,10 @@ fn read_figure(s: &Section<'_>) -> Option<Figure> {
 }
 
 impl Sketch {
-    /// Its numbers, with the digits that telling rounding from change takes and some more.
+    /// Its numbers, with all digits that tell one from another.
     fn to_text(self) -> String {
         let numbers = std::iter::once(self.rms).chain(self.sums);
-        numbers.map(|number| format!("{number:.13e}")).collect::<Vec<_>>().join(" ")
+        numbers.map(|number| format!("{number:e}")).collect::<Vec<_>>().join(" ")
     }
 
     fn from_text(text: &str) -> Option<Self> {

@@ -37,6 +37,8 @@ impl Part {
 pub enum Outcome {
     /// There is none beyond rounding.
     Same,
+    /// The data are the same but for rounding.
+    Rounded,
     /// The data changed; by itself that is no regression.
     Changed,
     /// The data differ, and the figure moved within its confidence.
@@ -54,6 +56,7 @@ impl Outcome {
     pub fn name(self) -> &'static str {
         match self {
             Self::Same => "same",
+            Self::Rounded => "rounded",
             Self::Changed => "changed",
             Self::Within => "within_confidence",
             Self::Untold => "too_loosely_known",
@@ -191,7 +194,8 @@ fn trials(before: &[TrialMark], now: &[TrialMark]) -> Vec<Finding> {
     for mark in now.iter().filter(|mark| same_file(mark, before).is_none()) {
         let held = Held::Text(mark.declared.clone());
         let twin = before.iter().find(|other| other.holds_same(mark));
-        let note = twin.map_or("trial added".to_string(), |twin| format!("trial added; holds the data of {}", twin.file));
+        let note =
+            twin.map_or("trial added".to_string(), |twin| format!("trial added; holds the data of {}", twin.file));
         found.push(Finding::text(Part::Data, &mark.file, Held::Nothing, held, Outcome::Regressed, &note));
     }
     found
@@ -201,8 +205,11 @@ fn trial(before: &TrialMark, now: &TrialMark, all: &[TrialMark]) -> (Outcome, St
     if now.declared != before.declared {
         return (Outcome::Regressed, "declared otherwise".to_string());
     }
-    if now.holds_same(before) {
+    if now == before {
         return (Outcome::Same, String::new());
+    }
+    if now.holds_same(before) {
+        return (Outcome::Rounded, "the same but for rounding".to_string());
     }
     if let Some(twin) = all.iter().find(|other| other.file != before.file && other.holds_same(now)) {
         return (Outcome::Regressed, format!("holds the data of {}", twin.file));
@@ -221,10 +228,14 @@ fn changes(before: &TrialMark, now: &TrialMark) -> String {
             None => told.push(format!("{name} is new")),
             Some(old) if sketch.is_same(old) => {}
             Some(_) if before.rows != now.rows => {}
-            Some(old) => told.push(sketch.relation(old, now.rows).map_or(name.clone(), |r| format!("{name}{}", words(r)))),
+            Some(old) => {
+                told.push(sketch.relation(old, now.rows).map_or(name.clone(), |r| format!("{name}{}", words(r))))
+            }
         }
     }
-    told.extend(before.columns.keys().filter(|name| !now.columns.contains_key(*name)).map(|name| format!("{name} is gone")));
+    told.extend(
+        before.columns.keys().filter(|name| !now.columns.contains_key(*name)).map(|name| format!("{name} is gone")),
+    );
     told.join("; ")
 }
 

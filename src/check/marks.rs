@@ -77,6 +77,8 @@ fn columns(log: &Log) -> BTreeMap<String, Sketch> {
         ("temperature_degc", &log.temperature_degc),
     ];
     all.extend(optional.iter().filter_map(|(name, values)| Some((name.to_string(), values.as_ref()?))));
-    all.extend(log.other_position_rad.iter().enumerate().map(|(k, values)| (format!("other_position_{}", k + 1), values)));
+    all.extend(
+        log.other_position_rad.iter().enumerate().map(|(k, values)| (format!("other_position_{}", k + 1), values)),
+    );
     all.into_iter().map(|(name, values)| (name, Sketch::of(values))).collect()
 }

@@ -4,10 +4,11 @@
 //! how the model that it found foretells every trial. Checking takes the same snapshot again, judging the model that the
 //! *baseline* holds, and holds one against the other:
 //!
-//! - On the same data (same to rounding, `sketch`) a figure may move by rounding alone, for better or worse: whatever else
-//!   moves it is a change of code.
-//! - Where data differ, a figure may move within its confidence, that of a difference between two recordings; errors may
-//!   shrink. New data alone are no regression, but told.
+//! - On the same data, bit for bit, a figure may move by another machine's arithmetic alone, for better or worse: whatever
+//!   else moves it is a change of code.
+//! - Where data differ, be it by rounding alone (`sketch` tells), a figure may move within its confidence, that of a difference
+//!   between two recordings, and errors may shrink. New data alone are no regression, but told. Rounding needs as much: a
+//!   sample that passes a threshold by it is one more or less in a leg, and moves its figures by a thousandth.
 //! - Regressed in any case: a setting or a trial's declaration that differs, a trial lost or added, one that holds another's
 //!   data, another curve or form, and an identification that refuses what it could use.
 
@@ -72,7 +73,8 @@ impl Baseline {
     ///
     /// Errors: whatever keeps the campaign from being read, identified or judged.
     pub fn record(campaign: &Campaign, name: &str, recipe: Recipe, model: Option<&Model>) -> Result<Self> {
-        let mut snapshot = Snapshot { settings: settings(campaign), trials: marks::read(campaign)?, ..Snapshot::default() };
+        let mut snapshot =
+            Snapshot { settings: settings(campaign), trials: marks::read(campaign)?, ..Snapshot::default() };
         let identified = match recipe {
             Recipe::Identify(settings) => Some(snapshot.identify(campaign, settings)?),
             Recipe::Judge => None,

@@ -10,6 +10,7 @@ use crate::model::Model;
 use crate::problem::{Problem, Result};
 use crate::report::checked::{Names, to_github, to_json, to_junit, write_summary};
 use clap::ValueEnum;
+use serde_json::json;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -68,8 +69,13 @@ impl Arguments {
         let says_how = self.settings() != Settings::default();
         if says_how && (!self.update || self.model.is_some()) {
             let (what, cure) = match self.update {
-                false => ("--form, --combination and --estimate-backlash need --update", "the baseline says how to identify"),
-                true => ("--model goes without --form, --combination, --estimate-backlash, --refine", "a model is only judged"),
+                false => {
+                    ("--form, --combination and --estimate-backlash need --update", "the baseline says how to identify")
+                }
+                true => (
+                    "--model goes without --form, --combination, --estimate-backlash, --refine",
+                    "a model is only judged",
+                ),
             };
             return Problem::error("command line", what, cure).alone();
         }
@@ -113,9 +119,12 @@ fn update(arguments: &Arguments, talk: &Talk) -> Result<ExitCode> {
     if let (Some(old), Some(checked)) = (&old, &checked) {
         tell(arguments, talk, &campaign, old, checked)?;
     }
-    if arguments.format == Format::Text && !talk.quiet && !talk.json {
-        let file = arguments.baseline.display();
+    let file = arguments.baseline.display();
+    if arguments.format == Format::Text && !talk.json && !talk.quiet {
         say(|out| writeln!(out, "stored to {file}: {} trials, {} figures", trials.len(), figures.len()))?;
+    } else if checked.is_none() && (talk.json || arguments.format == Format::Json) {
+        let told = json!({ "format": "check/1", "stored": file.to_string(), "trials": trials.len(), "figures": figures.len() });
+        say(|out| writeln!(out, "{told:#}"))?;
     }
     Ok(ExitCode::SUCCESS)
 }

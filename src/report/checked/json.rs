@@ -14,6 +14,7 @@ pub fn to_json(checked: &Checked, names: &Names) -> Value {
         "regressed": checked.is_regressed(),
         "counts": {
             "same": count(Outcome::Same),
+            "rounded": count(Outcome::Rounded),
             "changed": count(Outcome::Changed),
             "within_confidence": count(Outcome::Within),
             "too_loosely_known": count(Outcome::Untold),

@@ -65,7 +65,8 @@ pub fn to_github(checked: &Checked, names: &Names) -> String {
         }
     }
     if regressed.is_empty() {
-        let message = format!("{} figures and settings are within tolerance of {}", checked.findings.len(), names.baseline);
+        let message =
+            format!("{} figures and settings are within tolerance of {}", checked.findings.len(), names.baseline);
         text += &command("notice", &format!("{} checked", names.campaign), &message);
     }
     text

@@ -27,6 +27,10 @@ pub fn write_summary(out: &mut impl Write, checked: &Checked, names: &Names) -> 
         let found: Vec<&Finding> = checked.with(outcome).collect();
         list(out, title, style, &found)?;
     }
+    match checked.with(Outcome::Rounded).count() {
+        0 => {}
+        n => writeln!(out, "\n{DIM}{}: the same but for rounding{DIM:#}", counted(n, "trial", "trials"))?,
+    }
     let of = |part: Part| checked.findings.iter().filter(|finding| finding.part == part).count();
     let all = format!(
         "{}, {}, {}",
@@ -36,7 +40,7 @@ pub fn write_summary(out: &mut impl Write, checked: &Checked, names: &Names) -> 
     );
     match regressed.len() {
         0 => writeln!(out, "\n{GREEN}within tolerance{GREEN:#}: {all}"),
-        n => writeln!(out, "\n{RED}regressed{RED:#}: {n} of {all}; if that is meant, store it with --update"),
+        n => writeln!(out, "\n{RED}regressed{RED:#}: {n} of {all}; where that is meant, store it with --update"),
     }
 }
 
