@@ -3,7 +3,7 @@
     python3 scripts/check.py [--binary tautline]
 
 Each copy of data/elbow has one thing changed, in its logs or its campaign.toml, and must end with status 1; each of the
-harmless changes (order of the columns, other units, other rounding, CSV for Parquet) with status 0. Needs polars.
+harmless changes (order of the columns, other units, other rounding) with status 0. Needs polars.
 """
 
 import argparse
@@ -65,15 +65,6 @@ def rounded(frame):
     return frame.with_columns(polars.col(frame.columns) * (1 + 1e-12 * (polars.col(frame.columns) * 1e7).sin()))
 
 
-def as_csv(folder):
-    for file in sorted(folder.glob("*.parquet")):
-        frame = polars.read_parquet(file)
-        frame.select(reversed(frame.columns)).write_csv(file.with_suffix(".csv"))
-        file.unlink()
-    file = folder / "campaign.toml"
-    file.write_text(file.read_text().replace(".parquet", ".csv"))
-
-
 def in_radians(folder):
     column(POSITION, lambda x: x * (math.pi / 180))(folder)
     toml('name = "position_deg", unit = "deg"', 'name = "position_deg", unit = "rad"')(folder)
@@ -108,7 +99,6 @@ RED |= {
 GREEN = {
     "nothing": lambda folder: None,
     "columns in another order": logs(lambda frame: frame.select(reversed(frame.columns))),
-    "CSV for Parquet, columns in another order": as_csv,
     "values rounded at 1e-12": logs(rounded),
     "position in radians": in_radians,
 }
