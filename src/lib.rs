@@ -65,6 +65,9 @@ pub mod diagnose;
 /// Two `Model`s of one joint -> what changed, and what it does to the prediction.
 pub mod compare;
 
+/// A campaign x a stored baseline -> what moved, and whether it matters.
+pub mod check;
+
 /// Results -> terminal, JSON, tables, plots, one HTML file.
 pub mod report;
 

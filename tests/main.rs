@@ -5,6 +5,7 @@ mod bus;
 mod campaigns;
 mod capture;
 mod chain;
+mod check;
 mod cli;
 mod closed_loop;
 mod combination;

@@ -4,6 +4,7 @@
 
 mod arm;
 mod capture;
+mod check;
 mod compare;
 mod completions;
 mod demo;
@@ -65,6 +66,8 @@ enum Command {
     Interaction(interaction::Arguments),
     /// Find where the gap between model and recordings lies, and what causes it
     Diagnose(diagnose::Arguments),
+    /// Hold a campaign against a stored baseline: has code or data changed what comes out?
+    Check(check::Arguments),
     /// Compare two models of one joint, before and after
     Compare(compare::Arguments),
     /// Run one step of the protocol alone
@@ -114,6 +117,7 @@ fn act(command: Command, talk: &Talk) -> Result<ExitCode> {
         Command::Predict(arguments) => predict::run(&arguments, talk),
         Command::Interaction(arguments) => interaction::run(&arguments, talk),
         Command::Diagnose(arguments) => diagnose::run(&arguments, talk),
+        Command::Check(arguments) => check::run(&arguments, talk),
         Command::Compare(arguments) => compare::run(&arguments, talk),
         Command::Fit(arguments) => fit::run(&arguments, talk),
         Command::Import(arguments) => import::run(&arguments, talk),

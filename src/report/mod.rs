@@ -11,6 +11,7 @@
 //! | `evaluation` | an evaluation as JSON, on the terminal, as a page |
 //! | `effects` | the effect library as JSON, on the terminal |
 //! | `excitation` | motions held against limits, as JSON, on the terminal |
+//! | `checked` | a campaign held against its baseline, on the terminal, as JSON, JUnit, GitHub annotations |
 //! | `comparison` | two models compared as JSON, on the terminal, as a page |
 //! | `diagnosis` | a diagnosis as JSON, on the terminal, as a page |
 //! | `interaction` | an interaction as JSON, tables, on the terminal, as a page |
@@ -24,6 +25,7 @@
 //! | `parameters`, `number`, `wording` | what all of these share: rows, digits, units and words |
 
 pub mod chart;
+pub mod checked;
 pub mod comparison;
 pub mod diagnosis;
 pub mod effects;
