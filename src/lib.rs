@@ -65,6 +65,9 @@ pub mod diagnose;
 /// Two `Model`s of one joint -> what changed, and what it does to the prediction.
 pub mod compare;
 
+/// Many campaigns -> a result each, kept as files -> a table; by joint, over time: what drifted.
+pub mod batch;
+
 /// Results -> terminal, JSON, tables, plots, one HTML file.
 pub mod report;
 
