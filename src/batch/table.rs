@@ -54,7 +54,11 @@ impl Row {
         let entry = entry.clone();
         let Some(mut record) = store.read(&entry.name) else {
             let failure = Some("there is no result yet".to_string());
-            return Self { record: Record { name: entry.name.clone(), failure, ..Record::default() }, entry, model: None };
+            return Self {
+                record: Record { name: entry.name.clone(), failure, ..Record::default() },
+                entry,
+                model: None,
+            };
         };
         let text = record.model.take().map(|model| model.to_string());
         let model = text.and_then(|text| Model::parse(Path::new(&entry.name), &text).ok());

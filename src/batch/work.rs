@@ -113,8 +113,7 @@ fn half_width_nm(model: &Model, fit: &FrictionFit, speed_rad_s: f64) -> f64 {
     };
     let slopes: Vec<f64> = covariance.parameters.iter().map(slope).collect();
     let n = slopes.len();
-    let variance: f64 =
-        (0..n * n).map(|k| slopes[k / n] * covariance.matrix[(k / n, k % n)] * slopes[k % n]).sum();
+    let variance: f64 = (0..n * n).map(|k| slopes[k / n] * covariance.matrix[(k / n, k % n)] * slopes[k % n]).sum();
     HALF_WIDTH * variance.max(0.0).sqrt()
 }
 

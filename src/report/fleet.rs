@@ -194,7 +194,12 @@ pub fn page(fleet: &Fleet, name: &str, drawings: Vec<Drawing>) -> Page {
 
 /// Writes the summary to `out`; `written` is where the files went.
 pub fn write_summary(out: &mut impl Write, fleet: &Fleet, written: &Path) -> io::Result<()> {
-    writeln!(out, "{BOLD}{}{BOLD:#}  {DIM}{}{DIM:#}", counted(fleet.rows.len(), "campaign", "campaigns"), sentence(fleet))?;
+    writeln!(
+        out,
+        "{BOLD}{}{BOLD:#}  {DIM}{}{DIM:#}",
+        counted(fleet.rows.len(), "campaign", "campaigns"),
+        sentence(fleet)
+    )?;
     lines(out, "Drifted", drifts(fleet).1)?;
     lines(out, "Stand out", outliers(fleet).1)?;
     lines(out, "Failed", failures(fleet).1)?;

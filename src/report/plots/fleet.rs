@@ -46,10 +46,18 @@ fn drawing(fleet: &Fleet, joint: &Joint, at: usize) -> Drawn<Drawing> {
             right: 840.0,
             bottom: 44.0 + STEP_PX * (i + 1) as f64 - 34.0,
         };
-        let figure = |name: &'static str| move |d: Direction, row: &Row| bar_of_figure(row, &format!("{name}_{}", d.name()));
+        let figure =
+            |name: &'static str| move |d: Direction, row: &Row| bar_of_figure(row, &format!("{name}_{}", d.name()));
         let last = |i: usize| i + 1 == panels;
         let axis = |i: usize| time_axis(&times, &label, last(i));
-        panel(canvas, row_of(0), axis(0), "A (N m)", &series(fleet, joint, &times, figure("a")), retension(joint, fleet))?;
+        panel(
+            canvas,
+            row_of(0),
+            axis(0),
+            "A (N m)",
+            &series(fleet, joint, &times, figure("a")),
+            retension(joint, fleet),
+        )?;
         let b = series(fleet, joint, &times, figure("level"));
         panel(canvas, row_of(1), axis(1), "B(v) (N m)", &b, retension(joint, fleet))?;
         for (i, what) in whats.iter().enumerate() {
@@ -57,9 +65,8 @@ fn drawing(fleet: &Fleet, joint: &Joint, at: usize) -> Drawn<Drawing> {
             let found = series(fleet, joint, &times, of);
             panel(canvas, row_of(i + 2), axis(i + 2), what, &found, retension(joint, fleet))?;
         }
-        let mut legend: Vec<_> = Direction::BOTH
-            .map(|d| (Mark::of(d), palette::direction(d), moving(d).to_string()))
-            .to_vec();
+        let mut legend: Vec<_> =
+            Direction::BOTH.map(|d| (Mark::of(d), palette::direction(d), moving(d).to_string())).to_vec();
         if retension(joint, fleet).is_some() {
             legend.push((Mark::Line(1.4, Some((5.0, 4.0))), palette::GREY, "retensioned".to_string()));
         }
@@ -104,7 +111,8 @@ fn series(
     of: impl Fn(Direction, &Row) -> Option<(f64, f64, f64)>,
 ) -> [Series; 2] {
     Direction::BOTH.map(|direction| {
-        let one = |(at, time): (&usize, &f64)| of(direction, &fleet.rows[*at]).map(|(y, low, high)| (*time, y, low, high));
+        let one =
+            |(at, time): (&usize, &f64)| of(direction, &fleet.rows[*at]).map(|(y, low, high)| (*time, y, low, high));
         joint.rows.iter().zip(times).filter_map(one).collect()
     })
 }
