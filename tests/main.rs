@@ -1,6 +1,7 @@
 //! All integration tests in one binary: it links once.
 
 mod architecture;
+mod batch;
 mod bus;
 mod campaigns;
 mod capture;
