@@ -169,9 +169,10 @@ impl Search<'_> {
         let all: Vec<(Vec<Sketch>, Fit)> = fitted.chain(next).collect();
         let best = all.iter().min_by(|a, b| score(self.bench, &a.1).total_cmp(&score(self.bench, &b.1)))?.1.clone();
         let equals = all.into_iter().filter(|(_, fit)| is_tie(self.bench, &best, fit, self.start));
-        // Of pairs that do as well the simplest, and of those the one with what does best alone.
+        // Of pairs that do as well the simplest; to have what does best alone is worth a number.
         let has_one = |pair: &[Sketch]| pair.iter().any(|sketch| sketch.cause == one.cause);
-        equals.min_by_key(|(pair, fit)| (fit.moves.len(), makeshifts(pair), !has_one(pair)))
+        equals
+            .min_by_key(|(pair, fit)| (fit.moves.len() + usize::from(!has_one(pair)), makeshifts(pair), !has_one(pair)))
     }
 
     /// Tries each cause again with the others in, until all stay: an early compromise gives way to what it stood for. Leaves out
@@ -196,7 +197,7 @@ impl Search<'_> {
     }
 
     /// The best in the place of number `at`. What stands there stays unless something does better, or as well by fewer numbers
-    /// and still enough to be named.
+    /// and still enough to be named; of two curves by which friction changes over the one that fits better stays.
     fn again(&self, chosen: &[Sketch], at: usize) -> Step {
         let others = all_but(chosen, at);
         let (others, without) = self.together(&others);
@@ -205,7 +206,8 @@ impl Search<'_> {
         let mut step = self.place(&chosen[at], round.tried, without, &ground);
         let Some(best) = simplest(self.bench, &step.tried, self.start) else { return step };
         let (own, best, first) = (&step.taken, &step.tried[best], &step.tried[0]);
-        let stays = own.count() <= best.count() && is_tie(self.bench, &first.fit, &own.fit, self.start);
+        let is_simple = own.count() <= best.count() || [own, best].iter().all(|t| is_change_over(t.cause));
+        let stays = is_simple && is_tie(self.bench, &first.fit, &own.fit, self.start);
         let order = if stays { [own, best, first] } else { [best, own, first] };
         let enough = |tried: &&Tried| self.is_material(&tried.fit, &step.without, false);
         let taken = order.into_iter().find(enough).unwrap_or(best).clone();
@@ -281,6 +283,10 @@ impl Search<'_> {
     fn is_material(&self, with: &Fit, without: &Fit, is_first: bool) -> bool {
         is_material(self.bench, with, without, self.start, is_first)
     }
+}
+
+fn is_change_over(cause: Cause) -> bool {
+    matches!(cause, Cause::Effect("reversal_transition" | "presliding"))
 }
 
 /// Whether friction would have to grow in one direction by just as much as it falls in the other: of equals no likely cause.

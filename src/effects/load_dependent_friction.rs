@@ -4,7 +4,7 @@ use super::{About, Carried, Effect, Extent, Family, Parameter, Region, Sample};
 use crate::dynamics::Both;
 
 /// Pretensions, and torques at which it levels off, that are tried, as shares of the reading's range.
-const FORMS: [(f64, f64); 5] = [(0.0, 0.0), (0.07, 0.0), (0.2, 0.0), (0.0, 0.25), (0.0, 0.7)];
+const FORMS: [(f64, f64); 6] = [(0.0, 0.0), (0.05, 0.0), (0.1, 0.0), (0.2, 0.0), (0.0, 0.25), (0.0, 0.7)];
 
 static ABOUT: About = About {
     id: "load_dependent_friction",
