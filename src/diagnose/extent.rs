@@ -19,7 +19,9 @@ pub fn of(records: &Records, model: &Model) -> Extent {
         let last = |record: &super::record::Record| record.time_s.len().checked_sub(1).map_or(0.0, |i| of(record, i));
         records.all.iter().map(last).fold(0.0, f64::max)
     };
+    let stroke = |record: &super::record::Record| record.travel_rad().into_iter().fold(0.0, f64::max);
     Extent {
+        stroke_rad: records.all.iter().map(stroke).filter(|stroke| *stroke > 0.0).fold(f64::INFINITY, f64::min),
         position_rad: extent(&records.rows(|record, i| record.own[i].position)),
         speed_rad_s: (slow, fastest),
         trial_s: end(&|record, i| record.time_s[i]),

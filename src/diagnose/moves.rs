@@ -94,13 +94,15 @@ pub struct Move {
     pub probe: f64,
     /// The largest step of the number that is believed at once.
     pub stride: f64,
+    /// The most that its knobs may come to.
+    pub most: f64,
     /// Whether the prediction is in proportion to it, or nearly so.
     pub is_linear: bool,
 }
 
 impl Move {
     fn of(turns: Vec<(Knob, Turn)>, prior: f64, probe: f64) -> Self {
-        Self { turns, prior, probe, stride: f64::INFINITY, is_linear: true }
+        Self { turns, prior, probe, stride: f64::INFINITY, most: f64::INFINITY, is_linear: true }
     }
 
     /// The same, its number known to be within about `deviation` before any data are seen.
@@ -117,7 +119,7 @@ impl Move {
                     Turn::Add(step) => *slot + x * step,
                     Turn::Scale => *slot * x.exp(),
                 }
-                .clamp(bounds.0, bounds.1);
+                .clamp(bounds.0, bounds.1.min(self.most).max(bounds.0));
             }
         }
     }
@@ -317,8 +319,10 @@ pub fn of_effect(model: &Model, at: usize, extent: &Extent) -> Vec<Move> {
     let span = |(low, high): (f64, f64)| (high - low).abs().max(f64::MIN_POSITIVE);
     let one = |(index, parameter): (usize, &crate::effects::Parameter)| {
         let knob = Knob::Effect(at, index);
+        let most = model.effects[at].effect.most(index, extent);
         let move_of = |turn, is_linear, stride| Move {
             is_linear,
+            most,
             stride,
             ..Move::of(vec![(knob, turn)], f64::INFINITY, if is_linear { 1e-3 } else { 1e-4 })
         };

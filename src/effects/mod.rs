@@ -66,6 +66,8 @@ pub struct Carried {
 pub struct Extent {
     /// Lowest and highest position, rad.
     pub position_rad: (f64, f64),
+    /// The longest way between two reversals in the trial where that is shortest, rad.
+    pub stroke_rad: f64,
     /// Speeds that 5 % and all of the moving samples stay below, rad/s.
     pub speed_rad_s: (f64, f64),
     /// The longest trial, s.
@@ -267,6 +269,11 @@ pub trait Effect: Sync + std::fmt::Debug {
     /// Whether parameter number `at` does anything with these choices.
     fn uses(&self, _p: &[f64], _at: usize) -> bool {
         true
+    }
+
+    /// The most that parameter number `at` may be for a campaign to show it.
+    fn most(&self, _at: usize, _extent: &Extent) -> f64 {
+        f64::INFINITY
     }
 
     /// Added to gravity and inertia, N m at the joint.

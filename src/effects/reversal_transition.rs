@@ -5,6 +5,9 @@ use super::{About, Curve, Effect, Extent, Family, Parameter, Region, spaced};
 /// Clearances tried, as shares of the range moved through.
 const WIDTHS: (f64, f64) = (0.004, 0.4);
 
+/// Widest clearance, as a share of the stroke that crosses it.
+const CROSSED: f64 = 0.8;
+
 static ABOUT: About = About {
     id: "reversal_transition",
     family: Family::Physics,
@@ -33,8 +36,14 @@ impl Effect for ReversalTransition {
         let own_m = (extent.backlash_m > 0.0).then_some(extent.backlash_m);
         spaced(WIDTHS.0 * range_m, WIDTHS.1 * range_m, 8)
             .chain(own_m)
+            .filter(|width_m| *width_m <= self.most(0, extent))
             .flat_map(|width_m| [(0.3, 0.2), (0.3, 1.0), (3.0, 1.0), (0.3, 2.0)].map(|(p, n)| vec![width_m, p, n]))
             .collect()
+    }
+
+    /// A clearance that some trial never crosses would leave that trial without a state to begin from.
+    fn most(&self, at: usize, extent: &Extent) -> f64 {
+        if at == 0 { CROSSED * extent.stroke_rad * extent.pulley_radius_m } else { f64::INFINITY }
     }
 
     fn curve(&self, p: &[f64]) -> Option<Curve> {
