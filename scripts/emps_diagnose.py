@@ -10,8 +10,10 @@ one that it never saw. The error is the authors' own: |measured - predicted| / |
 8th-order Chebyshev filter. Of a download their two fits are done over, as in their scripts, and must give what they published.
 
 Asserts: on cycles that the fit did not see the error lies below the one published for friction that differs by direction
-(fitted to all of the record), and below that fit's own on these cycles; the cause named is that the viscous friction of the two
-directions differs.
+(fitted to all of the record), and below that fit's own on these cycles; among the causes named each time is viscous friction of
+its own in each direction, the authors' finding. The verdict as a whole may stay `unknown`, and is printed: beside the asymmetry
+the slide has more than the library holds (torque ripple at the screw's lead, friction along the stroke), and where much of a gap
+is left tautline does not call it closed.
 """
 import argparse
 import json
@@ -120,10 +122,13 @@ def run(arguments, scratch):
         training, found = scratch / f"without_{k + 1}", scratch / f"found_{k + 1}"
         campaign(training, {f"cycle_{i + 1}.csv": c for i, c in enumerate(cycles) if i != k})
         tautline("diagnose", training, "--model", model, "-o", found)
-        verdict = json.loads((found / "diagnosis.json").read_text())["verdict"]
-        verdicts.append((verdict["kind"], *verdict["effects"]))
+        diagnosis = json.loads((found / "diagnosis.json").read_text())
+        verdict = diagnosis["verdict"]
+        named = {c["effect"]: c["how"] for c in diagnosis["causes"] if c["effect"] in verdict["effects"]}
+        verdicts.append(named)
         unseen[cycle == k] = predicted(found / "model.json")[cycle == k]
-        print(f"cycle {k + 1} left out: {verdict['kind']}: {', '.join(verdict['effects'])}")
+        told = "; ".join(", ".join(filter(None, cause)) for cause in named.items())
+        print(f"cycle {k + 1} left out: {verdict['kind']}, gap shrinks by {verdict['shrink']:.0%} with {told}")
     if arguments.keep:
         tautline("diagnose", source, "--model", model, "-o", arguments.keep, "--force")
     measured = decimated(rows[:, 2], 0)
@@ -138,8 +143,10 @@ def run(arguments, scratch):
         print(f"{name:42} {figure:.4f} %")
     ours = figures["tautline, cycle left out of the diagnosis"]
     assert ours < PUBLISHED_BY_DIRECTION, f"{ours:.4f} % is not below the published {PUBLISHED_BY_DIRECTION} %"
-    assert all("viscous" in verdict for verdict in verdicts), f"the asymmetry is not named: {verdicts}"
-    print(f"below the published {PUBLISHED_BY_DIRECTION} % on cycles that were not fitted; the cause is named")
+    assert ours < figures["by direction, cycle left out of the fit"], "no better than friction by direction, fitted alike"
+    by_direction = [any(word in named.get("viscous", "") for word in ("by itself", "only")) for named in verdicts]
+    assert all(by_direction), f"the asymmetry is not named: {verdicts}"
+    print(f"below the published {PUBLISHED_BY_DIRECTION} % on cycles that were not fitted; friction that differs by direction is named each time")
 
 
 if __name__ == "__main__":

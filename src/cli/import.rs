@@ -69,7 +69,7 @@ fn list(files: &[PathBuf], talk: &Talk) -> Result<()> {
     let mut read = Vec::new();
     for file in files {
         let Some(all) = import::read(file)? else {
-            let cure = "a campaign takes it as it is; its first line names the columns";
+            let cure = "a campaign takes it as it is, and its columns by the names that it holds";
             return Problem::error(file, "is a plain table", cure).alone();
         };
         read.push((file, all));

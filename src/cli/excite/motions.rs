@@ -154,7 +154,7 @@ impl Next {
         let proposes = |path: &PathBuf| path.join("next_experiment.toml").is_file();
         match self.motions.iter().filter(is_diagnosis).find(|path| !proposes(path)) {
             Some(silent) => {
-                let cure = "next_experiment in its diagnosis.json says what else would help";
+                let cure = "its report.html says what to do next; `excite` makes other motions too";
                 Problem::error(silent, "this diagnosis proposes no motion", cure).alone()
             }
             None => read_all(&self.motions),

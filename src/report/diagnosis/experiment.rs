@@ -30,17 +30,25 @@ pub(super) fn blind_json(found: &Diagnosis) -> Value {
     found.blind_spots.iter().map(one).collect()
 }
 
-/// The same for people, a sentence each; nothing where there is nothing to say.
+/// The same for people, a sentence each, nothing said twice; nothing where there is nothing to say.
 pub fn sentences(found: &Diagnosis) -> Vec<String> {
     let mut said = Vec::new();
     if let Some(next) = &found.next {
-        said.extend([next.reason.clone(), next.instruction.clone()]);
+        said.extend([sentence(&next.reason), sentence(&next.instruction)]);
         if next.trajectory.is_some() {
             said.push(format!(
                 "{FILE} holds the motion: `excite next` checks it against limits, `simulate --trajectory` rehearses it."
             ));
         }
     }
-    said.extend(found.blind_spots.iter().map(|spot| format!("These recordings cannot show: {}", spot.what)));
+    let told = |spot: &&BlindSpot| found.next.as_ref().is_some_and(|next| next.reason.contains(&spot.what));
+    said.extend(found.blind_spots.iter().filter(|spot| !told(spot)).map(|spot| sentence(&spot.what)));
     said
+}
+
+/// `text` with a capital and a full stop.
+fn sentence(text: &str) -> String {
+    let mut letters = text.chars();
+    let first: String = letters.next().into_iter().flat_map(char::to_uppercase).collect();
+    format!("{first}{}{}", letters.as_str(), if text.ends_with('.') { "" } else { "." })
 }

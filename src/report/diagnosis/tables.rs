@@ -69,7 +69,7 @@ pub fn changes_table(found: &Diagnosis) -> Option<Table> {
     )
 }
 
-/// Where the gap lies.
+/// Where the gap lies; nothing where there is none.
 pub fn places_table(found: &Diagnosis) -> Option<Table> {
     let units = Units::of(found.before.joint.kind);
     let row = |at: &crate::diagnose::Place| {
@@ -81,12 +81,13 @@ pub fn places_table(found: &Diagnosis) -> Option<Table> {
             units.torque(at.rmse_nm),
         ]
     };
+    let places = if found.verdict.kind == Kind::None { &[][..] } else { &found.places };
     table(
         "Where the gap lies",
         "Share of the gap's energy above the floor that goes with each quantity, and the bounds within which most of it \
          stands. One gap may show in several ways, so the shares do not add up.",
         &["where", "share of the gap", "bounds", "samples within", "RMS within"],
-        found.places.iter().map(row).collect(),
+        places.iter().map(row).collect(),
     )
 }
 

@@ -123,11 +123,11 @@ fn shrinks(what: &str, found: &Diagnosis, units: &Units) -> String {
 }
 
 fn nothing(found: &Diagnosis, units: &Units) -> String {
-    let gap = &found.gap;
-    let rest = match gap.explainable_nm > 0.0 {
+    let (gap, above_nm) = (&found.gap, found.verdict.gap_before_nm);
+    let rest = match above_nm > 0.0 {
         true => format!(
             "; the {} above it are within the model's own confidence, or too little to name a cause",
-            units.torque(gap.explainable_nm)
+            units.torque(above_nm)
         ),
         false => String::new(),
     };
@@ -186,11 +186,25 @@ fn unknown(found: &Diagnosis, units: &Units) -> String {
     };
     let lies = if found.places.is_empty() { String::new() } else { format!(" It lies {}.", location(found)) };
     format!(
-        "Nothing in the library closes the gap: of {} above a floor of {}, {} are left at best.{lies} {nature}.",
+        "Nothing in the library closes the gap: of {} above a floor of {}, {} are left at best.{} {nature}.{lies}",
         units.torque(verdict.gap_before_nm),
         units.torque(gap.floor.rms_nm),
         units.torque(verdict.gap_after_nm),
+        in_part(found),
     )
+}
+
+/// Of a gap that stays open, what explains a part of it.
+fn in_part(found: &Diagnosis) -> String {
+    let one = |cause: &Cause| match taken(found).find(|candidate| candidate.cause == *cause) {
+        Some(candidate) if !candidate.how.is_empty() => format!("{}, {}", claim(*cause), candidate.how),
+        _ => claim(*cause),
+    };
+    let all: Vec<String> = found.verdict.effects.iter().map(one).collect();
+    match all.is_empty() {
+        true => String::new(),
+        false => format!(" It shrinks by {} with {}.", shrink(found.verdict.shrink), all.join("; ")),
+    }
 }
 
 /// "after reversals (travel 0 to 2.1 deg): 71 % of the gap in 6 % of the samples".
