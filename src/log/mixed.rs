@@ -46,11 +46,10 @@ pub fn csv_bytes(file: &Path, columns: &[Mixed]) -> Result<Vec<u8>> {
     let written = writer.write_record(columns.iter().map(|column| &column.name)).and_then(|()| {
         (0..rows).try_for_each(|row| writer.write_record(columns.iter().map(|column| column.cells.text(row))))
     });
-    match written.map(|()| writer.into_inner()) {
-        Ok(Ok(bytes)) => Ok(bytes),
-        Ok(Err(error)) => Problem::error(file, format!("cannot be written as CSV: {error}"), "report this").alone(),
-        Err(error) => Problem::error(file, format!("cannot be written as CSV: {error}"), "report this").alone(),
-    }
+    let written = written.map_err(|error| error.to_string());
+    written
+        .and_then(|()| writer.into_inner().map_err(|error| error.to_string()))
+        .or_else(|error| Problem::error(file, format!("cannot be written as CSV: {error}"), "report this").alone())
 }
 
 /// Parquet; `file` is named when it cannot be written.
