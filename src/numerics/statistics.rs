@@ -1,6 +1,6 @@
 //! Means, spreads, quantiles.
 
-use statrs::distribution::{ChiSquared, ContinuousCDF, FisherSnedecor, StudentsT};
+use statrs::distribution::{ChiSquared, ContinuousCDF, FisherSnedecor, Normal, StudentsT};
 
 /// Two-sided level of every interval that is printed.
 pub const CONFIDENCE: f64 = 0.95;
@@ -42,6 +42,12 @@ pub fn quantile(values: &mut [f64], share: f64) -> f64 {
 /// without any.
 pub fn student_t(freedom: f64) -> f64 {
     StudentsT::new(0.0, 1.0, freedom).map_or(f64::INFINITY, |t| t.inverse_cdf(0.5 + CONFIDENCE / 2.0))
+}
+
+/// What widens a 95 % interval so that of `count` such intervals together all hold in 95 % of cases (Bonferroni).
+pub fn together(count: usize) -> f64 {
+    let tail = (1.0 - CONFIDENCE) / 2.0 / count.max(1) as f64;
+    Normal::new(0.0, 1.0).map_or(f64::INFINITY, |normal| -normal.inverse_cdf(tail) / HALF_WIDTH)
 }
 
 /// Quantile of Fisher's F at `CONFIDENCE`, with `over` and `under` degrees of freedom; infinite without any.
