@@ -303,7 +303,7 @@ impl<W: Wire, C> Run<'_, '_, W, C> {
     /// One cycle; whether all is well.
     fn turn(&mut self, request: Request, command_rad: Option<f64>) -> bool {
         self.cycle.turn(request, command_rad);
-        if self.cycle.number() % WATCHED_CYCLES == 0 {
+        if self.cycle.number().is_multiple_of(WATCHED_CYCLES) {
             self.show();
         }
         self.cycle.axis.cause().is_none()

@@ -4,7 +4,7 @@ use super::marks::TrialMark;
 use crate::evaluate::{Evaluation, Group, Split};
 use crate::identify::{FrictionFit, Identification, Route};
 use crate::model::{Combination, Confidence, Direction, Friction, Model};
-use crate::numerics::statistics::{mean, standard_deviation, student_t};
+use crate::numerics::statistics::{HALF_WIDTH, mean, standard_deviation, student_t};
 use std::f64::consts::SQRT_2;
 
 /// What another machine's arithmetic (the last digit of a sine) may do to a figure on the same data: a share of it. Far above
@@ -180,7 +180,9 @@ fn error(name: String, value: f64, share: f64) -> Figure {
 /// What the root mean square of `independent` errors may differ by from one recording to the next, as a share of it: its own
 /// standard error is 1/√(2 n), a difference's √2 of that, an interval's half width 1.96 times more.
 fn share(independent: f64) -> f64 {
-    crate::numerics::statistics::HALF_WIDTH / independent.max(0.0).sqrt()
+    /// Of fewer errors the root mean square is anywhere.
+    const FEW: f64 = 10.0;
+    if independent < FEW { f64::INFINITY } else { HALF_WIDTH / independent.sqrt() }
 }
 
 /// The same of all trials of an identification: by the scatter between them where that is larger.

@@ -2,6 +2,7 @@
 
 use super::sketch::Relation;
 use super::{Figure, Snapshot, TrialMark};
+use crate::numerics::statistics::together;
 use std::collections::BTreeMap;
 
 /// What a finding is about.
@@ -255,8 +256,11 @@ fn words(Relation { times, plus }: Relation) -> String {
 fn figures(before: &Snapshot, now: &Snapshot, has_changed: impl Fn(&Figure) -> bool) -> Vec<Finding> {
     let known: BTreeMap<&str, &Figure> = now.figures.iter().map(|figure| (figure.name.as_str(), figure)).collect();
     let is_there = |file: &String| now.trials.iter().any(|mark| mark.file == *file);
+    // Of hundreds of figures some always leave their own 95 % interval.
+    let wider = together(before.figures.len());
     let mut found = Vec::new();
     for figure in &before.figures {
+        let figure = &Figure { tolerance: wider * figure.tolerance, ..figure.clone() };
         let finding = |now: Held, allowed: f64, outcome: Outcome, note: &str| Finding {
             part: Part::Figure,
             name: figure.name.clone(),

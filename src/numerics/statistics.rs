@@ -49,6 +49,11 @@ pub fn normal(outside: f64) -> f64 {
     Normal::new(0.0, 1.0).map_or(f64::INFINITY, |normal| -normal.inverse_cdf(outside / 2.0))
 }
 
+/// What widens a 95 % interval so that of `count` such intervals together all hold in 95 % of cases (Bonferroni).
+pub fn together(count: usize) -> f64 {
+    normal((1.0 - CONFIDENCE) / count.max(1) as f64) / HALF_WIDTH
+}
+
 /// Quantile of Fisher's F at `CONFIDENCE`, with `over` and `under` degrees of freedom; infinite without any.
 pub fn fisher_f(over: f64, under: f64) -> f64 {
     FisherSnedecor::new(over, under).map_or(f64::INFINITY, |f| f.inverse_cdf(CONFIDENCE))

@@ -23,7 +23,7 @@ pub struct Arguments {
 
 pub fn run(arguments: &Arguments, talk: &Talk) -> Result<ExitCode> {
     let wire = wire::open(&arguments.interface, false, 1)?;
-    let found = with_line(wire, |line, main| scan(line, main)).or_else(|failure| {
+    let found = with_line(wire, scan).or_else(|failure| {
         let what = format!("the devices cannot be brought to PRE-OP: {failure}");
         Problem::error(&arguments.interface, what, "check cables and power of the devices").alone()
     })?;
