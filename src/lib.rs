@@ -65,6 +65,12 @@ pub mod diagnose;
 /// Two `Model`s of one joint -> what changed, and what it does to the prediction.
 pub mod compare;
 
+/// A campaign x a stored baseline -> what moved, and whether it matters.
+pub mod check;
+
+/// Many campaigns -> a result each, kept as files -> a table; by joint, over time: what drifted.
+pub mod batch;
+
 /// Results -> terminal, JSON, tables, plots, one HTML file.
 pub mod report;
 

@@ -37,13 +37,19 @@ pub fn truth() -> Model {
 /// `plan` recorded from `model`.
 pub fn record(model: &Model, plan: &Plan) -> TempDir {
     let folder = TempDir::new().unwrap();
+    record_in(folder.path(), model, plan);
+    folder
+}
+
+/// `plan` recorded from `model` in `folder`, which is made if it is not there.
+pub fn record_in(folder: &Path, model: &Model, plan: &Plan) {
+    std::fs::create_dir_all(folder).unwrap();
     let trials = plan.trials(model.joint.kind);
     for trial in &trials {
-        std::fs::write(folder.path().join(&trial.entry.file), plan.log_bytes(model, trial).unwrap()).unwrap();
+        std::fs::write(folder.join(&trial.entry.file), plan.log_bytes(model, trial).unwrap()).unwrap();
     }
-    let campaign = plan.campaign(model, folder.path(), &trials);
-    std::fs::write(folder.path().join("campaign.toml"), campaign.to_toml()).unwrap();
-    folder
+    let campaign = plan.campaign(model, folder, &trials);
+    std::fs::write(folder.join("campaign.toml"), campaign.to_toml()).unwrap();
 }
 
 /// The campaign in `folder`, identified.

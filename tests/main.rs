@@ -1,10 +1,12 @@
 //! All integration tests in one binary: it links once.
 
 mod architecture;
+mod batch;
 mod bus;
 mod campaigns;
 mod capture;
 mod chain;
+mod check;
 mod cli;
 mod closed_loop;
 mod combination;

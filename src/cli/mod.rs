@@ -3,7 +3,9 @@
 //! Exit status: 0 done, 1 a judgement that failed, 2 bad input or usage.
 
 mod arm;
+mod batch;
 mod capture;
+mod check;
 mod compare;
 mod completions;
 mod demo;
@@ -65,8 +67,12 @@ enum Command {
     Interaction(interaction::Arguments),
     /// Find where the gap between model and recordings lies, and what causes it
     Diagnose(diagnose::Arguments),
+    /// Hold a campaign against a stored baseline: has code or data changed what comes out?
+    Check(check::Arguments),
     /// Compare two models of one joint, before and after
     Compare(compare::Arguments),
+    /// Identify many campaigns, on all cores: one table, one report of the fleet
+    Batch(batch::Arguments),
     /// Run one step of the protocol alone
     Fit(fit::Arguments),
     /// Make a campaign of MATLAB, ROS 2 or TwinCAT Scope recordings
@@ -114,7 +120,9 @@ fn act(command: Command, talk: &Talk) -> Result<ExitCode> {
         Command::Predict(arguments) => predict::run(&arguments, talk),
         Command::Interaction(arguments) => interaction::run(&arguments, talk),
         Command::Diagnose(arguments) => diagnose::run(&arguments, talk),
+        Command::Check(arguments) => check::run(&arguments, talk),
         Command::Compare(arguments) => compare::run(&arguments, talk),
+        Command::Batch(arguments) => batch::run(&arguments, talk),
         Command::Fit(arguments) => fit::run(&arguments, talk),
         Command::Import(arguments) => import::run(&arguments, talk),
         Command::Validate(arguments) => validate::run(&arguments, talk),

@@ -126,6 +126,11 @@ fn one_joint(before: &Model, after: &Model) -> Result<()> {
     Problems(problems).unless_errors(())
 }
 
+/// Dotted name, unit and value of every parameter that `model` has.
+pub fn parameters_of(model: &Model) -> Vec<(String, &'static str, f64)> {
+    parameters(model, model).into_iter().filter_map(|(name, unit, value, _)| Some((name, unit, value?))).collect()
+}
+
 type Row = (String, &'static str, Option<f64>, Option<f64>);
 
 /// Name, unit and both values of every parameter that either has.

@@ -2,46 +2,15 @@
 
 use super::candidates::{Cause, Round, Sketch, Tried, score, try_all};
 use super::fit::{Bench, Fit, Ground};
-use super::moves::{Move, SAME_TORQUE, within_confidence};
+use super::moves::{Move, within_confidence};
 use super::pairs;
-use crate::effects::find;
+use super::weigh::{FLOOR_SHARE, is_change_over, is_makeshift, is_material, is_tie, rivals, seconds, simplest};
 use crate::model::Model;
-use crate::numerics::statistics::standard_deviation;
 
 /// Most causes that are looked for.
 const CAUSES_MAX: usize = 3;
 /// Rounds over the causes found in which each is tried again.
 const SWEEPS: usize = 2;
-/// A cause must change the prediction by this share of the floor at least, RMS ...
-const FLOOR_SHARE: f64 = 0.6;
-/// ... the first by this share of the gap's square, any other by this share of what is left ...
-const GAP_SHARE_FIRST: f64 = 0.15;
-const GAP_SHARE_MORE: f64 = 0.30;
-/// ... and of the whole gap's square ...
-const WHOLE_SHARE_MORE: f64 = 0.02;
-/// ... or nearly all that is left, which is as large as the floor and this share of the whole ...
-const GAP_SHARE_NEARLY: f64 = 0.6;
-const WHOLE_SHARE_NEARLY: f64 = 0.01;
-/// ... or by so much of the whole: of a gap with many small causes even a large one is no great share of what is left.
-const WHOLE_SHARE_ALONE: f64 = 0.12;
-/// Its gain must exceed so many standard errors over clusters.
-const ERRORS: f64 = 2.0;
-/// What clusters lose by it is little, as a share of what others win.
-const LOST_SHARE: f64 = 0.2;
-/// A simpler cause is taken, and an equal one is a rival, within so many standard errors over clusters ...
-const TIE_ERRORS: f64 = 1.5;
-/// ... or this share of the gap's square, or of the floor's.
-const TIE_SHARE: f64 = 0.001;
-const TIE_FLOOR_SHARE: f64 = 0.01;
-/// ... or this share of what the best leaves above the floor: where its form fails, so much of the others' failure is form, too.
-const TIE_LEFT_SHARE: f64 = 0.05;
-/// However uncertain, what lies further apart than this share of the gap's square is not equal.
-const TIE_SHARE_MAX: f64 = 0.05;
-
-/// A cause that moves the base by so much more, in squared standard deviations, does not do as well: e^-5 as likely ...
-const SURPRISE_APART: f64 = 10.0;
-/// ... and each number that it has less is worth as much as finding one within a hundredth of its range: 2 ln 100.
-const SURPRISE_A_NUMBER: f64 = 9.0;
 
 /// Causes found, and all that was tried in the place of each.
 #[derive(Debug)]
@@ -285,15 +254,6 @@ impl Search<'_> {
     }
 }
 
-fn is_change_over(cause: Cause) -> bool {
-    matches!(cause, Cause::Effect("reversal_transition" | "presliding"))
-}
-
-/// Whether friction would have to grow in one direction by just as much as it falls in the other: of equals no likely cause.
-fn is_makeshift((cause, how): (Cause, &str)) -> bool {
-    cause == Cause::Stale("coulomb") && how == SAME_TORQUE
-}
-
 fn makeshifts(chosen: &[Sketch]) -> usize {
     chosen.iter().filter(|sketch| is_makeshift((sketch.cause, sketch.how))).count()
 }
@@ -301,109 +261,4 @@ fn makeshifts(chosen: &[Sketch]) -> usize {
 /// All that were chosen but number `at`.
 fn all_but(chosen: &[Sketch], at: usize) -> Vec<Sketch> {
     chosen.iter().enumerate().filter(|(i, _)| *i != at).map(|(_, sketch)| sketch.clone()).collect()
-}
-
-/// The simplest of those that do as well as the best.
-fn simplest(bench: &Bench<'_>, tried: &[Tried], start: f64) -> Option<usize> {
-    let best = tried.first()?;
-    let equals = tried.iter().enumerate().filter(|(_, t)| is_tie(bench, &best.fit, &t.fit, start));
-    equals.min_by_key(|(_, t)| (t.count(), is_makeshift((t.cause, t.how)))).map(|(at, _)| at)
-}
-
-/// Whether `other` does as well as `best` on held-out units, as far as they can tell.
-fn is_tie(bench: &Bench<'_>, best: &Fit, other: &Fit, start: f64) -> bool {
-    let floor_square = bench.floor_nm * bench.floor_nm;
-    let behind = score(bench, other) - score(bench, best);
-    let left = TIE_LEFT_SHARE * (score(bench, best) - floor_square);
-    let negligible = left.max(TIE_SHARE * (start - floor_square)).max(TIE_FLOOR_SHARE * floor_square);
-    let (a, b) = (bench.surprise_factor(best), bench.surprise_factor(other));
-    let spared = best.moves.len().saturating_sub(other.moves.len()) as f64;
-    if other.cost.surprise > best.cost.surprise + SURPRISE_APART + SURPRISE_A_NUMBER * spared {
-        return false;
-    }
-    let differences = clusters(bench, best.held_out.iter().zip(&other.held_out).map(|(x, y)| b * y - a * x));
-    let uncertain = behind * bench.rows() as f64 <= TIE_ERRORS * error_of_sum(&differences);
-    behind <= negligible || (uncertain && behind <= TIE_SHARE_MAX * (start - floor_square).max(floor_square))
-}
-
-/// Sums of `of_units` over each cluster.
-fn clusters(bench: &Bench<'_>, of_units: impl Iterator<Item = f64>) -> Vec<f64> {
-    let mut sums = vec![0.0; bench.parts.cluster.iter().max().map_or(0, |last| last + 1)];
-    bench.parts.cluster.iter().zip(of_units).for_each(|(cluster, x)| sums[*cluster] += x);
-    sums
-}
-
-/// Standard error of the sum of `values`.
-fn error_of_sum(values: &[f64]) -> f64 {
-    let sd = standard_deviation(values);
-    if sd.is_finite() { sd * (values.len() as f64).sqrt() } else { 0.0 }
-}
-
-/// Whether a fit with one cause more changes enough, and surely enough, for it to be named.
-fn is_material(bench: &Bench<'_>, with: &Fit, without: &Fit, start: f64, is_first: bool) -> bool {
-    let floor_square = bench.floor_nm * bench.floor_nm;
-    let now = score(bench, without);
-    let gain = now - score(bench, with);
-    let gap = (now - floor_square).max(0.0);
-    let whole = start - floor_square;
-    let enough = match is_first {
-        true => gain >= GAP_SHARE_FIRST * gap,
-        false => {
-            let nearly = gain >= GAP_SHARE_NEARLY * gap && gain >= (WHOLE_SHARE_NEARLY * whole).max(floor_square);
-            let much = gain >= GAP_SHARE_MORE * gap && gain >= WHOLE_SHARE_MORE * whole;
-            nearly || much || gain >= WHOLE_SHARE_ALONE * whole
-        }
-    };
-    enough && gain >= FLOOR_SHARE * FLOOR_SHARE * floor_square && is_sure(bench, &without.held_out, &with.held_out)
-}
-
-/// Whether the squares left fall from `before` to `after` by more than chance between clusters: by several standard errors, or,
-/// where only a few clusters show the cause, with hardly any that it harms.
-fn is_sure(bench: &Bench<'_>, before: &[f64], after: &[f64]) -> bool {
-    let gains = clusters(bench, before.iter().zip(after).map(|(b, a)| b - a));
-    let won: f64 = gains.iter().filter(|g| **g > 0.0).sum();
-    let lost: f64 = -gains.iter().filter(|g| **g < 0.0).sum::<f64>();
-    won - lost > ERRORS * error_of_sum(&gains) || lost < LOST_SHARE * won
-}
-
-/// Causes other than `taken` that do as well with no more numbers; one that a spring over a short way is mistaken for may have
-/// one less.
-fn rivals(bench: &Bench<'_>, taken: &Tried, tried: &[Tried], start: f64) -> Vec<Cause> {
-    let spare = |cause: Cause| {
-        usize::from(taken.cause == Cause::Effect("gravity_phase") && cause == Cause::Effect("elastic_spring"))
-    };
-    let is_rival = |other: &&Tried| {
-        other.cause != taken.cause
-            && other.count() <= taken.count() + spare(other.cause)
-            && is_tie(bench, &taken.fit, &other.fit, start)
-    };
-    let mut found: Vec<Cause> = Vec::new();
-    for other in tried.iter().filter(is_rival) {
-        if !found.contains(&other.cause) {
-            found.push(other.cause);
-        }
-    }
-    found
-}
-
-/// Causes that `taken` is known to be mistaken for and that do as well: only their numbers speak against them.
-fn seconds(bench: &Bench<'_>, taken: &Tried, tried: &[Tried], start: f64) -> Vec<Cause> {
-    let known = rivals(bench, taken, tried, start);
-    let mut found: Vec<Cause> = Vec::new();
-    for other in tried.iter().filter(|other| other.cause != taken.cause && is_tie(bench, &taken.fit, &other.fit, start))
-    {
-        let is_new = !known.contains(&other.cause) && !found.contains(&other.cause);
-        if is_new && (names(taken.cause, other.cause) || names(other.cause, taken.cause)) {
-            found.push(other.cause);
-        }
-    }
-    found
-}
-
-/// Whether `cause`, an effect, says that it can be mistaken for `other`.
-fn names(cause: Cause, other: Cause) -> bool {
-    match cause {
-        Cause::Effect(id) => find(id).is_some_and(|effect| effect.about().trades_with.contains(&other.name())),
-        Cause::Stale(_) => false,
-    }
 }

@@ -22,6 +22,7 @@ mod parts;
 mod record;
 mod ripple;
 mod verdict;
+mod weigh;
 
 pub use candidates::Cause;
 pub use floor::{Floor, FloorSource};

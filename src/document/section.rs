@@ -112,6 +112,14 @@ impl<'a> Field<'_, 'a> {
         })
     }
 
+    /// A day, with or without the time of day, without quotes: as ISO 8601 writes it.
+    pub fn date(self) -> Option<String> {
+        self.take("a date such as 2026-03-02, without quotes", |value| match value {
+            Value::Date(date) => Some(date.clone()).filter(|date| date.as_bytes().get(4) == Some(&b'-')),
+            _ => None,
+        })
+    }
+
     /// A finite number.
     pub fn number(self) -> Option<f64> {
         self.take("a number", finite)

@@ -9,6 +9,7 @@ mod clock;
 mod columns;
 mod csv_file;
 mod entries;
+pub mod mixed;
 mod parquet_file;
 mod readings;
 mod resample;

@@ -30,7 +30,8 @@ impl Model {
         Document::from_json(file, text)?.read(Self::from_section)
     }
 
-    fn from_section(root: &Section<'_>) -> Option<Self> {
+    /// Reads a model that stands in a part of a larger file.
+    pub fn from_section(root: &Section<'_>) -> Option<Self> {
         root.need("format").choice(&[(FORMAT, ())]);
         for key in EXTRA_KEYS {
             root.may(key);

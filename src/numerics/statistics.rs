@@ -1,6 +1,6 @@
 //! Means, spreads, quantiles.
 
-use statrs::distribution::{ChiSquared, ContinuousCDF, FisherSnedecor, StudentsT};
+use statrs::distribution::{ChiSquared, ContinuousCDF, FisherSnedecor, Normal, StudentsT};
 
 /// Two-sided level of every interval that is printed.
 pub const CONFIDENCE: f64 = 0.95;
@@ -42,6 +42,11 @@ pub fn quantile(values: &mut [f64], share: f64) -> f64 {
 /// without any.
 pub fn student_t(freedom: f64) -> f64 {
     StudentsT::new(0.0, 1.0, freedom).map_or(f64::INFINITY, |t| t.inverse_cdf(0.5 + CONFIDENCE / 2.0))
+}
+
+/// Distance from the mean, in standard deviations, beyond which the share `outside` of a normal distribution lies, on both sides.
+pub fn normal(outside: f64) -> f64 {
+    Normal::new(0.0, 1.0).map_or(f64::INFINITY, |normal| -normal.inverse_cdf(outside / 2.0))
 }
 
 /// Quantile of Fisher's F at `CONFIDENCE`, with `over` and `under` degrees of freedom; infinite without any.

@@ -11,6 +11,8 @@
 //! | `evaluation` | an evaluation as JSON, on the terminal, as a page |
 //! | `effects` | the effect library as JSON, on the terminal |
 //! | `excitation` | motions held against limits, as JSON, on the terminal |
+//! | `checked` | a campaign held against its baseline, on the terminal, as JSON, JUnit, GitHub annotations |
+//! | `fleet` | many campaigns: by joint, over time, as JSON, on the terminal, as a page |
 //! | `comparison` | two models compared as JSON, on the terminal, as a page |
 //! | `diagnosis` | a diagnosis as JSON, on the terminal, as a page |
 //! | `interaction` | an interaction as JSON, tables, on the terminal, as a page |
@@ -24,11 +26,13 @@
 //! | `parameters`, `number`, `wording` | what all of these share: rows, digits, units and words |
 
 pub mod chart;
+pub mod checked;
 pub mod comparison;
 pub mod diagnosis;
 pub mod effects;
 pub mod evaluation;
 pub mod excitation;
+pub mod fleet;
 mod forms;
 pub mod html;
 pub mod identification;
@@ -48,11 +52,13 @@ pub mod wording;
 pub use output::Output;
 pub use tables::{read_trials_csv, trials_csv};
 
+use crate::batch::{self, Fleet};
 use crate::compare::Comparison;
 use crate::evaluate::Evaluation;
 use crate::excite::{Asked, Limits};
 use crate::identify::{Identification, LegFit};
 use crate::interaction::Interaction;
+use crate::log::mixed;
 use crate::problem::{Problem, Result};
 use plots::{FIGURES, Figure};
 use rayon::prelude::*;
@@ -106,6 +112,17 @@ pub fn write_interaction(
     }
     let drawings = plots::interaction::drawings(found).or_else(|error| unmade(output, "plots", error))?;
     interaction::page(found, campaign, model, drawings).write(output, png)
+}
+
+/// Writes `table.csv`, `table.parquet`, `fleet.json`, `plots/` and `report.html` of `fleet`, called `name`, to `output`.
+pub fn write_fleet(fleet: &Fleet, name: &str, output: &Output, png: bool) -> Result<()> {
+    let columns = batch::columns(&fleet.rows);
+    let shown = |name: &str| output.path().join(name);
+    output.write("table.csv", mixed::csv_bytes(&shown("table.csv"), &columns)?)?;
+    output.write("table.parquet", mixed::parquet_bytes(&shown("table.parquet"), &columns)?)?;
+    output.write("fleet.json", json_text(&fleet::to_json(fleet)))?;
+    let drawings = plots::fleet::drawings(fleet).or_else(|error| unmade(output, "plots", error))?;
+    fleet::page(fleet, name, drawings).write(output, png)
 }
 
 /// Writes `comparison.json`, `plots/` and `report.html` of `found` between the models called `names` to `output`.

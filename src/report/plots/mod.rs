@@ -6,6 +6,7 @@ mod confidence;
 pub mod diagnosis;
 pub mod evaluation;
 pub mod excitation;
+pub mod fleet;
 mod friction;
 pub mod interaction;
 mod residual_cloud;

@@ -1,0 +1,161 @@
+//! One campaign: identify, evaluate, diagnose. Whatever is wrong with it is its result.
+
+use super::manifest::Entry;
+use super::record::{Diagnosed, FORMAT, Record};
+use crate::compare::unloaded_nm;
+use crate::identify::{self, FrictionFit, Identification};
+use crate::log::{Campaign, Protocol};
+use crate::model::{Friction, Model};
+use crate::numerics::statistics::HALF_WIDTH;
+use crate::problem::{Problem, Problems, Result};
+use crate::{diagnose, evaluate};
+use std::collections::BTreeMap;
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::time::Instant;
+
+/// Step of a slope by differences, as a share of the parameter.
+const STEP: f64 = 1e-6;
+
+/// What is done with each campaign.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Settings {
+    /// How it is identified.
+    pub identify: identify::Settings,
+    /// Whether it is diagnosed too.
+    pub diagnose: bool,
+}
+
+/// The result of `entry`, which depends on `inputs`.
+pub fn record(entry: &Entry, settings: &Settings, inputs: String) -> Record {
+    let begun = Instant::now();
+    let blank = Record {
+        format: FORMAT.to_string(),
+        name: entry.name.clone(),
+        inputs,
+        tautline: env!("CARGO_PKG_VERSION").to_string(),
+        ..Record::default()
+    };
+    // A fault of this program must not take the other campaigns along.
+    let found = catch_unwind(AssertUnwindSafe(|| work(entry, settings, blank.clone()))).unwrap_or_else(|_| {
+        Problem::error(&entry.path, "a fault of tautline's own ended its work", "report it with the campaign").alone()
+    });
+    let record = found.unwrap_or_else(|problems| Record { failure: Some(reason(&problems)), ..blank });
+    Record { duration_s: begun.elapsed().as_secs_f64(), ..record }
+}
+
+/// The first problem, and how many more there are.
+fn reason(Problems(problems): &Problems) -> String {
+    let first = problems.first().map(Problem::to_string).unwrap_or_default();
+    match problems.len() {
+        0 | 1 => first,
+        n => format!("{first} (and {} more: `tautline validate` lists them)", n - 1),
+    }
+}
+
+fn work(entry: &Entry, settings: &Settings, mut record: Record) -> Result<Record> {
+    let campaign = Campaign::read(&entry.path)?;
+    let given = entry.model.as_deref().map(Model::read).transpose()?;
+    let found = identify::run(&campaign, settings.identify, &|| ())?;
+    record.route = if found.route.sweeps().is_some() { "sweeps" } else { "free" }.to_string();
+    (record.trials, record.rows) = (found.trials, found.rows);
+    identified(&found, &mut record.figures);
+    record.warnings.extend(found.warnings.iter().cloned());
+    record.model = Some(found.model.to_json());
+    let model = given.unwrap_or(found.model);
+    let campaign = if model.needs_clock() { campaign.with_clock()? } else { campaign };
+    judged(&campaign, &model, &mut record)?;
+    if settings.diagnose {
+        diagnosed(&campaign, &model, &mut record)?;
+    }
+    record.figures.retain(|_, figure| figure.is_finite());
+    Ok(record)
+}
+
+fn put<const N: usize>(figures: &mut BTreeMap<String, f64>, pairs: [(&str, f64); N]) {
+    figures.extend(pairs.map(|(name, figure)| (name.to_string(), figure)));
+}
+
+/// A and, at one speed, B(v), each with the half width of its 95 % interval.
+fn identified(found: &Identification, figures: &mut BTreeMap<String, f64>) {
+    let Some(fits) = found.route.sweeps() else { return };
+    let (slowest, fastest) = fits.up.points.speed_range_rad_s();
+    let speed_rad_s = (slowest * fastest).sqrt();
+    put(figures, [("level_speed_rad_s", speed_rad_s)]);
+    for fit in [&fits.up, &fits.down] {
+        let direction = fit.direction.name();
+        put(
+            figures,
+            [
+                (&format!("a_{direction}_nm"), fit.a.a_nm),
+                (&format!("a_{direction}_half_width_nm"), fit.a.half_width_nm),
+                (&format!("level_{direction}_nm"), unloaded_nm(&found.model, fit.direction, speed_rad_s)),
+                (&format!("level_{direction}_half_width_nm"), half_width_nm(&found.model, fit, speed_rad_s)),
+            ],
+        );
+    }
+}
+
+/// Of B(v) at `speed_rad_s`, N m, to first order: the variance g' C g with g the slopes of B by the parameters and C their
+/// covariance. Parameters known only together still give a B(v) that is known well. NaN without a covariance.
+fn half_width_nm(model: &Model, fit: &FrictionFit, speed_rad_s: f64) -> f64 {
+    let Ok(covariance) = &fit.covariance else { return f64::NAN };
+    let slope = |name: &&str| {
+        let Some(at) = Friction::NAMES.iter().position(|known| known == name) else { return 0.0 };
+        let step = STEP * fit.friction.values()[at].abs().max(STEP);
+        let moved = |by: f64| {
+            let mut values = fit.friction.values();
+            values[at] += by;
+            let mut moved = model.clone();
+            *moved.friction.of_mut(fit.direction) = Friction::from_values(values);
+            unloaded_nm(&moved, fit.direction, speed_rad_s)
+        };
+        (moved(step) - moved(-step)) / (2.0 * step)
+    };
+    let slopes: Vec<f64> = covariance.parameters.iter().map(slope).collect();
+    let n = slopes.len();
+    let variance: f64 = (0..n * n).map(|k| slopes[k / n] * covariance.matrix[(k / n, k % n)] * slopes[k % n]).sum();
+    HALF_WIDTH * variance.max(0.0).sqrt()
+}
+
+/// How well `model` foretells the cosine and free trials, if there are any.
+fn judged(campaign: &Campaign, model: &Model, record: &mut Record) -> Result<()> {
+    if !campaign.trials.iter().any(|trial| matches!(trial.protocol, Protocol::Cosine | Protocol::Free)) {
+        record.warnings.push("not judged: there is no cosine or free trial".to_string());
+        return Ok(());
+    }
+    let found = evaluate::run(campaign, model, &evaluate::Settings::default(), &|| ())?;
+    let (low_passed, raw) = (found.overall(), found.together(|trial| &trial.raw));
+    put(
+        &mut record.figures,
+        [
+            ("rmse_nm", low_passed.all.rmse_nm),
+            ("mae_nm", low_passed.all.mae_nm),
+            ("peak_nm", low_passed.all.peak_nm),
+            ("rmse_percent", low_passed.all.rmse_percent),
+            ("stable_rmse_nm", low_passed.stable.rmse_nm),
+            ("transition_rmse_nm", low_passed.transition.rmse_nm),
+            ("raw_rmse_nm", raw.all.rmse_nm),
+        ],
+    );
+    record.warnings.extend(found.warnings);
+    Ok(())
+}
+
+fn diagnosed(campaign: &Campaign, model: &Model, record: &mut Record) -> Result<()> {
+    let found = diagnose::run(campaign, model, &|| ())?;
+    let verdict = &found.verdict;
+    put(
+        &mut record.figures,
+        [
+            ("gap_nm", found.gap.explainable_nm),
+            ("noise_floor_nm", found.gap.floor.rms_nm),
+            ("gap_after_nm", verdict.gap_after_nm),
+            ("shrink", verdict.shrink.value),
+            ("verdict_confidence", verdict.confidence),
+        ],
+    );
+    let effects = verdict.effects.iter().map(|cause| cause.name().to_string()).collect();
+    record.diagnosis = Some(Diagnosed { verdict: verdict.kind.name().to_string(), effects });
+    record.warnings.extend(found.warnings.iter().cloned());
+    Ok(())
+}

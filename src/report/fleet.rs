@@ -1,0 +1,221 @@
+//! Many campaigns as `fleet.json`, on the terminal, and as a page.
+
+use super::number::{counted, interval, significant};
+use super::page::{Card, Drawing, Page, Table};
+use super::terminal::{BOLD, DIM, YELLOW, heading};
+use crate::batch::{Drift, Fleet, Joint, Outlier};
+use serde_json::{Value, json};
+use std::io::{self, Write};
+use std::path::Path;
+
+/// All that `batch` writes beside the results.
+pub const FLEET_FILES: &[&str] =
+    &["fleet.json", "table.csv", "table.parquet", "report.html", "plots/*.svg", "plots/*.png"];
+
+/// Rows of a table on the page, and on the terminal; the files hold all.
+const ON_THE_PAGE: usize = 200;
+const ON_THE_TERMINAL: usize = 12;
+
+/// The fleet for programs.
+pub fn to_json(fleet: &Fleet) -> Value {
+    let name = |at: usize| fleet.rows[at].entry.name.as_str();
+    let drift = |d: &Drift| {
+        json!({ "name": d.name, "unit": d.unit, "before": d.before, "after": d.after,
+                "change": d.after - d.before, "low": d.low, "high": d.high })
+    };
+    let joint = |j: &Joint| {
+        json!({
+            "joint": j.name,
+            "campaigns": j.rows.iter().map(|at| name(*at)).collect::<Vec<_>>(),
+            "retensioned": j.retensioned,
+            "since": name(j.since),
+            "drifted": j.drifts.iter().map(drift).collect::<Vec<Value>>(),
+            "prediction_rms_change_nm": j.change_nm,
+            "incomparable": j.incomparable,
+        })
+    };
+    let outlier = |o: &Outlier| {
+        json!({ "campaign": name(o.row), "joint": fleet.rows[o.row].joint(), "name": o.name, "value": o.value,
+                "median": o.median, "deviations": o.deviations })
+    };
+    let failed = |row: &crate::batch::Row| json!({ "campaign": row.entry.name, "reason": row.record.failure });
+    json!({
+        "format": "fleet/1",
+        "campaigns": fleet.rows.len(),
+        "failed": fleet.failed().map(failed).collect::<Vec<Value>>(),
+        "compared": fleet.compared,
+        "joints": fleet.joints.iter().map(joint).collect::<Vec<Value>>(),
+        "outliers": fleet.outliers.iter().map(outlier).collect::<Vec<Value>>(),
+        "provenance": { "tautline": env!("CARGO_PKG_VERSION") },
+    })
+}
+
+fn sentence(fleet: &Fleet) -> String {
+    let (drifted, failed) = (fleet.drifted().count(), fleet.failed().count());
+    let joints = counted(fleet.joints.len(), "joint", "joints");
+    let drift = match (drifted, fleet.compared) {
+        (_, 0) => "no joint has two campaigns to compare".to_string(),
+        (0, _) => "no joint drifted beyond its confidence".to_string(),
+        (n, _) => format!("{} drifted since it was last retensioned", counted(n, "joint", "joints")),
+    };
+    let failures = match failed {
+        0 => "all campaigns were identified".to_string(),
+        n => format!("{} could not be identified", counted(n, "campaign", "campaigns")),
+    };
+    format!("{joints}: {drift}; {failures}.")
+}
+
+/// The heads of a table with its rows.
+type Cells<const N: usize> = ([&'static str; N], Vec<[String; N]>);
+
+fn drifts(fleet: &Fleet) -> Cells<7> {
+    let row = |joint: &Joint, d: &Drift| {
+        let span = format!("{} to {}", when(fleet, joint.since), when(fleet, joint.last()));
+        let change = d.after - d.before;
+        let unit = if d.unit.is_empty() { String::new() } else { format!(" {}", d.unit) };
+        [
+            joint.name.clone(),
+            span,
+            d.name.clone(),
+            format!("{}{unit}", significant(d.before, 4)),
+            format!("{}{unit}", significant(d.after, 4)),
+            significant(change, 3),
+            interval(change, d.low, d.high),
+        ]
+    };
+    let rows = fleet.drifted().flat_map(|joint| joint.drifts.iter().map(move |d| row(joint, d)));
+    (["joint", "campaigns", "what", "before", "after", "change", "interval"], rows.collect())
+}
+
+fn outliers(fleet: &Fleet) -> Cells<5> {
+    let row = |o: &Outlier| {
+        [
+            fleet.rows[o.row].entry.name.clone(),
+            o.name.clone(),
+            significant(o.value, 4),
+            significant(o.median, 4),
+            format!("{:.1} SD", o.deviations),
+        ]
+    };
+    (["campaign", "what", "value", "fleet's median", "away"], fleet.outliers.iter().map(row).collect())
+}
+
+fn failures(fleet: &Fleet) -> Cells<2> {
+    let row = |row: &crate::batch::Row| [row.entry.name.clone(), row.record.failure.clone().unwrap_or_default()];
+    (["campaign", "why"], fleet.failed().map(row).collect())
+}
+
+fn joints(fleet: &Fleet) -> Cells<7> {
+    let row = |joint: &Joint| {
+        let last = &fleet.rows[joint.last()];
+        let figure = |name: &str| last.figure(name).map_or("–".to_string(), |x| significant(x, 3));
+        let drifted = match (&joint.incomparable, joint.since == joint.last()) {
+            (Some(why), _) => why.clone(),
+            (None, true) => "one campaign since".to_string(),
+            (None, false) if joint.drifts.is_empty() => "no".to_string(),
+            _ => joint.drifts.iter().map(|d| d.name.as_str()).collect::<Vec<_>>().join(", "),
+        };
+        let diagnosis = last.record.diagnosis.as_ref();
+        [
+            joint.name.clone(),
+            joint.rows.len().to_string(),
+            when(fleet, joint.last()),
+            figure("rmse_nm"),
+            diagnosis.map_or("–".to_string(), |found| format!("{} {}", found.verdict, found.effects.join(", "))),
+            joint.change_nm.map_or("–".to_string(), |x| significant(x, 3)),
+            drifted,
+        ]
+    };
+    (
+        ["joint", "campaigns", "last", "RMSE (N m)", "verdict", "prediction's change (N m)", "drifted"],
+        fleet.joints.iter().map(row).collect(),
+    )
+}
+
+/// The day of the campaign at `at`, or its name.
+fn when(fleet: &Fleet, at: usize) -> String {
+    let entry = &fleet.rows[at].entry;
+    entry.date.clone().unwrap_or_else(|| entry.name.clone())
+}
+
+fn table<const N: usize>(title: &str, intro: &str, (heads, mut rows): Cells<N>) -> Option<Table> {
+    let more = match rows.len() {
+        0 => return None,
+        n if n > ON_THE_PAGE => format!(" The first {ON_THE_PAGE} of {n}; fleet.json and table.csv hold all."),
+        _ => String::new(),
+    };
+    rows.truncate(ON_THE_PAGE);
+    Some(Table {
+        title: title.to_string(),
+        intro: format!("{intro}{more}"),
+        heads: heads.map(String::from).to_vec(),
+        rows: rows.into_iter().map(Vec::from).collect(),
+    })
+}
+
+/// The page of `fleet`, called `name`, with its `drawings`.
+pub fn page(fleet: &Fleet, name: &str, drawings: Vec<Drawing>) -> Page {
+    let card = |name: &str, value: String, note: &str| Card { name: name.into(), value, note: note.into() };
+    let drift_intro = format!(
+        "First campaign since the cables were last retensioned, or the first of all, against the last. {} compared; the \
+         intervals are wide enough to hold all together with 95 %. They hold what a campaign knows of itself, not what differs \
+         between sessions (mounting, temperature): two campaigns on one day show that. a and level are A and, at one speed, B(v): \
+         what parameters that are known only together amount to.",
+        counted(fleet.compared, "value", "values")
+    );
+    let tables = [
+        table("What drifted", &drift_intro, drifts(fleet)),
+        table("Campaigns that failed", "Each by itself; the others are not touched.", failures(fleet)),
+        table(
+            "What stands out",
+            "More than six standard deviations from the fleet's median, told from the middle of the fleet; only parameters that are known \
+             by themselves.",
+            outliers(fleet),
+        ),
+        table("Joints", "RMSE and verdict are of the last campaign.", joints(fleet)),
+    ];
+    Page {
+        kicker: "tautline batch".to_string(),
+        title: name.to_string(),
+        subject: "fleet".to_string(),
+        short: sentence(fleet),
+        cards: vec![
+            card("campaigns", fleet.rows.len().to_string(), "in the table"),
+            card("failed", fleet.failed().count().to_string(), "each with its reason"),
+            card("joints drifted", fleet.drifted().count().to_string(), "beyond their confidence"),
+            card("stand out", fleet.outliers.len().to_string(), "values far from the fleet's"),
+        ],
+        tables: tables.into_iter().flatten().collect(),
+        drawings,
+        provenance: vec![("tautline", env!("CARGO_PKG_VERSION").to_string())],
+        ..Page::default()
+    }
+}
+
+/// Writes the summary to `out`; `written` is where the files went.
+pub fn write_summary(out: &mut impl Write, fleet: &Fleet, written: &Path) -> io::Result<()> {
+    writeln!(
+        out,
+        "{BOLD}{}{BOLD:#}  {DIM}{}{DIM:#}",
+        counted(fleet.rows.len(), "campaign", "campaigns"),
+        sentence(fleet)
+    )?;
+    lines(out, "Drifted", drifts(fleet).1)?;
+    lines(out, "Stand out", outliers(fleet).1)?;
+    lines(out, "Failed", failures(fleet).1)?;
+    writeln!(out, "\n  {}", written.join("report.html").display())
+}
+
+fn lines<const N: usize>(out: &mut impl Write, title: &str, rows: Vec<[String; N]>) -> io::Result<()> {
+    if rows.is_empty() {
+        return Ok(());
+    }
+    heading(out, title)?;
+    for row in rows.iter().take(ON_THE_TERMINAL) {
+        writeln!(out, "  {YELLOW}!{YELLOW:#} {}", row.join("  "))?;
+    }
+    match rows.len().saturating_sub(ON_THE_TERMINAL) {
+        0 => Ok(()),
+        more => writeln!(out, "  {DIM}and {more} more{DIM:#}"),
+    }
+}
