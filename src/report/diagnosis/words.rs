@@ -164,12 +164,16 @@ fn effect(found: &Diagnosis) -> String {
 }
 
 fn several(found: &Diagnosis) -> String {
-    let told = |cause: &Cause| match found.candidates.iter().find(|c| c.taken && c.cause == *cause) {
-        Some(candidate) if matches!(cause, Cause::Stale(_)) => format!("out of date is {}", moved(candidate, found)),
+    format!("Several causes together: {}.", named(found))
+}
+
+/// The causes that the verdict names and how each is taken; their parameters stand in the table.
+fn named(found: &Diagnosis) -> String {
+    let one = |cause: &Cause| match taken(found).find(|candidate| candidate.cause == *cause) {
+        Some(candidate) if !candidate.how.is_empty() => format!("{}, {}", claim(*cause), candidate.how),
         _ => claim(*cause),
     };
-    let all: Vec<String> = found.verdict.effects.iter().map(told).collect();
-    format!("Several causes together: {}.", all.join("; "))
+    found.verdict.effects.iter().map(one).collect::<Vec<_>>().join("; ")
 }
 
 fn ambiguous(found: &Diagnosis) -> String {
@@ -196,14 +200,9 @@ fn unknown(found: &Diagnosis, units: &Units) -> String {
 
 /// Of a gap that stays open, what explains a part of it.
 fn in_part(found: &Diagnosis) -> String {
-    let one = |cause: &Cause| match taken(found).find(|candidate| candidate.cause == *cause) {
-        Some(candidate) if !candidate.how.is_empty() => format!("{}, {}", claim(*cause), candidate.how),
-        _ => claim(*cause),
-    };
-    let all: Vec<String> = found.verdict.effects.iter().map(one).collect();
-    match all.is_empty() {
+    match found.verdict.effects.is_empty() {
         true => String::new(),
-        false => format!(" It shrinks by {} with {}.", shrink(found.verdict.shrink), all.join("; ")),
+        false => format!(" It shrinks by {} with {}.", shrink(found.verdict.shrink), named(found)),
     }
 }
 
