@@ -152,7 +152,8 @@ fn what_does_not_matter_stays_green() {
             std::fs::write(f.join(name), text.lines().map(turned).collect::<Vec<_>>().join("\n") + "\n").unwrap();
         }
     };
-    let cases: [(&str, &dyn Fn(&Path), Outcome); 4] = [
+    type Case<'c> = (&'c str, &'c dyn Fn(&Path), Outcome);
+    let cases: [Case<'_>; 4] = [
         ("nothing", &|_| (), Outcome::Same),
         ("columns in another order", &reorder, Outcome::Same),
         ("other text for the same numbers", &|f| logs(f, "", |_| ()), Outcome::Same),

@@ -71,6 +71,5 @@ pub fn run(bus: Bus, rig: &Rig, plan: &Plan, folder: Option<Folder>) -> Watched 
     let interrupted = AtomicBool::new(false);
     let task = Task { rig, plan, armed: true, interrupted: &interrupted };
     let outcome = capture(InProcess::new(answers), &task, folder, &Arc::new(Mutex::new(Live::default()))).unwrap();
-    let watched = Watched { outcome, control: control.take(), status: status.take() };
-    watched
+    Watched { outcome, control: control.take(), status: status.take() }
 }

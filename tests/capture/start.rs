@@ -89,7 +89,7 @@ fn an_empty_bus_is_told() {
 #[test]
 fn a_scan_writes_a_rig_that_reads_back() {
     let bus = shared();
-    let found = with_line(wire(&bus, 0), |line, main| scan(line, main)).unwrap();
+    let found = with_line(wire(&bus, 0), scan).unwrap();
     let text = starting_rig("eth1", &found).unwrap();
     let read = Rig::parse("rig.toml".as_ref(), &text).unwrap();
     let known = rig();
