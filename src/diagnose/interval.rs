@@ -12,11 +12,11 @@ const DRAWS: usize = 1000;
 /// Their seed: the same campaign gives the same intervals.
 const SEED: u64 = 0x5155_4152;
 
-/// How often each cluster is drawn, resampling by resampling, and the floor's square that goes with it as a share of its own.
+/// How often each cluster is drawn, resampling by resampling, and the floor's square that goes with it, (N m)^2.
 #[derive(Debug)]
 pub struct Draws {
     weights: Vec<Vec<f64>>,
-    floor_factor: Vec<f64>,
+    floor_square: Vec<f64>,
     cluster: Vec<usize>,
 }
 
@@ -38,14 +38,15 @@ impl Draws {
         let count = parts.cluster.iter().max().map_or(0, |last| last + 1);
         let normal = Normal::new(1.0, floor.relative_error).ok();
         let mut weights = Vec::with_capacity(DRAWS);
-        let mut floor_factor = Vec::with_capacity(DRAWS);
+        let mut floor_square = Vec::with_capacity(DRAWS);
         for _ in 0..DRAWS {
             let mut drawn = vec![0.0; count];
             (0..count).for_each(|_| drawn[random.random_range(0..count)] += 1.0);
             weights.push(drawn);
-            floor_factor.push(normal.map_or(1.0, |normal| normal.sample(&mut random)).max(0.0));
+            let factor = normal.map_or(1.0, |normal| normal.sample(&mut random)).max(0.0);
+            floor_square.push(factor * floor.rms_nm * floor.rms_nm);
         }
-        Self { weights, floor_factor, cluster: parts.cluster.clone() }
+        Self { weights, floor_square, cluster: parts.cluster.clone() }
     }
 
     /// Mean square in each resampling of what has `squares` in each unit, over `rows` of them.
@@ -71,8 +72,7 @@ impl Draws {
             if gap > 0.0 { 1.0 - above(after, floor_square) / gap } else { 0.0 }
         };
         let (b, a) = (self.mean_squares(before, rows), self.mean_squares(after, rows));
-        let mut drawn: Vec<f64> =
-            (0..b.len()).map(|i| share(b[i], a[i], self.floor_factor[i] * floor_square)).collect();
+        let mut drawn: Vec<f64> = (0..b.len()).map(|i| share(b[i], a[i], self.floor_square[i])).collect();
         let value = share(all(before), all(after), floor_square);
         let low = quantile(&mut drawn, 0.025).min(value);
         Shrink { value, low, high: quantile(&mut drawn, 0.975).max(value) }
