@@ -139,12 +139,15 @@ def stray(master, drive):
     heard = []
     drive.add_emergency_callback(heard.append)
     far = status(drive)[1] + round(1.0 * COUNTS_PER_RAD)
-    for _ in range(500):
+    # The drive's own time for a following error is in milliseconds, however many cycles that are.
+    until = time.monotonic() + 2.0
+    while time.monotonic() < until:
         command(drive, 0x0F, far)
         exchange(master)
         if status(drive)[0] & 0x4F == 0x08:
             break
-    check("drive: following error, then fault", status(drive)[0] & 0x204F == 0x2008 and status(drive)[5] == 0x8611)
+    word, code = status(drive)[0], status(drive)[5]
+    check(f"drive: following error, then fault (status {word:#06x}, code {code:#06x})", word & 0x204F == 0x2008 and code == 0x8611)
     for _ in range(20):
         try:
             drive.mbx_receive()
