@@ -63,7 +63,7 @@ pub fn of_cause(bench: &Bench<'_>, draws: &Draws, fit: &Fit, (cause, how): (Caus
                     name: knob.own_name(&fit.model),
                     value,
                     interval: Some((a.min(b), a.max(b))),
-                    doubt: doubt(knob, &fit.model),
+                    doubt: doubt(knob, &fit.model, way.most),
                 });
             }
         }
@@ -80,8 +80,9 @@ pub fn of_cause(bench: &Bench<'_>, draws: &Draws, fit: &Fit, (cause, how): (Caus
 }
 
 /// A positive range is compared in its logarithm, for it spans decades.
-fn doubt(knob: Knob, model: &Model) -> Option<&'static str> {
+fn doubt(knob: Knob, model: &Model, most: f64) -> Option<&'static str> {
     let (low, high) = knob.bounds(model);
+    let high = high.min(most);
     if !low.is_finite() || !high.is_finite() {
         return None;
     }

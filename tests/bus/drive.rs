@@ -197,6 +197,20 @@ fn a_joint_in_the_way_is_a_following_error_after_its_time() {
 }
 
 #[test]
+fn a_target_out_of_reach_is_a_following_error_at_any_pace_of_the_master() {
+    for cycles in [1, 2, 3] {
+        let mut master = Master::new();
+        master.reach_enabled();
+        master.wanted.position += counts(1.0);
+        let fault = (0..500).position(|_| {
+            master.wait((cycles - 1) * MS);
+            state(master.cycle().status) == FAULT
+        });
+        assert!(fault.is_some(), "a cycle every {cycles} ms: {fault:?}");
+    }
+}
+
+#[test]
 fn the_most_torque_is_what_0x6072_says() {
     let mut master = Master::new();
     master.reach_pre_op();

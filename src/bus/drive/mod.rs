@@ -23,6 +23,8 @@ const FOLLOWING_ERROR: u16 = 0x8611;
 const COMMUNICATION: u16 = 0x7500;
 /// A speed below which the motor stands, rad/s.
 const STANDS_RAD_S: f64 = 1e-3;
+/// The motor runs no faster, rad/s at the joint.
+const FASTEST_RAD_S: f64 = 50.0;
 /// How long a command is good for beyond the period in which the next is due, ns: a pulse may come late.
 const GRACE_NS: u64 = 1_000_000;
 /// The most that a command of speed gets ahead of the motor, rad: the motor's limit is met before.
@@ -222,7 +224,8 @@ impl Drive {
         let Some((position_rad, _)) = joint.motor.law.command(now_ns) else { return };
         let velocity_rad_s = match missing {
             false => (target as f64 / COUNTS_PER_RAD - position_rad) / period_s,
-            true if self.bridges => 0.0,
+            // A jump of the target is no speed to go on at: command and motor would swing about it, and never be apart for long.
+            true if self.bridges || last_rad_s.abs() > FASTEST_RAD_S => 0.0,
             true => last_rad_s,
         };
         (self.bridges, self.target) = (missing, target);
