@@ -3,6 +3,7 @@
 use super::fit::{Bench, Fit, Ground};
 use super::moves::{Knob, Move, Stale, of_effect, stale};
 use super::ripple;
+use super::weigh::is_tie;
 use crate::effects::{Added, Effect, LIBRARY};
 use crate::model::{Combination, Model};
 use rayon::prelude::*;
@@ -184,8 +185,13 @@ impl Begun {
     fn fit(self, bench: &Bench<'_>, ground: &Ground) -> Option<Tried> {
         let (cause, how) = self.cause();
         let fits = self.starts.into_par_iter().map(|(_, model, moves)| bench.fit(ground, model, moves));
-        let fits = fits.collect::<Vec<Fit>>().into_iter();
-        let fit = fits.min_by(|a, b| score(bench, a).total_cmp(&score(bench, b)))?;
+        let fits: Vec<Fit> = fits.collect();
+        let best = fits.iter().min_by(|a, b| score(bench, a).total_cmp(&score(bench, b)))?;
+        // A form with more numbers must do better by them.
+        let equal = |fit: &&Fit| is_tie(bench, best, fit, score(bench, best));
+        let by_count = |a: &&Fit, b: &&Fit| a.moves.len().cmp(&b.moves.len());
+        let by_score = |a: &&Fit, b: &&Fit| score(bench, a).total_cmp(&score(bench, b));
+        let fit = fits.iter().filter(equal).min_by(|a, b| by_count(a, b).then(by_score(a, b))).unwrap_or(best).clone();
         Some(Tried { cause, how, fit })
     }
 }
@@ -217,7 +223,7 @@ fn begin(bench: &Bench<'_>, ground: &Ground, effect: &'static dyn Effect, residu
     let is_linear = starts.first()?.2.iter().all(|way| way.is_linear);
     let followed = match effect.about().id {
         // Their starts are no guesses at one form, they are forms.
-        "sensor_drift" | "time_delay" => starts.len(),
+        "sensor_drift" | "time_delay" | "elastic_spring" | "gravity_phase" => starts.len(),
         id if is_linear || id.ends_with("ripple") => 1,
         _ => STARTS,
     };

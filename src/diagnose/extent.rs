@@ -28,6 +28,7 @@ pub fn of(records: &Records, model: &Model) -> Extent {
         campaign_s: end(&|record, i| record.elapsed_s(i)),
         torque_nm: extent(&records.measured_nm()),
         others: records.others(),
+        gravity_nm: model.dynamics.gravity_nm,
         backlash_m: model.joint.backlash_m,
         pulley_radius_m: model.joint.pulley_radius_m,
         turns: model.joint.kind == JointKind::Revolute,

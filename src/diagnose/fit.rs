@@ -4,8 +4,9 @@
 //! little, so its columns are taken once. What a fit is judged by are units that it never saw.
 
 use super::gram::{Gram, Prior, Solution};
+use super::interval::Numbers;
 use super::moves::Move;
-use super::parts::Parts;
+use super::parts::{FOLDS, Parts};
 use super::record::{Branches, Passages, Records};
 use crate::effects::{Curve, Extent, Presliding};
 use crate::model::{Combination, Model};
@@ -102,6 +103,14 @@ impl Bench<'_> {
     /// What the base's moves cost a fit, as a factor of the square left: half a log-likelihood for each of their squares.
     pub fn surprise_factor(&self, fit: &Fit) -> f64 {
         1.0 + fit.cost.surprise * self.records.rows_per_independent / self.rows().max(1) as f64
+    }
+
+    /// What the numbers of `fit` cost it on units that it never saw.
+    pub fn numbers(&self, fit: &Fit) -> Numbers {
+        let seen = self.rows().max(1) as f64 * (FOLDS - 1) as f64 / FOLDS as f64;
+        let floor_square = self.floor_nm * self.floor_nm;
+        let each_square = floor_square * self.records.rows_per_independent / seen;
+        Numbers { decided: fit.gram.decided(self.prior(&fit.deviations)), each_square }
     }
 
     pub(super) fn prior<'d>(&'d self, deviations: &'d [f64]) -> Prior<'d> {

@@ -88,6 +88,18 @@ impl Gram {
         solve(&self.total(|_| true), prior.rows.iter().sum(), prior)
     }
 
+    /// How many coefficients the data decide: 1 for each that has no prior, next to 0 where the prior holds it.
+    pub fn decided(&self, prior: Prior<'_>) -> f64 {
+        let sum = self.total(|_| true);
+        let noise_square = prior.floor_square.max(f64::MIN_POSITIVE) * prior.rows_per_independent;
+        let square = |a: usize| if sum[(a, a)] > 0.0 { sum[(a, a)] } else { 1.0 };
+        let scaled = DMatrix::from_fn(self.columns, self.columns, |a, b| sum[(a, b)] / (square(a) * square(b)).sqrt());
+        let mut held = scaled.clone();
+        (0..self.columns)
+            .for_each(|a| held[(a, a)] += RIDGE + noise_square / (prior.deviations[a].powi(2) * square(a)));
+        held.cholesky().map_or(self.columns as f64, |cholesky| cholesky.solve(&scaled).trace())
+    }
+
     /// Sum of squares left in each unit by coefficients that were fitted without its fold.
     pub fn held_out(&self, parts: &Parts, prior: Prior<'_>) -> Vec<f64> {
         let mut left = vec![0.0; self.units.len()];

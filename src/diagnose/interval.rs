@@ -5,7 +5,7 @@ use super::parts::Parts;
 use crate::numerics::statistics::quantile;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
-use rand_distr::{Distribution, Normal};
+use rand_distr::{ChiSquared, Distribution, Normal};
 
 /// Resamplings.
 const DRAWS: usize = 1000;
@@ -29,6 +29,22 @@ pub struct Shrink {
     pub low: f64,
     /// Upper end.
     pub high: f64,
+}
+
+/// What the numbers of a fit cost it on units that it never saw: noise moved them.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Numbers {
+    /// How many of them the data decide.
+    pub decided: f64,
+    /// What one costs in mean square, (N m)^2.
+    pub each_square: f64,
+}
+
+impl Numbers {
+    /// What all of them cost, (N m)^2.
+    pub fn square(&self) -> f64 {
+        self.decided * self.each_square
+    }
 }
 
 impl Draws {
@@ -64,18 +80,23 @@ impl Draws {
         self.weights.iter().map(mean).collect()
     }
 
-    /// How far the gap shrinks from `before` to `after`, squares left in each unit, over `rows`, above the floor's square.
-    pub fn shrink(&self, before: &[f64], after: &[f64], rows: &[f64], floor_square: f64) -> Shrink {
+    /// How far the gap shrinks from `before` to `after`, squares left in each unit, over `rows`, above the floor's square. No
+    /// fit leaves less than the errors of its `numbers` do; only the upper end is what the units alone say.
+    pub fn shrink(&self, before: &[f64], after: &[f64], rows: &[f64], floor_square: f64, numbers: Numbers) -> Shrink {
         let all = |squares: &[f64]| squares.iter().sum::<f64>() / rows.iter().sum::<f64>().max(1.0);
-        let share = |before: f64, after: f64, floor_square: f64| {
+        let share = |before: f64, after: f64, floor_square: f64, least_square: f64| {
             let gap = above(before, floor_square);
-            if gap > 0.0 { 1.0 - above(after, floor_square) / gap } else { 0.0 }
+            if gap > 0.0 { 1.0 - (above(after, floor_square).max(least_square.sqrt()) / gap).min(1.0) } else { 0.0 }
         };
         let (b, a) = (self.mean_squares(before, rows), self.mean_squares(after, rows));
-        let mut drawn: Vec<f64> = (0..b.len()).map(|i| share(b[i], a[i], self.floor_square[i])).collect();
-        let value = share(all(before), all(after), floor_square);
-        let low = quantile(&mut drawn, 0.025).min(value);
-        Shrink { value, low, high: quantile(&mut drawn, 0.975).max(value) }
+        let mut random = ChaCha8Rng::seed_from_u64(SEED);
+        let luck = ChiSquared::new(numbers.decided.max(1.0)).ok();
+        let mut least =
+            || luck.map_or(1.0, |luck| luck.sample(&mut random) / numbers.decided.max(1.0)) * numbers.square();
+        let mut lows: Vec<f64> = (0..b.len()).map(|i| share(b[i], a[i], self.floor_square[i], least())).collect();
+        let mut highs: Vec<f64> = (0..b.len()).map(|i| share(b[i], a[i], self.floor_square[i], 0.0)).collect();
+        let value = share(all(before), all(after), floor_square, numbers.square());
+        Shrink { value, low: quantile(&mut lows, 0.025).min(value), high: quantile(&mut highs, 0.975).max(value) }
     }
 
     /// How often each unit is drawn in resampling `i`.

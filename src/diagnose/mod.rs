@@ -326,6 +326,7 @@ impl Scene<'_> {
             contact,
             draws,
             floor_square: floor.upper_square(),
+            numbers: self.bench.numbers(&self.choice.last),
         }
     }
 
@@ -407,7 +408,7 @@ impl Scene<'_> {
             cause: tried.cause,
             how: tried.how,
             held_out_rmse_nm: mean(&left, &evidence.rows).sqrt(),
-            shrink: evidence.draws.shrink(&evidence.delivered, &left, &evidence.rows, evidence.floor_square),
+            shrink: evidence.shrink(&left, self.bench.numbers(&tried.fit)),
             parameters,
             trades_with,
             taken,

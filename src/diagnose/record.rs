@@ -337,7 +337,7 @@ impl Record {
                 let Both { up, down } = effect.friction_nm(p, &sample, carried);
                 let at_joint_nm = transmission * effect.joint_torque_nm(p, &sample);
                 let loss = 1.0 - mu_down - k_tilde[i] * (mu_up - mu_down);
-                let beside_nm = effect.winch_torque_nm(p, &sample) + effect.reading_nm(p, &sample, 0.0);
+                let beside_nm = effect.winch_torque_nm(p, &sample, load_nm) + effect.reading_nm(p, &sample, 0.0);
                 (at_joint_nm + down + k_tilde[i] * (up - down)) / loss + beside_nm
             })
             .collect();

@@ -1,7 +1,7 @@
 //! Lines in the spectrum over position: where a ripple's search begins.
 
 use super::fit::{Bench, Ground};
-use crate::effects::HARMONICS;
+use crate::effects::RIPPLE_NUMBERS;
 use rayon::prelude::*;
 use std::f64::consts::TAU;
 
@@ -53,7 +53,7 @@ pub fn starts(bench: &Bench<'_>, ground: &Ground, residual_nm: &[f64], by_direct
     let mut peaks: Vec<(f64, f64)> = (0..count).filter(is_peak).map(|i| spectrum[i]).collect();
     peaks.sort_by(|a, b| b.1.total_cmp(&a.1));
     peaks.truncate(LINES);
-    peaks.into_iter().map(|(periods, _)| std::iter::once(periods).chain([0.0; 2 * HARMONICS]).collect()).collect()
+    peaks.into_iter().map(|(periods, _)| std::iter::once(periods).chain([0.0; RIPPLE_NUMBERS - 1]).collect()).collect()
 }
 
 /// Square that a line takes from the rows slow enough for it to be seen, summed.

@@ -3,7 +3,7 @@
 use super::candidates::Cause;
 use super::choose::{Choice, Found};
 use super::fit::Bench;
-use super::interval::{Draws, Shrink, above};
+use super::interval::{Draws, Numbers, Shrink, above};
 use crate::effects::Region;
 
 /// A gap above this many floors that no cause closes is one from outside the library ...
@@ -75,6 +75,15 @@ pub struct Evidence<'e> {
     pub draws: &'e Draws,
     /// The floor's square with its error, (N m)^2.
     pub floor_square: f64,
+    /// What the numbers of the causes that were found, and of the base, cost on unseen units.
+    pub numbers: Numbers,
+}
+
+impl Evidence<'_> {
+    /// How far the gap shrinks where `left` squares are left in each unit by a fit of so many `numbers`.
+    pub fn shrink(&self, left: &[f64], numbers: Numbers) -> Shrink {
+        self.draws.shrink(&self.delivered, left, &self.rows, self.floor_square, numbers)
+    }
 }
 
 /// Draws the verdict.
@@ -124,8 +133,8 @@ pub fn verdict(bench: &Bench<'_>, choice: &Choice, evidence: &Evidence<'_>) -> V
         effects,
         confidence,
         gap_before_nm: above(delivered, floor_square),
-        gap_after_nm: above(last, floor_square),
-        shrink: evidence.draws.shrink(&evidence.delivered, &evidence.last, &evidence.rows, evidence.floor_square),
+        gap_after_nm: above(last, floor_square).max(evidence.numbers.square().sqrt()),
+        shrink: evidence.shrink(&evidence.last, evidence.numbers),
     }
 }
 

@@ -35,7 +35,7 @@ impl Effect for Contact {
         Vec::new()
     }
 
-    fn winch_torque_nm(&self, p: &[f64], sample: &Sample<'_>) -> f64 {
+    fn winch_torque_nm(&self, p: &[f64], sample: &Sample<'_>, _load_nm: f64) -> f64 {
         let share = (sample.elapsed_s - p[1]) / p[2];
         if (0.0..=1.0).contains(&share) { p[0] * (PI * share).sin().powi(2) } else { 0.0 }
     }

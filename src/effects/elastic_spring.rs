@@ -1,16 +1,23 @@
 //! A spring about the joint: sheath, cabling, passive tissue.
 
-use super::{About, Effect, Extent, Family, Parameter, Region, Sample};
+use super::{About, Effect, Extent, Family, Parameter, Region, Role, Sample};
 
 static ABOUT: About = About {
     id: "elastic_spring",
     family: Family::Physics,
     means: "a spring about the joint",
-    formula: "stiffness_nm_rad q + preload_nm at the joint; it rests at -preload/stiffness",
+    formula: "stiffness_nm_rad q + preload_nm at the joint, which rests at -preload/stiffness; if it stiffens, + cubic_nm_rad3 (q - \
+              centre_rad)^3",
     source: "sheath and cabling stiffness; passive tissue",
     signature: Region::Position,
     trades_with: &["gravity_phase", "cable_elasticity", "gravity"],
-    parameters: &[Parameter::strength("stiffness_nm_rad"), Parameter::strength("preload_nm")],
+    parameters: &[
+        Parameter::strength("stiffness_nm_rad"),
+        Parameter::strength("preload_nm"),
+        Parameter::form("stiffens", 1.0),
+        Parameter::strength("cubic_nm_rad3"),
+        Parameter::placed("centre_rad", Role::Position, 1e3).or(0.0),
+    ],
 };
 
 #[derive(Debug)]
@@ -21,11 +28,17 @@ impl Effect for ElasticSpring {
         &ABOUT
     }
 
-    fn starts(&self, _extent: &Extent) -> Vec<Vec<f64>> {
-        vec![vec![0.0, 0.0]]
+    fn starts(&self, extent: &Extent) -> Vec<Vec<f64>> {
+        let (low, high) = extent.position_rad;
+        let stiffening = [0.3, 0.7].map(|share| vec![0.0, 0.0, 1.0, 0.0, low + share * (high - low)]);
+        [vec![vec![0.0; 5]], stiffening.to_vec()].concat()
+    }
+
+    fn uses(&self, p: &[f64], at: usize) -> bool {
+        at < 3 || p[2] > 0.5
     }
 
     fn joint_torque_nm(&self, p: &[f64], sample: &Sample<'_>) -> f64 {
-        p[0] * sample.own.position + p[1]
+        p[0] * sample.own.position + p[1] + p[3] * (sample.own.position - p[4]).powi(3)
     }
 }

@@ -5,12 +5,16 @@ use super::{About, Effect, Extent, Family, Parameter, Region, Role, Sample};
 /// Where a stop may begin, as shares of the range from its end.
 const REACHES: [f64; 5] = [0.03, 0.07, 0.13, 0.22, 0.35];
 
+/// Below this the joint has no direction, rad/s.
+const RESTING_RAD_S: f64 = 0.01;
+
 static ABOUT: About = About {
     id: "end_stop",
     family: Family::Physics,
     means: "a stop is engaged near the end of travel",
-    formula: "side stiffness_nm (side (q - position_rad) / 1 rad)^exponent beyond position_rad, at the joint",
-    source: "contact of a stop; Hunt and Crossley 1975 without its damping",
+    formula: "(side stiffness_nm + or - loss_nm) (side (q - position_rad) / 1 rad)^exponent beyond position_rad, at the joint; the \
+              sign goes by the direction",
+    source: "contact of a stop; Hunt and Crossley 1975, the loss as in rubber: by direction, not by speed",
     signature: Region::Position,
     trades_with: &["elastic_spring", "saturation"],
     parameters: &[
@@ -18,6 +22,7 @@ static ABOUT: About = About {
         Parameter::strength("stiffness_nm"),
         Parameter::placed("position_rad", Role::Position, 1e3),
         Parameter::shape("exponent", 0.8, 3.0),
+        Parameter::strength("loss_nm"),
     ],
 };
 
@@ -35,13 +40,17 @@ impl Effect for EndStop {
             let reach_rad = reach * (high - low);
             [(-1.0, low + reach_rad), (1.0, high - reach_rad)]
                 .into_iter()
-                .flat_map(|(side, position)| [1.0, 2.0].map(|exponent| vec![side, 0.0, position, exponent]))
+                .flat_map(|(side, position)| [1.0, 2.0].map(|exponent| vec![side, 0.0, position, exponent, 0.0]))
         };
         REACHES.into_iter().flat_map(at).collect()
     }
 
     fn joint_torque_nm(&self, p: &[f64], sample: &Sample<'_>) -> f64 {
         let depth_rad = (p[0] * (sample.own.position - p[2])).max(0.0);
-        if depth_rad > 0.0 { p[0] * p[1] * depth_rad.powf(p[3]) } else { 0.0 }
+        if depth_rad == 0.0 {
+            return 0.0;
+        }
+        let direction = (sample.own.velocity / RESTING_RAD_S).tanh();
+        (p[0] * p[1] + direction * p[4]) * depth_rad.powf(p[3])
     }
 }

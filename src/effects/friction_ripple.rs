@@ -1,6 +1,6 @@
 //! Friction that varies periodically with position and changes sign with the direction.
 
-use super::ripple::{PARAMETERS, ripple_nm, starts};
+use super::ripple::{parameters, ripple_nm, starts};
 use super::{About, Carried, Effect, Extent, Family, Region, Sample};
 use crate::dynamics::Both;
 
@@ -8,11 +8,12 @@ static ABOUT: About = About {
     id: "friction_ripple",
     family: Family::Physics,
     means: "friction varies with position",
-    formula: "+ or - sum over h of sin_h_nm sin(2 pi h periods_per_rad q) + cos_h_nm cos(...), by the direction",
+    formula: "+ or - sum over h of sin_h_nm sin(2 pi h periods_per_rad q) + cos_h_nm cos(...), by the direction; + (sin_of_friction \
+              sin + cos_of_friction cos) of one period times friction",
     source: "Tuttle and Seering 1996",
     signature: Region::Position,
     trades_with: &["load_dependent_friction", "torque_ripple"],
-    parameters: &PARAMETERS,
+    parameters: &parameters("sin_of_friction", "cos_of_friction"),
 };
 
 #[derive(Debug)]
@@ -27,8 +28,8 @@ impl Effect for FrictionRipple {
         starts(extent)
     }
 
-    fn friction_nm(&self, p: &[f64], sample: &Sample<'_>, _carried: Carried) -> Both<f64> {
-        let ripple_nm = ripple_nm(p, sample);
-        Both { up: ripple_nm, down: -ripple_nm }
+    fn friction_nm(&self, p: &[f64], sample: &Sample<'_>, carried: Carried) -> Both<f64> {
+        let (always_nm, share) = ripple_nm(p, sample);
+        Both { up: always_nm + share * carried.friction_nm.up, down: -always_nm + share * carried.friction_nm.down }
     }
 }

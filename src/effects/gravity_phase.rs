@@ -6,11 +6,11 @@ static ABOUT: About = About {
     id: "gravity_phase",
     family: Family::Physics,
     means: "the centre of mass lies off the assumed line",
-    formula: "cos_nm cos(q) at the joint",
+    formula: "cos_nm cos(q) at the joint; of a weight of_nm that is turned, + (sqrt(of_nm^2 - cos_nm^2) - of_nm) sin(q)",
     source: "(17) with a second coordinate of the centre of mass",
     signature: Region::Position,
     trades_with: &["elastic_spring", "cable_elasticity", "gravity"],
-    parameters: &[Parameter::strength("cos_nm")],
+    parameters: &[Parameter::strength("cos_nm"), Parameter::form("of_nm", 1e6)],
 };
 
 #[derive(Debug)]
@@ -22,10 +22,15 @@ impl Effect for GravityPhase {
     }
 
     fn starts(&self, extent: &Extent) -> Vec<Vec<f64>> {
-        if extent.turns { vec![vec![0.0]] } else { Vec::new() }
+        if extent.turns { vec![vec![0.0, 0.0], vec![0.0, extent.gravity_nm.abs()]] } else { Vec::new() }
+    }
+
+    fn only_adds(&self) -> bool {
+        false
     }
 
     fn joint_torque_nm(&self, p: &[f64], sample: &Sample<'_>) -> f64 {
-        p[0] * sample.own.position.cos()
+        let (sin, cos) = sample.own.position.sin_cos();
+        p[0] * cos + ((p[1] * p[1] - p[0] * p[0]).max(0.0).sqrt() - p[1]) * sin
     }
 }

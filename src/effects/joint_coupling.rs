@@ -38,7 +38,7 @@ impl Effect for JointCoupling {
         (1..=extent.others).map(|joint| vec![joint as f64, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0]).collect()
     }
 
-    fn winch_torque_nm(&self, p: &[f64], sample: &Sample<'_>) -> f64 {
+    fn winch_torque_nm(&self, p: &[f64], sample: &Sample<'_>, _load_nm: f64) -> f64 {
         let Some(other) = sample.others.get(p[0] as usize - 1) else { return 0.0 };
         let q = sample.own.position;
         p[1] * other.position

@@ -34,7 +34,7 @@ mod torque_ripple;
 mod warm_up;
 
 pub use library::{Added, LIBRARY, find};
-pub use ripple::HARMONICS;
+pub use ripple::{HARMONICS, NUMBERS as RIPPLE_NUMBERS};
 
 use crate::dynamics::{Both, Motion};
 
@@ -78,6 +78,8 @@ pub struct Extent {
     pub torque_nm: (f64, f64),
     /// How many other joints are recorded moving.
     pub others: usize,
+    /// Gravity of the model, N m at the joint: 0 where a chain says it.
+    pub gravity_nm: f64,
     /// X_cl of the model, m on the cable.
     pub backlash_m: f64,
     /// r2, m.
@@ -114,6 +116,8 @@ pub struct Parameter {
     pub bounds: (f64, f64),
     /// How large it is believed to be, as a share of the torque's range: infinite where nobody can say.
     pub share: f64,
+    /// What it is where nothing is said; none where it must be said.
+    pub default: Option<f64>,
 }
 
 impl Parameter {
@@ -123,7 +127,7 @@ impl Parameter {
     }
 
     const fn strength(name: &'static str) -> Self {
-        Self { name, role: Role::Strength, bounds: (-1e9, 1e9), share: f64::INFINITY }
+        Self { role: Role::Strength, default: Some(0.0), ..Self::choice(name, -1e9, 1e9) }
     }
 
     /// One of many strengths that together describe a curve.
@@ -132,19 +136,23 @@ impl Parameter {
     }
 
     const fn shape(name: &'static str, low: f64, high: f64) -> Self {
-        Self { name, role: Role::Shape, bounds: (low, high), share: f64::INFINITY }
+        Self { role: Role::Shape, ..Self::choice(name, low, high) }
     }
 
     const fn placed(name: &'static str, role: Role, limit: f64) -> Self {
-        Self { name, role, bounds: (-limit, limit), share: f64::INFINITY }
+        Self { role, ..Self::choice(name, -limit, limit) }
     }
 
     const fn form(name: &'static str, high: f64) -> Self {
-        Self { role: Role::Form, ..Self::choice(name, 0.0, high) }
+        Self { role: Role::Form, default: Some(0.0), ..Self::choice(name, 0.0, high) }
     }
 
     const fn choice(name: &'static str, low: f64, high: f64) -> Self {
-        Self { name, role: Role::Choice, bounds: (low, high), share: f64::INFINITY }
+        Self { name, role: Role::Choice, bounds: (low, high), share: f64::INFINITY, default: None }
+    }
+
+    const fn or(self, default: f64) -> Self {
+        Self { default: Some(default), ..self }
     }
 }
 
@@ -292,8 +300,8 @@ pub trait Effect: Sync + std::fmt::Debug {
         1.0
     }
 
-    /// Added to y, N m at the winch.
-    fn winch_torque_nm(&self, _p: &[f64], _sample: &Sample<'_>) -> f64 {
+    /// Added to y, N m at the winch, for a load of `load_nm` there.
+    fn winch_torque_nm(&self, _p: &[f64], _sample: &Sample<'_>, _load_nm: f64) -> f64 {
         0.0
     }
 

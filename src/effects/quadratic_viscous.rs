@@ -6,12 +6,18 @@ use crate::dynamics::Both;
 static ABOUT: About = About {
     id: "quadratic_viscous",
     family: Family::Physics,
-    means: "drag grows with the square of speed",
-    formula: "up_nm_s2_rad2 v^2 moving up, -down_nm_s2_rad2 v^2 moving down",
+    means: "drag grows faster than speed, as with its square",
+    formula: "up_nm_s2_rad2 |v|^exponent moving up, -down_nm_s2_rad2 |v|^exponent moving down, |v| over 1 rad/s; on \
+              the branches of friction, or by_speed alone whatever the clearance does",
     source: "turbulent drag; churning of grease",
     signature: Region::HighSpeed,
     trades_with: &["viscous", "inertia", "time_delay"],
-    parameters: &[Parameter::strength("up_nm_s2_rad2"), Parameter::strength("down_nm_s2_rad2")],
+    parameters: &[
+        Parameter::strength("up_nm_s2_rad2"),
+        Parameter::strength("down_nm_s2_rad2"),
+        Parameter::shape("exponent", 1.3, 4.0).or(2.0),
+        Parameter::form("by_speed", 1.0),
+    ],
 };
 
 #[derive(Debug)]
@@ -23,11 +29,16 @@ impl Effect for QuadraticViscous {
     }
 
     fn starts(&self, _extent: &Extent) -> Vec<Vec<f64>> {
-        vec![vec![0.0, 0.0]]
+        vec![vec![0.0, 0.0, 2.0, 0.0], vec![0.0, 0.0, 2.0, 1.0]]
     }
 
     fn friction_nm(&self, p: &[f64], sample: &Sample<'_>, _carried: Carried) -> Both<f64> {
-        let square = sample.own.velocity * sample.own.velocity;
-        Both { up: p[0] * square, down: -p[1] * square }
+        let power = if p[3] > 0.5 { 0.0 } else { sample.own.velocity.abs().powf(p[2]) };
+        Both { up: p[0] * power, down: -p[1] * power }
+    }
+
+    fn winch_torque_nm(&self, p: &[f64], sample: &Sample<'_>, _load_nm: f64) -> f64 {
+        let power = if p[3] > 0.5 { sample.own.velocity.abs().powf(p[2]) } else { 0.0 };
+        if sample.own.velocity > 0.0 { p[0] * power } else { -p[1] * power }
     }
 }

@@ -5,43 +5,51 @@ use std::f64::consts::TAU;
 
 /// Harmonics of a ripple: a sawtooth, the sharpest one met, has 93 % of its energy in five of them.
 pub const HARMONICS: usize = 5;
+/// Numbers of a ripple.
+pub const NUMBERS: usize = 3 + 2 * HARMONICS;
 
-/// A ripple's parameters: periods in a radian (or metre), then sine and cosine of each harmonic.
-pub(super) const PARAMETERS: [Parameter; 1 + 2 * HARMONICS] = [
-    Parameter::shape("periods_per_rad", 1e-3, 1e5),
-    Parameter::strength("sin_1_nm"),
-    Parameter::strength("cos_1_nm"),
-    Parameter::strength("sin_2_nm"),
-    Parameter::strength("cos_2_nm"),
-    Parameter::strength("sin_3_nm"),
-    Parameter::strength("cos_3_nm"),
-    Parameter::strength("sin_4_nm"),
-    Parameter::strength("cos_4_nm"),
-    Parameter::strength("sin_5_nm"),
-    Parameter::strength("cos_5_nm"),
-];
+/// A ripple's parameters: periods in a radian (or metre), sine and cosine of each harmonic, and of one in proportion to what the
+/// cable carries, by the names `sin` and `cos`.
+pub(super) const fn parameters(sin: &'static str, cos: &'static str) -> [Parameter; NUMBERS] {
+    [
+        Parameter::shape("periods_per_rad", 1e-3, 1e5),
+        Parameter::strength("sin_1_nm"),
+        Parameter::strength("cos_1_nm"),
+        Parameter::strength("sin_2_nm"),
+        Parameter::strength("cos_2_nm"),
+        Parameter::strength("sin_3_nm"),
+        Parameter::strength("cos_3_nm"),
+        Parameter::strength("sin_4_nm"),
+        Parameter::strength("cos_4_nm"),
+        Parameter::strength("sin_5_nm"),
+        Parameter::strength("cos_5_nm"),
+        Parameter::strength(sin),
+        Parameter::strength(cos),
+    ]
+}
 
 /// At least this many periods within the range: fewer are not told from any other function of position ...
 const PERIODS_MIN: f64 = 1.5;
 /// ... and at most so many.
 const PERIODS_MAX: f64 = 150.0;
 
-/// The ripple at `sample`, N m.
-pub(super) fn ripple_nm(p: &[f64], sample: &Sample<'_>) -> f64 {
+/// The ripple at `sample`, N m: what is always there, and what there is of it in each N m that the cable carries.
+pub(super) fn ripple_nm(p: &[f64], sample: &Sample<'_>) -> (f64, f64) {
     let (sin, cos) = (TAU * p[0] * sample.own.position).sin_cos();
     // The angle of each harmonic is the one before turned on by the fundamental.
     let (mut s, mut c, mut sum) = (sin, cos, 0.0);
-    for pair in p[1..].chunks_exact(2) {
+    let (always, by_load) = p[1..].split_at(2 * HARMONICS);
+    for pair in always.chunks_exact(2) {
         sum += pair[0] * s + pair[1] * c;
         (s, c) = (s * cos + c * sin, c * cos - s * sin);
     }
-    sum
+    (sum, by_load[0] * sin + by_load[1] * cos)
 }
 
 /// Wave numbers so dense that the search meets every line's slope.
 pub(super) fn starts(extent: &Extent) -> Vec<Vec<f64>> {
     let range_rad = extent.position_rad.1 - extent.position_rad.0;
     spaced(PERIODS_MIN / range_rad, PERIODS_MAX / range_rad, 40)
-        .map(|periods| std::iter::once(periods).chain([0.0; 2 * HARMONICS]).collect())
+        .map(|periods| std::iter::once(periods).chain([0.0; NUMBERS - 1]).collect())
         .collect()
 }

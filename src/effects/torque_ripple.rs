@@ -1,17 +1,17 @@
 //! Torque that varies periodically with position whatever the direction: cogging, an eccentric pulley.
 
-use super::ripple::{PARAMETERS, ripple_nm, starts};
+use super::ripple::{parameters, ripple_nm, starts};
 use super::{About, Effect, Extent, Family, Region, Sample};
 
 static ABOUT: About = About {
     id: "torque_ripple",
     family: Family::Physics,
     means: "torque varies with position whatever the direction: cogging, an eccentric pulley",
-    formula: "sum over h of sin_h_nm sin(2 pi h periods_per_rad q) + cos_h_nm cos(...)",
+    formula: "sum over h of sin_h_nm sin(2 pi h periods_per_rad q) + cos_h_nm cos(...), + (sin_of_load sin + cos_of_load cos) of one period times the load",
     source: "Tuttle and Seering 1996; cogging at 6 and 12 times the pole pairs",
     signature: Region::Position,
     trades_with: &["gravity_phase", "elastic_spring", "friction_ripple"],
-    parameters: &PARAMETERS,
+    parameters: &parameters("sin_of_load", "cos_of_load"),
 };
 
 #[derive(Debug)]
@@ -26,7 +26,8 @@ impl Effect for TorqueRipple {
         starts(extent)
     }
 
-    fn winch_torque_nm(&self, p: &[f64], sample: &Sample<'_>) -> f64 {
-        ripple_nm(p, sample)
+    fn winch_torque_nm(&self, p: &[f64], sample: &Sample<'_>, load_nm: f64) -> f64 {
+        let (always_nm, by_load) = ripple_nm(p, sample);
+        always_nm + by_load * load_nm
     }
 }

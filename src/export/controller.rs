@@ -181,7 +181,7 @@ fn body(model: &Model, language: Language, needs_slope: bool) -> String {
     made.iter().filter_map(|(_, h)| h.joint_nm.as_ref()).for_each(|more| code.change("joint_nm", "+=", more));
     code.constant("load", &format!("{transmission} * joint_nm"));
     branches(model, &mut code);
-    if model.effects.iter().any(|e| e.id() == "load_dependent_friction") {
+    if model.effects.iter().any(|e| ["load_dependent_friction", "friction_ripple"].contains(&e.id())) {
         code.constant("own_up", "up");
         code.constant("own_down", "down");
     }

@@ -1,7 +1,7 @@
 //! Each effect's hooks as code. A test holds every effect of the library, as C and as Rust, against what the model foretells.
 
 use super::code::{Code, number};
-use crate::effects::Added;
+use crate::effects::{Added, HARMONICS};
 use std::f64::consts::{PI, TAU};
 
 /// What an effect adds, as expressions over `q`, `v`, `a` (position, speed, acceleration), `t` and `elapsed` (since the trial
@@ -59,9 +59,25 @@ pub fn hooks(added: &Added, code: &mut Code) -> Hooks {
             let [up, down] = ["own_up", "own_down"].map(|own| borne(&named, own));
             Hooks { friction_nm: both(up, down), ..none }
         }
-        "quadratic_viscous" => Hooks { friction_nm: both("v * v".to_string(), "v * v".to_string()), ..none },
-        "friction_ripple" => Hooks { friction_nm: sides(&ripple(added, code)), ..none },
-        "torque_ripple" => Hooks { winch_nm: Some(ripple(added, code)), ..none },
+        "quadratic_viscous" => {
+            let power = code.keep("power", &format!("pow(fabs(v), {})", of("exponent")));
+            match named.value("by_speed") > 0.5 {
+                true => {
+                    let [up, down] = [of_up(&named), of_down(&named)].map(|size| format!("{size} * {power}"));
+                    Hooks { winch_nm: Some(code.choice("v > 0.0", &up, &format!("-{down}"))), ..none }
+                }
+                false => Hooks { friction_nm: both(power.clone(), power), ..none },
+            }
+        }
+        "friction_ripple" => {
+            let (always, share) = ripple(added, code);
+            let side = |sign: &str, own: &str| format!("{sign}{always} + {share} * {own}");
+            Hooks { friction_nm: Some([side("", "own_up"), side("-", "own_down")]), ..none }
+        }
+        "torque_ripple" => {
+            let (always, by_load) = ripple(added, code);
+            Hooks { winch_nm: Some(format!("{always} + {by_load} * load")), ..none }
+        }
         "cable_elasticity" => {
             let load = if named.value("with_friction") > 0.5 { "pull" } else { "joint_nm" };
             Hooks { lag_rad: Some(format!("{} * {load}", of("compliance_rad_nm"))), ..none }
@@ -72,15 +88,22 @@ pub fn hooks(added: &Added, code: &mut Code) -> Hooks {
             Hooks { reading_nm: Some(format!("fmax(fmin(y, {}), {})", of("high_nm"), of("low_nm"))), ..none }
         }
         "sensor_drift" => Hooks { reading_nm: Some(drift(&named, code)), ..none },
-        "gravity_phase" => Hooks { joint_nm: Some(format!("{} * cos(q)", of("cos_nm"))), ..none },
+        "gravity_phase" => {
+            let (cos_nm, of_nm) = (named.value("cos_nm"), named.value("of_nm"));
+            let less = number((of_nm * of_nm - cos_nm * cos_nm).max(0.0).sqrt() - of_nm);
+            Hooks { joint_nm: Some(format!("{} * cos(q) + {less} * sin(q)", number(cos_nm))), ..none }
+        }
         "inertia" => Hooks { joint_nm: Some(format!("{} * a", of("inertia_kg_m2"))), ..none },
         "elastic_spring" => {
-            Hooks { joint_nm: Some(format!("{} * q + {}", of("stiffness_nm_rad"), of("preload_nm"))), ..none }
+            let beyond = code.keep("beyond", &format!("q - {}", of("centre_rad")));
+            let cube = format!("{} * {beyond} * {beyond} * {beyond}", of("cubic_nm_rad3"));
+            Hooks { joint_nm: Some(format!("{} * q + {} + {cube}", of("stiffness_nm_rad"), of("preload_nm"))), ..none }
         }
         "end_stop" => {
             let side = of("side");
             let depth = code.keep("depth", &format!("fmax({side} * (q - {}), 0.0)", of("position_rad")));
-            let pushed = format!("{side} * {} * pow({depth}, {})", of("stiffness_nm"), of("exponent"));
+            let stiffness = format!("({side} * {} + tanh(v / 0.01) * {})", of("stiffness_nm"), of("loss_nm"));
+            let pushed = format!("{stiffness} * pow({depth}, {})", of("exponent"));
             Hooks { joint_nm: Some(code.choice(&format!("{depth} > 0.0"), &pushed, "0.0")), ..none }
         }
         "warm_up" => {
@@ -126,13 +149,11 @@ pub fn has_memory(added: &Added) -> bool {
     matches!(added.id(), "reversal_transition" | "presliding" | "time_delay")
 }
 
-/// The sum of harmonics, each angle the one before turned on by the fundamental.
-fn ripple(added: &Added, code: &mut Code) -> String {
-    let strengths = &added.parameters[1..];
+/// The sum of harmonics, each angle the one before turned on by the fundamental; and what there is of the fundamental in each N m
+/// that the cable carries.
+fn ripple(added: &Added, code: &mut Code) -> (String, String) {
+    let (strengths, by_load) = added.parameters[1..].split_at(2 * HARMONICS);
     let harmonics = strengths.chunks_exact(2).rposition(|pair| pair != [0.0, 0.0]).map_or(0, |last| last + 1);
-    if harmonics == 0 {
-        return number(0.0);
-    }
     let angle = code.keep("angle", &format!("{} * {} * q", number(TAU), number(added.parameters[0])));
     let (sine, cosine) = (code.keep("sine", &format!("sin({angle})")), code.keep("cosine", &format!("cos({angle})")));
     let (mut s, mut c) = (sine.clone(), cosine.clone());
@@ -144,7 +165,8 @@ fn ripple(added: &Added, code: &mut Code) -> String {
             [s, c] = turned.map(|turned| code.keep("turned", &turned));
         }
     }
-    sum
+    let of_load = code.keep("of_load", &format!("{} * {sine} + {} * {cosine}", number(by_load[0]), number(by_load[1])));
+    (sum, of_load)
 }
 
 fn drift(named: &Named<'_>, code: &mut Code) -> String {

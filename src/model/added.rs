@@ -67,14 +67,16 @@ impl Given {
                 self.refuse("has no strength".to_string(), format!("give one of {}", strengths.join(", ")));
             }
             for at in 0..self.known.len() {
-                let may_miss = matches!(self.known[at].role, Role::Strength | Role::Form);
-                if self.values[at].is_none() && !may_miss {
-                    let cure = format!("it takes {}; only a strength or a form may be left out", self.names());
+                if self.values[at].is_none() && self.known[at].default.is_none() {
+                    let optional = |p: &&Parameter| p.default.is_some();
+                    let may_miss: Vec<&str> = self.known.iter().filter(optional).map(|p| p.name).collect();
+                    let cure = format!("it takes {}; only {} may be left out", self.names(), may_miss.join(", "));
                     self.refuse(format!("{} is missing", self.known[at].name), cure);
                 }
             }
         }
-        let parameters = self.values.iter().map(|value| value.unwrap_or(0.0)).collect();
+        let default = |(value, p): (&Option<f64>, &Parameter)| value.or(p.default).unwrap_or(0.0);
+        let parameters = self.values.iter().zip(self.known).map(default).collect();
         Problems(self.problems).unless_errors(parameters)
     }
 

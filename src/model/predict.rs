@@ -68,10 +68,10 @@ impl Model {
         for e in &self.effects {
             joint_nm += e.effect.joint_torque_nm(&e.parameters, sample);
             factor *= e.effect.friction_factor(&e.parameters, sample);
-            winch_nm += e.effect.winch_torque_nm(&e.parameters, sample);
         }
         let carried = Carried { load_nm: transmission * joint_nm, friction_nm: branches };
         for e in &self.effects {
+            winch_nm += e.effect.winch_torque_nm(&e.parameters, sample, carried.load_nm);
             let more = e.effect.friction_nm(&e.parameters, sample, carried);
             (up, down) = (up + more.up, down + more.down);
         }

@@ -47,7 +47,10 @@ fn described(p: &Parameter) -> String {
     let (low, high) = p.bounds;
     match p.role {
         Role::Strength | Role::Form => p.name.to_string(),
-        _ => format!("{} ({low} to {high})", p.name),
+        _ => match p.default {
+            Some(default) => format!("{} ({low} to {high}, else {default})", p.name),
+            None => format!("{} ({low} to {high})", p.name),
+        },
     }
 }
 

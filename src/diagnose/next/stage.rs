@@ -98,7 +98,7 @@ impl Stage<'_> {
     fn loaded(&self, model: &Model) -> Option<Model> {
         let effect = find("elastic_spring").filter(|_| self.load_nm != 0.0)?;
         let mut loaded = model.clone();
-        loaded.effects.push(Added { effect, parameters: vec![0.0, self.load_nm] });
+        loaded.effects.push(Added { effect, parameters: vec![0.0, self.load_nm, 0.0, 0.0, 0.0] });
         Some(loaded)
     }
 
