@@ -40,7 +40,7 @@ pub const EXAMPLES: [&str; 20] = [
     "stribeck:up_nm=0.1,down_nm=0.13,speed_rad_s=0.1,exponent=1.3",
     "load_dependent_friction:up=0.2,down=0.15,of_tension=0,pretension_nm=0,levels_off_nm=0",
     "friction_ripple:periods_per_rad=7.3,sin_1_nm=0.08,cos_2_nm=0.03,cos_of_friction=0.1",
-    "torque_ripple:periods_per_rad=5.1,sin_1_nm=0.06,cos_3_nm=0.02",
+    "torque_ripple:periods_per_rad=5.1,sin_1_nm=0.06,cos_3_nm=0.02,sin_of_load=0.05",
     "cable_elasticity:with_friction=1,compliance_rad_nm=0.03",
     "quadratic_viscous:up_nm_s2_rad2=0.3,down_nm_s2_rad2=0.25,exponent=1.8",
     "sensor_bias:bias_nm=0.04",
@@ -119,8 +119,20 @@ fn the_library_is_the_format_s_list_and_the_folder() {
 
 #[test]
 fn parameters_name_their_units_and_have_room() {
-    let units =
-        ["_nm", "_m", "_s", "_rad", "_rad_s", "_nm_rad", "_nm_s_rad", "_nm_s2_rad2", "_kg_m2", "_rad_nm", "_nm_rad2"];
+    let units = [
+        "_nm",
+        "_m",
+        "_s",
+        "_rad",
+        "_rad_s",
+        "_nm_rad",
+        "_nm_s_rad",
+        "_nm_s2_rad2",
+        "_kg_m2",
+        "_rad_nm",
+        "_nm_rad2",
+        "_nm_rad3",
+    ];
     // Shares, exponents, choices: without a dimension.
     let plain = [
         "p",
