@@ -172,7 +172,7 @@ impl Search<'_> {
         let (others, without) = self.together(&others);
         let ground = self.ground_of(&without);
         let round = self.round(&ground, &others);
-        let mut step = self.place(&chosen[at], round.tried, without, &ground);
+        let mut step = self.place(&chosen[at], round.tried, without, &self.ground_beside(&all_but(chosen, at)));
         let Some(best) = simplest(self.bench, &step.tried, self.start) else { return step };
         let (own, best, first) = (&step.taken, &step.tried[best], &step.tried[0]);
         let is_simple = own.count() <= best.count() || [own, best].iter().all(|t| is_change_over(t.cause));
@@ -184,16 +184,19 @@ impl Search<'_> {
         step
     }
 
-    /// `sketch` as one of `tried`, or fitted from where it stands.
+    /// `sketch` as one of `tried`, or fitted on `ground` from where it stands, whichever does better: the others alone may have
+    /// moved to where it is of no use.
     fn place(&self, sketch: &Sketch, mut tried: Vec<Tried>, without: Fit, ground: &Ground) -> Step {
+        let mut model = ground.model.clone();
+        let moves = sketch.put(&mut model, self.bench);
+        let own = Tried { cause: sketch.cause, how: sketch.how, fit: self.bench.fit(ground, model, moves) };
         let is_own = |t: &Tried| (t.cause, t.how) == (sketch.cause, sketch.how);
-        let taken = tried.iter().find(|t| is_own(t)).cloned().unwrap_or_else(|| {
-            let mut model = ground.model.clone();
-            let moves = sketch.put(&mut model, self.bench);
-            let own = Tried { cause: sketch.cause, how: sketch.how, fit: self.bench.fit(ground, model, moves) };
+        let better = |t: &&Tried| t.score(self.bench) <= own.score(self.bench);
+        let taken = tried.iter().find(|t| is_own(t)).filter(better).cloned().unwrap_or_else(|| {
+            tried.retain(|t| !is_own(t));
             let behind = tried.partition_point(|t| t.score(self.bench) < own.score(self.bench));
             tried.insert(behind, own.clone());
-            own
+            own.clone()
         });
         Step { taken, tried, without }
     }
@@ -245,8 +248,19 @@ impl Search<'_> {
         if fit.moves.is_empty() {
             return self.first.clone();
         }
-        let free = fit.moves.iter().map(|way| way.clone().believed_within(way.stride));
-        self.bench.ground(&fit.model, self.first.moves.iter().cloned().chain(free).collect())
+        self.ground_with(&fit.model, &fit.moves)
+    }
+
+    /// The ground that `others` make as they stand, free within their strides.
+    fn ground_beside(&self, others: &[Sketch]) -> Ground {
+        let mut model = self.first.model.clone();
+        let moves: Vec<Move> = others.iter().flat_map(|sketch| sketch.put(&mut model, self.bench)).collect();
+        self.ground_with(&model, &moves)
+    }
+
+    fn ground_with(&self, model: &Model, moves: &[Move]) -> Ground {
+        let free = moves.iter().map(|way| way.clone().believed_within(way.stride));
+        self.bench.ground(model, self.first.moves.iter().cloned().chain(free).collect())
     }
 
     fn is_material(&self, with: &Fit, without: &Fit, is_first: bool) -> bool {

@@ -20,6 +20,9 @@ const LAG_MAX: f64 = 10.0;
 const APART: f64 = 0.02;
 /// Fewer blocks tell no floor.
 const BLOCKS_MIN: usize = 8;
+/// However many blocks there are, the floor's square is not known better than this share of it: noise differs between trials, and
+/// what repeats differ by is not all noise (simulated campaigns scatter by 0.08 about what chance allows).
+const SYSTEMATIC: f64 = 0.06;
 /// Noise is measured in bands that begin at these multiples of the low-pass ...
 const BANDS: [f64; 6] = [1.6, 2.5, 4.0, 6.4, 10.0, 16.0];
 /// ... and below this share of the rate.
@@ -84,7 +87,8 @@ pub fn floor(records: &Records, residual_nm: &[f64]) -> Floor {
     }
     if blocks.len() >= BLOCKS_MIN {
         let rms_nm = (median_square(&mut blocks) / 2.0 / (1.0 - 1.0 / SLOW)).sqrt();
-        let relative_error = (std::f64::consts::PI / (BLOCK * blocks.len() as f64)).sqrt();
+        let chance = (std::f64::consts::PI / (BLOCK * blocks.len() as f64)).sqrt();
+        let relative_error = chance.hypot(SYSTEMATIC);
         return Floor { rms_nm, source: FloorSource::Repeats, relative_error };
     }
     let mut spectral: Vec<f64> =
