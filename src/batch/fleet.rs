@@ -4,14 +4,10 @@ use super::manifest::Batch;
 use super::table::{Row, parameter_names};
 use crate::compare::{Verdict, compare};
 use crate::model::Status;
-use crate::numerics::statistics::{normal, quantile};
+use crate::numerics::statistics::{quantile, together};
 use rayon::prelude::*;
 use std::collections::BTreeMap;
 
-/// Chance that anything in the whole fleet is called drifted though nothing changed but the noise.
-const FALSE_ALARM: f64 = 0.05;
-/// Share outside the intervals that campaigns are known with.
-const OUTSIDE: f64 = 0.05;
 /// Standard deviations, from the median's absolute deviation, beyond which a campaign stands out.
 const FAR: f64 = 6.0;
 /// The median absolute deviation of a normal distribution, in standard deviations.
@@ -108,7 +104,7 @@ impl Fleet {
             of_joint.into_par_iter().map(|(name, of)| history(batch, &rows, name, of)).collect();
         // Among thousands of intervals of 95 % many miss by chance: all are widened to hold together.
         let compared: usize = joints.iter().map(|joint| joint.drifts.len()).sum();
-        let wider = normal(FALSE_ALARM / compared.max(1) as f64) / normal(OUTSIDE);
+        let wider = together(compared);
         for joint in &mut joints {
             joint.drifts =
                 std::mem::take(&mut joint.drifts).into_iter().filter_map(|drift| drift.beyond(wider)).collect();
@@ -180,7 +176,8 @@ fn level(before: &Row, after: &Row, (name, half_width): (&str, &str)) -> Option<
     }
     let (a, b) = (before.figure(name)?, after.figure(name)?);
     let reach = before.figure(half_width)?.hypot(after.figure(half_width)?);
-    Some(Drift { name: name.into(), unit: "N m", before: a, after: b, low: b - a - reach, high: b - a + reach })
+    let unit = before.model.as_ref()?.joint.kind.torque_unit();
+    Some(Drift { name: name.into(), unit, before: a, after: b, low: b - a - reach, high: b - a + reach })
 }
 
 /// What lies far from the middle of the fleet: parameters that are known by themselves, levels, and how well models foretell.

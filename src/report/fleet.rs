@@ -3,7 +3,9 @@
 use super::number::{counted, interval, significant};
 use super::page::{Card, Drawing, Page, Table};
 use super::terminal::{BOLD, DIM, YELLOW, heading};
-use crate::batch::{Drift, Fleet, Joint, Outlier};
+use super::wording::{Units, moving};
+use crate::batch::{Drift, Fleet, Joint, Outlier, Row};
+use crate::model::Direction;
 use serde_json::{Value, json};
 use std::io::{self, Write};
 use std::path::Path;
@@ -38,7 +40,7 @@ pub fn to_json(fleet: &Fleet) -> Value {
         json!({ "campaign": name(o.row), "joint": fleet.rows[o.row].joint(), "name": o.name, "value": o.value,
                 "median": o.median, "deviations": o.deviations })
     };
-    let failed = |row: &crate::batch::Row| json!({ "campaign": row.entry.name, "reason": row.record.failure });
+    let failed = |row: &Row| json!({ "campaign": row.entry.name, "reason": row.record.failure });
     json!({
         "format": "fleet/1",
         "campaigns": fleet.rows.len(),
@@ -68,6 +70,20 @@ fn sentence(fleet: &Fleet) -> String {
 /// The heads of a table with its rows.
 type Cells<const N: usize> = ([&'static str; N], Vec<[String; N]>);
 
+/// A drift's or outlier's name as a reader understands it, of the campaign `row`.
+fn words(name: &str, row: &Row) -> String {
+    let direction = Direction::BOTH.into_iter().find(|d| name.contains(&format!("_{}", d.name())));
+    match (name.split('_').next(), direction) {
+        (Some("a"), Some(direction)) => format!("A, {}", moving(direction)),
+        (Some("level"), Some(direction)) => {
+            let units = Units::of(row.model.as_ref().map(|model| model.joint.kind).unwrap_or_default());
+            let speed = row.figure("level_speed_rad_s").map_or_else(String::new, |v| significant(v, 3));
+            format!("B(v) at {speed} {}, {}", units.speed, moving(direction))
+        }
+        _ => name.to_string(),
+    }
+}
+
 fn drifts(fleet: &Fleet) -> Cells<7> {
     let row = |joint: &Joint, d: &Drift| {
         let span = format!("{} to {}", when(fleet, joint.since), when(fleet, joint.last()));
@@ -76,7 +92,7 @@ fn drifts(fleet: &Fleet) -> Cells<7> {
         [
             joint.name.clone(),
             span,
-            d.name.clone(),
+            words(&d.name, &fleet.rows[joint.since]),
             format!("{}{unit}", significant(d.before, 4)),
             format!("{}{unit}", significant(d.after, 4)),
             significant(change, 3),
@@ -91,7 +107,7 @@ fn outliers(fleet: &Fleet) -> Cells<5> {
     let row = |o: &Outlier| {
         [
             fleet.rows[o.row].entry.name.clone(),
-            o.name.clone(),
+            words(&o.name, &fleet.rows[o.row]),
             significant(o.value, 4),
             significant(o.median, 4),
             format!("{:.1} SD", o.deviations),
@@ -101,7 +117,7 @@ fn outliers(fleet: &Fleet) -> Cells<5> {
 }
 
 fn failures(fleet: &Fleet) -> Cells<2> {
-    let row = |row: &crate::batch::Row| [row.entry.name.clone(), row.record.failure.clone().unwrap_or_default()];
+    let row = |row: &Row| [row.entry.name.clone(), row.record.failure.clone().unwrap_or_default()];
     (["campaign", "why"], fleet.failed().map(row).collect())
 }
 
@@ -113,7 +129,7 @@ fn joints(fleet: &Fleet) -> Cells<7> {
             (Some(why), _) => why.clone(),
             (None, true) => "one campaign since".to_string(),
             (None, false) if joint.drifts.is_empty() => "no".to_string(),
-            _ => joint.drifts.iter().map(|d| d.name.as_str()).collect::<Vec<_>>().join(", "),
+            _ => joint.drifts.iter().map(|d| words(&d.name, &fleet.rows[joint.since])).collect::<Vec<_>>().join("; "),
         };
         let diagnosis = last.record.diagnosis.as_ref();
         [
@@ -159,8 +175,8 @@ pub fn page(fleet: &Fleet, name: &str, drawings: Vec<Drawing>) -> Page {
     let drift_intro = format!(
         "First campaign since the cables were last retensioned, or the first of all, against the last. {} compared; the \
          intervals are wide enough to hold all together with 95 %. They hold what a campaign knows of itself, not what differs \
-         between sessions (mounting, temperature): two campaigns on one day show that. a and level are A and, at one speed, B(v): \
-         what parameters that are known only together amount to.",
+         between sessions (mounting, temperature): two campaigns on one day show that. A and, at one speed, B(v) are what parameters \
+         that are known only together amount to.",
         counted(fleet.compared, "value", "values")
     );
     let tables = [
