@@ -5,6 +5,7 @@ use super::page::{Card, Drawing, Page, Table};
 use super::terminal::{BOLD, DIM, YELLOW, heading};
 use super::wording::{Units, moving};
 use crate::batch::{Drift, Fleet, Joint, Outlier, Row};
+use crate::compare::parameters_of;
 use crate::model::Direction;
 use serde_json::{Value, json};
 use std::io::{self, Write};
@@ -80,7 +81,19 @@ fn words(name: &str, row: &Row) -> String {
             let speed = row.figure("level_speed_rad_s").map_or_else(String::new, |v| significant(v, 3));
             format!("B(v) at {speed} {}, {}", units.speed, moving(direction))
         }
+        (Some("rmse"), None) => "RMSE".to_string(),
         _ => name.to_string(),
+    }
+}
+
+/// The same with the unit of its values; a figure's is a torque.
+fn words_with_unit(name: &str, row: &Row) -> String {
+    let of_figure = || row.model.as_ref().map_or("", |model| model.joint.kind.torque_unit());
+    let parameters = row.model.as_ref().map(parameters_of).unwrap_or_default();
+    let unit = parameters.into_iter().find(|parameter| parameter.0 == name).map_or_else(of_figure, |found| found.1);
+    match unit {
+        "" => words(name, row),
+        unit => format!("{} ({unit})", words(name, row)),
     }
 }
 
@@ -88,26 +101,25 @@ fn drifts(fleet: &Fleet) -> Cells<7> {
     let row = |joint: &Joint, d: &Drift| {
         let span = format!("{} to {}", when(fleet, joint.since), when(fleet, joint.last()));
         let change = d.after - d.before;
-        let unit = if d.unit.is_empty() { String::new() } else { format!(" {}", d.unit) };
         [
             joint.name.clone(),
             span,
-            words(&d.name, &fleet.rows[joint.since]),
-            format!("{}{unit}", significant(d.before, 4)),
-            format!("{}{unit}", significant(d.after, 4)),
+            words_with_unit(&d.name, &fleet.rows[joint.since]),
+            significant(d.before, 4),
+            significant(d.after, 4),
             significant(change, 3),
             interval(change, d.low, d.high),
         ]
     };
     let rows = fleet.drifted().flat_map(|joint| joint.drifts.iter().map(move |d| row(joint, d)));
-    (["joint", "campaigns", "what", "before", "after", "change", "interval"], rows.collect())
+    (["joint", "campaigns", "what", "before", "after", "change", "its interval"], rows.collect())
 }
 
 fn outliers(fleet: &Fleet) -> Cells<5> {
     let row = |o: &Outlier| {
         [
             fleet.rows[o.row].entry.name.clone(),
-            words(&o.name, &fleet.rows[o.row]),
+            words_with_unit(&o.name, &fleet.rows[o.row]),
             significant(o.value, 4),
             significant(o.median, 4),
             format!("{:.1} SD", o.deviations),
