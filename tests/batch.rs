@@ -184,10 +184,12 @@ fn a_joint_that_drifted_is_told_apart_from_one_that_did_not() {
         list += &format!("[[campaigns]]\npath = \"{joint}{number}\"\njoint = \"{joint}\"\ndate = {date}\n");
     }
     list += "[[retensioned]]\njoint = \"steady\"\ndate = 2026-02-01\n";
+    list += "[[retensioned]]\njoint = \"slakc\"\ndate = 2026-02-01\n";
     fs::write(fleet.path().join("fleet.toml"), list).unwrap();
     let out = fleet.path().join("out");
     let (json, status) = batch(&fleet.path().join("fleet.toml"), &out, &[]);
     assert_eq!(status, 0);
+    assert!(json["warnings"].to_string().contains("did you mean `slack`?"), "{}", json["warnings"]);
     let joint = |name: &str| json["joints"].as_array().unwrap().iter().find(|j| j["joint"] == name).unwrap().clone();
     assert_eq!((&joint("steady")["since"], &joint("steady")["drifted"]), (&"steady2".into(), &Value::Array(vec![])));
     let drifted = joint("slack")["drifted"].clone();

@@ -3,6 +3,7 @@
 use super::manifest::Batch;
 use super::table::{Row, parameter_names};
 use crate::compare::{Verdict, compare};
+use crate::document::suggest;
 use crate::model::Status;
 use crate::numerics::statistics::{quantile, together};
 use rayon::prelude::*;
@@ -33,6 +34,8 @@ pub struct Fleet {
     pub outliers: Vec<Outlier>,
     /// Values compared over time.
     pub compared: usize,
+    /// What of the retensionings could not be used.
+    pub warnings: Vec<String>,
 }
 
 /// One joint over time.
@@ -109,8 +112,8 @@ impl Fleet {
             joint.drifts =
                 std::mem::take(&mut joint.drifts).into_iter().filter_map(|drift| drift.beyond(wider)).collect();
         }
-        let outliers = outliers(&rows);
-        Self { rows, joints, outliers, compared }
+        let (outliers, warnings) = (outliers(&rows), unused(batch, &rows, &joints));
+        Self { rows, joints, outliers, compared, warnings }
     }
 
     /// Joints of which anything drifted.
@@ -165,6 +168,21 @@ fn history(batch: &Batch, rows: &[Row], name: String, mut of: Vec<usize>) -> Joi
         Err(problems) => joint.incomparable = Some(problems.to_string()),
     }
     joint
+}
+
+/// The retensionings that tell nothing: of joints that no campaign is of, or whose campaigns have no dates.
+fn unused(batch: &Batch, rows: &[Row], joints: &[Joint]) -> Vec<String> {
+    let one = |name: &String| match joints.iter().find(|joint| joint.name == *name) {
+        None => Some(format!(
+            "`{name}` was retensioned, and no campaign that was identified is of it: {}",
+            suggest(name, "they are of", joints.iter().map(|joint| joint.name.as_str()))
+        )),
+        Some(joint) if joint.rows.iter().any(|at| rows[*at].entry.date.is_none()) => {
+            Some(format!("`{name}` was retensioned, and not all of its campaigns have a `date`: that is left out"))
+        }
+        Some(_) => None,
+    };
+    batch.retensioned.keys().filter_map(one).collect()
 }
 
 /// How a figure with a half width changed; a level belongs to a speed, which must be the same.

@@ -48,6 +48,7 @@ pub fn to_json(fleet: &Fleet) -> Value {
         "failed": fleet.failed().map(failed).collect::<Vec<Value>>(),
         "compared": fleet.compared,
         "joints": fleet.joints.iter().map(joint).collect::<Vec<Value>>(),
+        "warnings": fleet.warnings,
         "outliers": fleet.outliers.iter().map(outlier).collect::<Vec<Value>>(),
         "provenance": { "tautline": env!("CARGO_PKG_VERSION") },
     })
@@ -213,6 +214,7 @@ pub fn page(fleet: &Fleet, name: &str, drawings: Vec<Drawing>) -> Page {
             card("joints drifted", fleet.drifted().count().to_string(), "beyond their confidence"),
             card("stand out", fleet.outliers.len().to_string(), "values far from the fleet's"),
         ],
+        warnings: fleet.warnings.clone(),
         tables: tables.into_iter().flatten().collect(),
         drawings,
         provenance: vec![("tautline", env!("CARGO_PKG_VERSION").to_string())],
@@ -231,6 +233,7 @@ pub fn write_summary(out: &mut impl Write, fleet: &Fleet, written: &Path) -> io:
     lines(out, "Drifted", drifts(fleet).1)?;
     lines(out, "Stand out", outliers(fleet).1)?;
     lines(out, "Failed", failures(fleet).1)?;
+    lines(out, "To distrust", fleet.warnings.iter().map(|warning| [warning.clone()]).collect())?;
     writeln!(out, "\n  {}", written.join("report.html").display())
 }
 
