@@ -58,7 +58,8 @@ def main():
             if left:
                 sys.exit(f"{left} is left behind")
             finished += 1
-    print(f"{killed} kills, with {min(half_done)} to {max(half_done)} of {a.campaigns} results there; {finished} tables after "
+    midway = sum(0 < done < a.campaigns for done in half_done)
+    print(f"{killed} kills, {midway} of them with some results there and others not, with {min(half_done)} to {max(half_done)} of {a.campaigns} results there; {finished} tables after "
           f"restarts, each equal to the uninterrupted run's ({whole_s:.1f} s)")
 
 

@@ -49,6 +49,37 @@ fn table(out: &Path) -> BTreeMap<String, BTreeMap<String, String>> {
     by_name
 }
 
+/// What lies in the results' folder and is none, or holds no model that can be read, is worked out again.
+#[test]
+fn damaged_results_are_done_again() {
+    let (fleet, out) = (fleet(), TempDir::new().unwrap());
+    batch(fleet.path(), out.path(), &[]);
+    let before = table(out.path());
+    for entry in fs::read_dir(out.path().join("campaigns")).unwrap() {
+        let file = entry.unwrap().path();
+        let is_first = file.to_string_lossy().contains("joint_1-");
+        let text = fs::read_to_string(&file).unwrap();
+        fs::write(&file, if is_first { "PAR1".to_string() } else { text.replace("mu_c", "mu") }).unwrap();
+    }
+    let (json, status) = batch(fleet.path(), out.path(), &[]);
+    assert_eq!((status, &json["work"]["done"], &json["work"]["kept"]), (1, &3.into(), &0.into()));
+    assert_eq!(table(out.path()), before);
+}
+
+#[test]
+fn lists_add_up_with_their_retensionings() {
+    let folder = TempDir::new().unwrap();
+    let list = |name: &str, date: &str| {
+        let file = folder.path().join(name);
+        let campaign = format!("[[campaigns]]\npath = \"{name}\"\n");
+        let retensioned = format!("[[retensioned]]\njoint = \"elbow\"\ndate = {date}\n");
+        fs::write(&file, format!("format = \"batch/1\"\n{campaign}{retensioned}")).unwrap();
+        file
+    };
+    let lists = [list("late.toml", "2026-03-01"), list("early.toml", "2026-01-01")];
+    assert_eq!(Batch::read(&lists).unwrap().retensioned["elbow"], ["2026-01-01", "2026-03-01"]);
+}
+
 #[test]
 fn a_bad_campaign_fails_alone_with_its_reason() {
     let (fleet, out) = (fleet(), TempDir::new().unwrap());
@@ -153,10 +184,12 @@ fn a_joint_that_drifted_is_told_apart_from_one_that_did_not() {
         list += &format!("[[campaigns]]\npath = \"{joint}{number}\"\njoint = \"{joint}\"\ndate = {date}\n");
     }
     list += "[[retensioned]]\njoint = \"steady\"\ndate = 2026-02-01\n";
+    list += "[[retensioned]]\njoint = \"slakc\"\ndate = 2026-02-01\n";
     fs::write(fleet.path().join("fleet.toml"), list).unwrap();
     let out = fleet.path().join("out");
     let (json, status) = batch(&fleet.path().join("fleet.toml"), &out, &[]);
     assert_eq!(status, 0);
+    assert!(json["warnings"].to_string().contains("did you mean `slack`?"), "{}", json["warnings"]);
     let joint = |name: &str| json["joints"].as_array().unwrap().iter().find(|j| j["joint"] == name).unwrap().clone();
     assert_eq!((&joint("steady")["since"], &joint("steady")["drifted"]), (&"steady2".into(), &Value::Array(vec![])));
     let drifted = joint("slack")["drifted"].clone();

@@ -171,6 +171,10 @@ fn what_does_not_matter_stays_green() {
         assert!(regressed.is_empty(), "{name}: {regressed:#?}");
         let trials = || found.findings.iter().filter(|f| f.part == Part::Data);
         assert!(trials().count() > 0 && trials().all(|f| f.outcome == data), "{name}");
+        // Nothing hangs on a last digit: no sample more or less, no other choice.
+        let figures = found.findings.iter().filter(|f| f.part == Part::Figure);
+        let moved: Vec<_> = figures.filter(|f| f.outcome != Outcome::Same).collect();
+        assert!(moved.is_empty(), "{name}: {moved:#?}");
     }
 }
 
@@ -246,6 +250,19 @@ fn the_bundled_campaigns_are_green_on_any_number_of_threads() {
             .unwrap();
         assert_eq!(done.status.code(), Some(0), "{name}: {}", String::from_utf8_lossy(&done.stdout));
     }
+}
+
+#[test]
+fn a_baseline_of_another_campaign_is_no_judgement_and_is_not_replaced() {
+    let (folder, copy) = (TempDir::new().unwrap(), "data/davinci_l4/baseline.json");
+    let file = folder.path().join("baseline.json");
+    std::fs::copy(copy, &file).unwrap();
+    for more in [&[][..], &["--update"]] {
+        let done = tautline(&[&["check", "data/arm", "--baseline", &file.to_string_lossy()], more].concat());
+        let told = String::from_utf8_lossy(&done.stderr);
+        assert!(done.status.code() == Some(2) && told.contains("another campaign, davinci_l4"), "{told}");
+    }
+    assert_eq!(std::fs::read(&file).unwrap(), std::fs::read(copy).unwrap());
 }
 
 #[test]

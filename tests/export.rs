@@ -342,6 +342,9 @@ fn simulators_and_tables_say_what_they_lack() {
     let columns = table.lines().next().unwrap().split(',').count();
     assert!(table.lines().count() > 15 && table.contains("friction.up.mu_c,,0."), "{table}");
     assert!(table.lines().all(|line| line.split(',').count() >= columns), "{table}");
+    let spring = Added::parse("elastic_spring:stiffness_nm_rad=0.25,preload_nm=-0.1").unwrap();
+    let sprung = csv(&Model { effects: vec![spring], ..model.clone() });
+    assert!(sprung.contains("effects.elastic_spring.stiffness_nm_rad,N m/rad,0.25"), "{sprung}");
     assert!(latex(&model).contains("friction.up.mu\\_c") && markdown(&model).contains("| `friction.up.mu_c` |"));
 }
 

@@ -3,15 +3,12 @@
 use super::manifest::Batch;
 use super::table::{Row, parameter_names};
 use crate::compare::{Verdict, compare};
+use crate::document::suggest;
 use crate::model::Status;
-use crate::numerics::statistics::{normal, quantile};
+use crate::numerics::statistics::{quantile, together};
 use rayon::prelude::*;
 use std::collections::BTreeMap;
 
-/// Chance that anything in the whole fleet is called drifted though nothing changed but the noise.
-const FALSE_ALARM: f64 = 0.05;
-/// Share outside the intervals that campaigns are known with.
-const OUTSIDE: f64 = 0.05;
 /// Standard deviations, from the median's absolute deviation, beyond which a campaign stands out.
 const FAR: f64 = 6.0;
 /// The median absolute deviation of a normal distribution, in standard deviations.
@@ -37,6 +34,8 @@ pub struct Fleet {
     pub outliers: Vec<Outlier>,
     /// Values compared over time.
     pub compared: usize,
+    /// What of the retensionings could not be used.
+    pub warnings: Vec<String>,
 }
 
 /// One joint over time.
@@ -108,13 +107,13 @@ impl Fleet {
             of_joint.into_par_iter().map(|(name, of)| history(batch, &rows, name, of)).collect();
         // Among thousands of intervals of 95 % many miss by chance: all are widened to hold together.
         let compared: usize = joints.iter().map(|joint| joint.drifts.len()).sum();
-        let wider = normal(FALSE_ALARM / compared.max(1) as f64) / normal(OUTSIDE);
+        let wider = together(compared);
         for joint in &mut joints {
             joint.drifts =
                 std::mem::take(&mut joint.drifts).into_iter().filter_map(|drift| drift.beyond(wider)).collect();
         }
-        let outliers = outliers(&rows);
-        Self { rows, joints, outliers, compared }
+        let (outliers, warnings) = (outliers(&rows), unused(batch, &rows, &joints));
+        Self { rows, joints, outliers, compared, warnings }
     }
 
     /// Joints of which anything drifted.
@@ -171,6 +170,21 @@ fn history(batch: &Batch, rows: &[Row], name: String, mut of: Vec<usize>) -> Joi
     joint
 }
 
+/// The retensionings that tell nothing: of joints that no campaign is of, or whose campaigns have no dates.
+fn unused(batch: &Batch, rows: &[Row], joints: &[Joint]) -> Vec<String> {
+    let one = |name: &String| match joints.iter().find(|joint| joint.name == *name) {
+        None => Some(format!(
+            "`{name}` was retensioned, and no campaign that was identified is of it: {}",
+            suggest(name, "they are of", joints.iter().map(|joint| joint.name.as_str()))
+        )),
+        Some(joint) if joint.rows.iter().any(|at| rows[*at].entry.date.is_none()) => {
+            Some(format!("`{name}` was retensioned, and not all of its campaigns have a `date`: that is left out"))
+        }
+        Some(_) => None,
+    };
+    batch.retensioned.keys().filter_map(one).collect()
+}
+
 /// How a figure with a half width changed; a level belongs to a speed, which must be the same.
 fn level(before: &Row, after: &Row, (name, half_width): (&str, &str)) -> Option<Drift> {
     let speed = |row: &Row| row.figure("level_speed_rad_s");
@@ -180,7 +194,8 @@ fn level(before: &Row, after: &Row, (name, half_width): (&str, &str)) -> Option<
     }
     let (a, b) = (before.figure(name)?, after.figure(name)?);
     let reach = before.figure(half_width)?.hypot(after.figure(half_width)?);
-    Some(Drift { name: name.into(), unit: "N m", before: a, after: b, low: b - a - reach, high: b - a + reach })
+    let unit = before.model.as_ref()?.joint.kind.torque_unit();
+    Some(Drift { name: name.into(), unit, before: a, after: b, low: b - a - reach, high: b - a + reach })
 }
 
 /// What lies far from the middle of the fleet: parameters that are known by themselves, levels, and how well models foretell.

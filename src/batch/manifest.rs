@@ -46,8 +46,11 @@ impl Batch {
                 path => Self::matching(path)?,
             };
             batch.entries.extend(found.entries);
-            batch.retensioned.extend(found.retensioned);
+            for (joint, dates) in found.retensioned {
+                batch.retensioned.entry(joint).or_default().extend(dates);
+            }
         }
+        batch.retensioned.values_mut().for_each(|dates| dates.sort());
         let mut names = BTreeSet::new();
         match batch.entries.iter().find(|entry| !names.insert(&entry.name)) {
             Some(twice) => {
@@ -67,8 +70,12 @@ impl Batch {
         Document::open(file)?.read(|root| {
             root.need("format").choice(&[(FORMAT, ())]);
             let means = "one for each campaign, with its path";
-            let entries = root.need("campaigns").such_as("[[campaigns]]", means).sections(|s| Entry::read(s, folder));
-            if entries.as_ref().is_some_and(Vec::is_empty) {
+            let mut listed = 0;
+            let entries = root.need("campaigns").such_as("[[campaigns]]", means).sections(|s| {
+                listed += 1;
+                Entry::read(s, folder)
+            });
+            if entries.is_some() && listed == 0 {
                 root.reject("campaigns", "lists no campaign", "add `[[campaigns]]` with its path");
             }
             let one = |s: &Section<'_>| s.need("joint").text().zip(s.need("date").date());
@@ -76,7 +83,6 @@ impl Batch {
             for (joint, date) in root.may("retensioned").sections(one).unwrap_or_default() {
                 retensioned.entry(joint).or_default().push(date);
             }
-            retensioned.values_mut().for_each(|dates| dates.sort());
             Some(Self { entries: entries?, retensioned })
         })
     }

@@ -107,8 +107,8 @@ pub fn run(
 
 fn one(entry: &Entry, settings: &Settings, store: &Store, afresh: bool) -> Result<Came> {
     let inputs = digest::of(entry, settings);
-    let known = store.read(&entry.name).filter(|record| record.inputs == inputs && record.failure.is_none());
-    if known.is_some() && !afresh {
+    let known = Row::read(entry, store);
+    if known.model.is_some() && known.record.inputs == inputs && !afresh {
         return Ok(Came::Kept);
     }
     let record = work::record(entry, settings, inputs);

@@ -89,9 +89,17 @@ impl Baseline {
 
     /// Holds `campaign` against the baseline.
     ///
-    /// Errors: its logs cannot be read. What only the stages after reading refuse is a finding: the baseline's they could use.
+    /// Errors: its logs cannot be read; none of them is the baseline's, neither by name nor by what it holds. What only the stages
+    /// after reading refuse is a finding: the baseline's they could use.
     pub fn check(&self, campaign: &Campaign) -> Result<Checked> {
         let mut now = Snapshot { settings: settings(campaign), trials: marks::read(campaign)?, ..Snapshot::default() };
+        let is_known =
+            |new: &TrialMark| self.snapshot.trials.iter().any(|old| old.file == new.file || old.holds_same(new));
+        if !now.trials.iter().any(is_known) {
+            let what = format!("the baseline is of another campaign, {}: they share no trial", self.campaign);
+            let cure = "name this campaign's own baseline; --update stores one to a file that is not there yet";
+            return Problem::error(&campaign.file, what, cure).alone();
+        }
         if let Recipe::Identify(settings) = self.recipe
             && let Err(problems) = now.identify(campaign, settings)
         {

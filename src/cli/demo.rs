@@ -50,13 +50,12 @@ pub struct Arguments {
 
 pub fn run(arguments: &Arguments, talk: &Talk) -> Result<ExitCode> {
     let folder = &arguments.output;
-    let unusable =
-        |what: &str| Problem::error(folder, what, "name another with -o, or add --force after a former demo");
     let Some(name) = folder.to_str().filter(|name| !name.contains(char::is_whitespace)) else {
-        return unusable("has a name with blanks, and the demo shows commands to be typed").alone();
+        let what = "has a name with blanks, and the demo shows commands to be typed";
+        return Problem::error(folder, what, "name another with -o").alone();
     };
     if folder.exists() && !arguments.force {
-        return unusable("exists").alone();
+        return Problem::error(folder, "exists", "name another with -o, or add --force after a former demo").alone();
     }
     let joint = folder.join("joint.json");
     std::fs::create_dir_all(folder).and_then(|()| std::fs::write(&joint, JOINT)).or_else(|error| {

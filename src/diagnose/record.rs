@@ -4,7 +4,7 @@
 use crate::dynamics::{Both, JointKind, Motion, RigidTorque};
 use crate::effects::{Added, Carried, Family, Sample};
 use crate::log::{Campaign, clock_s, read_trial, span_s};
-use crate::model::{Asked, Model, Passage, settle};
+use crate::model::{AT_REST_RAD_S, Asked, Model, Passage, settle};
 use crate::numerics::filter::LowPass;
 use crate::predict::forgotten;
 use crate::prepare::{Trial, prepare};
@@ -55,7 +55,8 @@ pub struct Record {
     chain: Option<Vec<(RigidTorque, f64)>>,
     step: usize,
     followed_rad: Vec<f64>,
-    forward: Vec<bool>,
+    /// Sign of the speed at the log's full rate; 0 at rest.
+    moving: Vec<i8>,
     deadband_rad: f64,
     lowpass: LowPass,
 }
@@ -179,6 +180,12 @@ impl Records {
     }
 }
 
+/// The sign of a speed; 0 at rest.
+fn moving(velocity_rad_s: f64) -> i8 {
+    let moves = velocity_rad_s.abs() >= AT_REST_RAD_S;
+    i8::from(moves && velocity_rad_s > 0.0) - i8::from(moves && velocity_rad_s < 0.0)
+}
+
 impl Record {
     /// `trial` thinned. K_f is known from where `model` and any wider clearance would know it.
     fn new(campaign: &Campaign, model: &Model, trial: &Trial) -> Result<Self> {
@@ -232,7 +239,7 @@ impl Record {
             chain: trial.chain.as_ref().map(|chain| at.iter().map(|i| chain[*i]).collect()),
             step,
             followed_rad: trial.followed_rad.clone(),
-            forward: trial.velocity_rad_s.iter().map(|v| *v >= 0.0).collect(),
+            moving: trial.velocity_rad_s.iter().map(|v| moving(*v)).collect(),
             deadband_rad: trial.deadband_rad,
             lowpass,
         })
@@ -275,8 +282,8 @@ impl Record {
         let mut state = Passage::after(model, direction, start_rad, self.deadband_rad);
         let (mut sums, mut weights) = (vec![0.0; self.own.len()], vec![0.0_f64; self.own.len()]);
         let last = self.own.len() - 1;
-        for (i, (x, forward)) in self.followed_rad.iter().zip(&self.forward).enumerate() {
-            let k_tilde = state.step(*x, if *forward { 1.0 } else { -1.0 });
+        for (i, (x, moving)) in self.followed_rad.iter().zip(&self.moving).enumerate() {
+            let k_tilde = state.step(*x, f64::from(*moving));
             // What lies midway between two thinned samples belongs to both: the average would else come half a sample early.
             for at in [(i + (self.step - 1) / 2) / self.step, (i + self.step / 2) / self.step] {
                 sums[at.min(last)] += k_tilde;

@@ -26,6 +26,14 @@ impl JointKind {
         }
     }
 
+    /// Unit of its torque.
+    pub fn torque_unit(self) -> &'static str {
+        match self {
+            Self::Revolute => "N m",
+            Self::Prismatic => "N",
+        }
+    }
+
     /// The unit of its speed inside the program.
     pub fn speed_unit(self) -> &'static str {
         match self {

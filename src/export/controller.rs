@@ -9,7 +9,7 @@ use super::effects::{Hooks, has_memory, hooks};
 use super::plain_name;
 use crate::dynamics::{Dynamics, JointKind};
 use crate::effects::Added;
-use crate::model::{Combination, Direction, Friction, Model};
+use crate::model::{AT_REST_RAD_S, Combination, Direction, Friction, Model};
 use crate::problem::{Problem, Result};
 use askama::Template;
 
@@ -40,8 +40,8 @@ struct Parts {
     others: usize,
     backlash_rad: String,
     share: String,
-    /// K~ follows the sign of the speed alone.
-    jumps: bool,
+    /// K~ follows the sign of the speed alone, from this speed on, rad/s.
+    jumps: Option<String>,
     presliding: Option<Bristles>,
     late: Option<Late>,
     follows: Option<Follows>,
@@ -117,7 +117,7 @@ fn parts(model: &Model, language: Language, settings: &Settings) -> Result<Parts
         others: model.effects.iter().map(of_other).max().unwrap_or(0),
         backlash_rad: number(model.backlash_m() / model.joint.pulley_radius_m),
         share: share(model),
-        jumps: model.added_curve().is_none() && model.combination == Combination::Sign,
+        jumps: (model.added_curve().is_none() && model.combination == Combination::Sign).then(|| number(AT_REST_RAD_S)),
         presliding,
         late: late(model, settings)?,
         follows: follows(model, settings),

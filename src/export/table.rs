@@ -1,6 +1,7 @@
 //! A model's parameters with their confidence as tables: CSV for programs, LaTeX and Markdown for papers and notes.
 
 use crate::model::{Confidence, Model, Status};
+use crate::report::diagnosis::unit_of;
 use crate::report::number::{interval, significant};
 use crate::report::parameters::parameters;
 use crate::report::wording::{Units, status_word};
@@ -51,7 +52,7 @@ fn rows(model: &Model) -> Vec<Row> {
     for effect in &model.effects {
         rows.extend(effect.named().map(|(parameter, value)| {
             let name = format!("effects.{}.{}", effect.id(), parameter.name);
-            of(&name, effect.effect.about().means, "", value)
+            of(&name, effect.effect.about().means, unit_of(parameter.name), value)
         }));
     }
     rows
@@ -98,7 +99,7 @@ pub fn latex(model: &Model) -> String {
     text += "parameter & unit & value & 95\\,\\% interval & known \\\\\n\\midrule\n";
     for row in rows(model) {
         let [value, interval, status] = told(&row);
-        let unit = row.unit.replace("kg m^2", "kg\\,m$^2$").replace(' ', "\\,");
+        let unit = row.unit.replace("^2", "$^2$").replace('²', "$^2$").replace(' ', "\\,");
         let name = escaped(&row.name, "_");
         text += &format!(
             "\\texttt{{{name}}} & {unit} & ${value}$ & {} & {status} \\\\\n",

@@ -13,6 +13,10 @@ const WHOLE_TOLERANCE: f64 = 0.25;
 /// Above this share of missing samples it is no longer clear what the period is.
 const MISSING_SHARE_MAX: f64 = 0.05;
 
+/// A rate is what its stamps say to so many digits after the first. Beyond them lies what the last digit of a stamp does to it, and
+/// no clock is that exact: 49.9999999999 Hz is 50 Hz, else whatever counts whole samples of a time would count one less.
+const RATE_DIGITS: usize = 8;
+
 /// What a log's time stamps say, in their own unit.
 struct Stamps {
     /// Samples that are missing, one or two at a time, between samples that sit on a grid.
@@ -30,12 +34,17 @@ pub(super) fn onto_even_grid(file: &Path, columns: Vec<Vec<f64>>, want: &Wanted)
     let duration_s = (time[time.len() - 1] - time[0]) * want.factor();
     let stamps = Stamps::of(time);
     let count = time.len() + stamps.missing;
-    let rate_hz = (count - 1) as f64 / duration_s;
+    let rate_hz = without_last_digits((count - 1) as f64 / duration_s);
     if stamps.missing == 0 && stamps.worst_periods <= OFF_GRID_PERIODS {
         return (columns, rate_hz, Vec::new());
     }
     let warning = stamps.warning(file, want, rate_hz);
     (interpolate(&columns, count), rate_hz, vec![warning])
+}
+
+/// `rate_hz` to `RATE_DIGITS`.
+fn without_last_digits(rate_hz: f64) -> f64 {
+    format!("{rate_hz:.RATE_DIGITS$e}").parse().unwrap_or(rate_hz)
 }
 
 impl Stamps {

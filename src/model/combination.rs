@@ -10,6 +10,10 @@
 
 use crate::dynamics::Direction;
 
+/// |K_f| from which friction is fully on one branch: of motion in even steps the clearance's end often falls on a sample, and the last
+/// digit must not decide on which side.
+pub const STABLE_K_F: f64 = 1.0 - 1e-9;
+
 /// The curve by which friction changes over.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Combination {
@@ -118,7 +122,7 @@ impl Transition {
 
     /// Whether friction is fully on one branch: |K_f| = 1 and the curve at its end.
     pub fn is_stable(&self) -> bool {
-        self.k_f.abs() >= 1.0
+        self.k_f.abs() >= STABLE_K_F
     }
 
     /// The direction of the motion that the state last followed.

@@ -9,11 +9,11 @@ mod passage;
 mod predict;
 
 pub use crate::dynamics::{Both, Direction};
-pub use combination::{Combination, Transition, settle};
+pub use combination::{Combination, STABLE_K_F, Transition, settle};
 pub use file::{RecordedCurve, recorded_curves};
 pub use friction::Friction;
 pub use joint::Joint;
-pub use passage::Passage;
+pub use passage::{AT_REST_RAD_S, Passage};
 pub use predict::{Asked, Components};
 
 use crate::dynamics::Dynamics;

@@ -1,6 +1,6 @@
 //! Where friction stands between its branches along a motion.
 
-use crate::model::{Model, Passage, settle};
+use crate::model::{Model, Passage, STABLE_K_F, settle};
 use crate::prepare::Trial;
 
 /// K~ and its like for every sample of a trial.
@@ -17,7 +17,7 @@ pub struct States {
 impl States {
     /// Whether friction is fully on one branch at sample `at`: |K_f| = 1.
     pub fn is_stable(&self, at: usize) -> bool {
-        self.k_f[at].abs() >= 1.0
+        self.k_f[at].abs() >= STABLE_K_F
     }
 }
 
@@ -32,8 +32,8 @@ pub fn forgotten(rate_hz: f64, lowpass_hz: f64) -> usize {
 
 /// The states of `trial` under `model`'s clearance and curve.
 ///
-/// K_f follows the position as recorded, or what a coarse encoder's jumps tell of it: a filtered one rings at corners. With `Sign` K~ follows the sign of the speed alone,
-/// as (20) has it, K = 1 for v >= 0; K_f still says where a transition through the clearance would be.
+/// K_f follows the position as recorded, or what a coarse encoder's jumps tell of it: a filtered one rings at corners. With
+/// `Sign` K~ follows the sign of the speed alone, as (20) has it; K_f still says where a transition through the clearance would be.
 pub fn states(model: &Model, trial: &Trial) -> States {
     let positions = &trial.followed_rad;
     let backlash_rad = model.backlash_m() / model.joint.pulley_radius_m;

@@ -3,7 +3,10 @@
 use super::number::{counted, interval, significant};
 use super::page::{Card, Drawing, Page, Table};
 use super::terminal::{BOLD, DIM, YELLOW, heading};
-use crate::batch::{Drift, Fleet, Joint, Outlier};
+use super::wording::{Units, moving};
+use crate::batch::{Drift, Fleet, Joint, Outlier, Row};
+use crate::compare::parameters_of;
+use crate::model::Direction;
 use serde_json::{Value, json};
 use std::io::{self, Write};
 use std::path::Path;
@@ -38,13 +41,14 @@ pub fn to_json(fleet: &Fleet) -> Value {
         json!({ "campaign": name(o.row), "joint": fleet.rows[o.row].joint(), "name": o.name, "value": o.value,
                 "median": o.median, "deviations": o.deviations })
     };
-    let failed = |row: &crate::batch::Row| json!({ "campaign": row.entry.name, "reason": row.record.failure });
+    let failed = |row: &Row| json!({ "campaign": row.entry.name, "reason": row.record.failure });
     json!({
         "format": "fleet/1",
         "campaigns": fleet.rows.len(),
         "failed": fleet.failed().map(failed).collect::<Vec<Value>>(),
         "compared": fleet.compared,
         "joints": fleet.joints.iter().map(joint).collect::<Vec<Value>>(),
+        "warnings": fleet.warnings,
         "outliers": fleet.outliers.iter().map(outlier).collect::<Vec<Value>>(),
         "provenance": { "tautline": env!("CARGO_PKG_VERSION") },
     })
@@ -68,30 +72,55 @@ fn sentence(fleet: &Fleet) -> String {
 /// The heads of a table with its rows.
 type Cells<const N: usize> = ([&'static str; N], Vec<[String; N]>);
 
+/// A drift's or outlier's name as a reader understands it, of the campaign `row`.
+fn words(name: &str, row: &Row) -> String {
+    let direction = Direction::BOTH.into_iter().find(|d| name.contains(&format!("_{}", d.name())));
+    match (name.split('_').next(), direction) {
+        (Some("a"), Some(direction)) => format!("A, {}", moving(direction)),
+        (Some("level"), Some(direction)) => {
+            let units = Units::of(row.model.as_ref().map(|model| model.joint.kind).unwrap_or_default());
+            let speed = row.figure("level_speed_rad_s").map_or_else(String::new, |v| significant(v, 3));
+            format!("B(v) at {speed} {}, {}", units.speed, moving(direction))
+        }
+        (Some("rmse"), None) => "RMSE".to_string(),
+        _ => name.to_string(),
+    }
+}
+
+/// The same with the unit of its values; a figure's is a torque.
+fn words_with_unit(name: &str, row: &Row) -> String {
+    let of_figure = || row.model.as_ref().map_or("", |model| model.joint.kind.torque_unit());
+    let parameters = row.model.as_ref().map(parameters_of).unwrap_or_default();
+    let unit = parameters.into_iter().find(|parameter| parameter.0 == name).map_or_else(of_figure, |found| found.1);
+    match unit {
+        "" => words(name, row),
+        unit => format!("{} ({unit})", words(name, row)),
+    }
+}
+
 fn drifts(fleet: &Fleet) -> Cells<7> {
     let row = |joint: &Joint, d: &Drift| {
         let span = format!("{} to {}", when(fleet, joint.since), when(fleet, joint.last()));
         let change = d.after - d.before;
-        let unit = if d.unit.is_empty() { String::new() } else { format!(" {}", d.unit) };
         [
             joint.name.clone(),
             span,
-            d.name.clone(),
-            format!("{}{unit}", significant(d.before, 4)),
-            format!("{}{unit}", significant(d.after, 4)),
+            words_with_unit(&d.name, &fleet.rows[joint.since]),
+            significant(d.before, 4),
+            significant(d.after, 4),
             significant(change, 3),
             interval(change, d.low, d.high),
         ]
     };
     let rows = fleet.drifted().flat_map(|joint| joint.drifts.iter().map(move |d| row(joint, d)));
-    (["joint", "campaigns", "what", "before", "after", "change", "interval"], rows.collect())
+    (["joint", "campaigns", "what", "before", "after", "change", "its interval"], rows.collect())
 }
 
 fn outliers(fleet: &Fleet) -> Cells<5> {
     let row = |o: &Outlier| {
         [
             fleet.rows[o.row].entry.name.clone(),
-            o.name.clone(),
+            words_with_unit(&o.name, &fleet.rows[o.row]),
             significant(o.value, 4),
             significant(o.median, 4),
             format!("{:.1} SD", o.deviations),
@@ -101,7 +130,7 @@ fn outliers(fleet: &Fleet) -> Cells<5> {
 }
 
 fn failures(fleet: &Fleet) -> Cells<2> {
-    let row = |row: &crate::batch::Row| [row.entry.name.clone(), row.record.failure.clone().unwrap_or_default()];
+    let row = |row: &Row| [row.entry.name.clone(), row.record.failure.clone().unwrap_or_default()];
     (["campaign", "why"], fleet.failed().map(row).collect())
 }
 
@@ -113,7 +142,7 @@ fn joints(fleet: &Fleet) -> Cells<7> {
             (Some(why), _) => why.clone(),
             (None, true) => "one campaign since".to_string(),
             (None, false) if joint.drifts.is_empty() => "no".to_string(),
-            _ => joint.drifts.iter().map(|d| d.name.as_str()).collect::<Vec<_>>().join(", "),
+            _ => joint.drifts.iter().map(|d| words(&d.name, &fleet.rows[joint.since])).collect::<Vec<_>>().join("; "),
         };
         let diagnosis = last.record.diagnosis.as_ref();
         [
@@ -159,8 +188,8 @@ pub fn page(fleet: &Fleet, name: &str, drawings: Vec<Drawing>) -> Page {
     let drift_intro = format!(
         "First campaign since the cables were last retensioned, or the first of all, against the last. {} compared; the \
          intervals are wide enough to hold all together with 95 %. They hold what a campaign knows of itself, not what differs \
-         between sessions (mounting, temperature): two campaigns on one day show that. a and level are A and, at one speed, B(v): \
-         what parameters that are known only together amount to.",
+         between sessions (mounting, temperature): two campaigns on one day show that. A and, at one speed, B(v) are what parameters \
+         that are known only together amount to.",
         counted(fleet.compared, "value", "values")
     );
     let tables = [
@@ -185,6 +214,7 @@ pub fn page(fleet: &Fleet, name: &str, drawings: Vec<Drawing>) -> Page {
             card("joints drifted", fleet.drifted().count().to_string(), "beyond their confidence"),
             card("stand out", fleet.outliers.len().to_string(), "values far from the fleet's"),
         ],
+        warnings: fleet.warnings.clone(),
         tables: tables.into_iter().flatten().collect(),
         drawings,
         provenance: vec![("tautline", env!("CARGO_PKG_VERSION").to_string())],
@@ -203,6 +233,7 @@ pub fn write_summary(out: &mut impl Write, fleet: &Fleet, written: &Path) -> io:
     lines(out, "Drifted", drifts(fleet).1)?;
     lines(out, "Stand out", outliers(fleet).1)?;
     lines(out, "Failed", failures(fleet).1)?;
+    lines(out, "To distrust", fleet.warnings.iter().map(|warning| [warning.clone()]).collect())?;
     writeln!(out, "\n  {}", written.join("report.html").display())
 }
 

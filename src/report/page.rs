@@ -73,6 +73,17 @@ pub struct Drawing {
     pub svg: String,
 }
 
+/// A column with a longer cell holds words, which wrap and begin at its left end.
+const SENTENCE: usize = 24;
+
+impl Table {
+    /// The style of column `at`: words, or numbers and the like.
+    fn style(&self, at: &usize) -> &'static str {
+        let is_long = |row: &Vec<String>| row.get(*at).is_some_and(|cell| cell.chars().count() > SENTENCE);
+        if self.rows.iter().any(is_long) { "words" } else { "number" }
+    }
+}
+
 impl Page {
     /// The figures before the tables, and those after them.
     fn parted(&self) -> (&[Drawing], &[Drawing]) {

@@ -54,3 +54,11 @@ fn rounded_stamps_are_even_enough() {
     assert!(log.warnings.is_empty(), "{:?}", log.warnings);
     assert!((log.rate_hz - 3000.0).abs() < 1.0, "{}", log.rate_hz);
 }
+
+/// 49.999999999999 Hz would count one sample less in whatever counts whole samples of a time.
+#[test]
+fn the_last_digit_of_a_stamp_is_not_in_the_rate() {
+    for rows in 1000..1040 {
+        assert_eq!(log_at((0..rows).map(|row| 0.3 + 0.02 * f64::from(row))).rate_hz, 50.0);
+    }
+}

@@ -111,7 +111,7 @@ static inline double {{ p.name }}_passage({{ p.name }}_state *s, double x, doubl
 {%- if let Some(bristles) = p.presliding %}
     const double moved = fabs(x - s->bent_at_rad);
     if (moved >= 0.0) {
-        const double target = {% if p.jumps %}(s->direction + 1.0) / 2.0{% else %}s->k_tilde{% endif %};
+        const double target = {% if p.jumps.is_some() %}(s->direction + 1.0) / 2.0{% else %}s->k_tilde{% endif %};
         const double behind = s->bent - target, share = moved / {{ bristles.travel_rad }};
 {%- if bristles.exponential %}
         const double left = fabs(behind) * exp(-share);
@@ -125,8 +125,8 @@ static inline double {{ p.name }}_passage({{ p.name }}_state *s, double x, doubl
         s->bent = target + copysign(left, behind);
     }
     return s->bent;
-{%- else if p.jumps %}
-    return v >= 0.0 ? 1.0 : 0.0;
+{%- else if let Some(at_rest) = p.jumps %}
+    return fabs(v) < {{ at_rest }} ? (s->direction + 1.0) / 2.0 : v > 0.0 ? 1.0 : 0.0;
 {%- else %}
     return s->k_tilde;
 {%- endif %}

@@ -33,10 +33,11 @@ pub fn write_summary(out: &mut impl Write, checked: &Checked, names: &Names) -> 
     }
     let of = |part: Part| checked.findings.iter().filter(|finding| finding.part == part).count();
     let all = format!(
-        "{}, {}, {}",
+        "{}, {}, {}, {}",
         counted(of(Part::Setting), "setting", "settings"),
         counted(of(Part::Data), "trial", "trials"),
-        counted(of(Part::Choice) + of(Part::Figure), "figure", "figures")
+        counted(of(Part::Choice), "choice", "choices"),
+        counted(of(Part::Figure), "figure", "figures")
     );
     match regressed.len() {
         0 => writeln!(out, "\n{GREEN}within tolerance{GREEN:#}: {all}"),

@@ -23,6 +23,7 @@ pub mod words;
 
 pub use experiment::{next_toml, sentences};
 pub use json::to_json;
+pub use parameters::unit_of;
 pub use terminal::write_summary;
 
 use super::output::Output;

@@ -90,6 +90,11 @@ fn one(fitted: &Fitted, before: Option<f64>, units: &Units) -> Shown {
     }
 }
 
+/// The unit that a parameter's name tells; empty where it has none.
+pub fn unit_of(name: &str) -> &'static str {
+    split(name).1
+}
+
 /// A name without its unit, and the unit.
 fn split(name: &str) -> (&str, &'static str) {
     let ending = ENDINGS.iter().find_map(|(ending, unit)| Some((name.strip_suffix(ending)?, *unit)));
