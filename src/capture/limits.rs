@@ -28,6 +28,8 @@ pub struct Limits {
 const SPEED_ROOM: f64 = 1.25;
 /// How many times the limit of speed a jump of the position is: no joint gets there in one cycle.
 const JUMP_SPEEDS: f64 = 5.0;
+/// A move between trials at less than this takes half an hour and more, rad/s.
+const SLOWEST_RAD_S: f64 = 0.001;
 /// Cycles over which the measured speed is taken: in one, a count of the encoder more or less is a lot.
 pub const SPEED_CYCLES: usize = 10;
 
@@ -49,6 +51,10 @@ impl Limits {
             section.reject("high_rad", format!("is {high}, low_rad {low}"), "high_rad must be above low_rad");
         }
         let speed_rad_s = speed_rad_s?;
+        if approach_rad_s.is_some_and(|approach| approach < SLOWEST_RAD_S) {
+            let cure = format!("expected {SLOWEST_RAD_S} at least: moves between trials would take hours");
+            section.reject("approach_rad_s", "is next to nothing", cure);
+        }
         if approach_rad_s.is_some_and(|approach| approach > speed_rad_s) {
             section.reject("approach_rad_s", "is above speed_rad_s", "approach more slowly than that");
         }
@@ -173,12 +179,6 @@ impl Watch {
         } else {
             (position_rad.is_nan() || position_rad > high).then_some(Beyond { found: position_rad, limit: high })
         }
-    }
-
-    /// Forgets the last measurement, after which anything may have happened.
-    pub fn forget(&mut self) {
-        self.last = None;
-        self.recent.clear();
     }
 }
 

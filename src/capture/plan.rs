@@ -13,6 +13,8 @@ use std::path::Path;
 const FORMAT: &str = "plan/1";
 /// The most of anything: more would be a slip of the finger.
 const MANY: i64 = 1000;
+/// The longest rest before a trial, s.
+const LONGEST_REST_S: f64 = 3600.0;
 /// A slower one takes an hour, rad/s.
 const SLOWEST_SWEEP_RAD_S: f64 = 0.001;
 
@@ -53,6 +55,9 @@ impl Plan {
         let read = document.read(|root| {
             root.need("format").choice(&[(FORMAT, ())]);
             let rest_s = root.may("rest_s").not_negative().unwrap_or(1.0);
+            if rest_s > LONGEST_REST_S {
+                root.reject("rest_s", format!("is {rest_s}"), format!("expected {LONGEST_REST_S} s at most"));
+            }
             let repeats = root.may("repeats").whole(1, MANY).unwrap_or(1);
             let motions = root.need("motions").such_as("[[motions]]", "one for each, with its protocol");
             motions.sections(|section| list.read(section, repeats))?;
@@ -154,6 +159,10 @@ impl List<'_> {
 fn read_uniform(section: &Section<'_>) -> Option<Uniform> {
     let default = Uniform::default();
     if let Some(speed) = section.may("speed_rad_s").positive() {
+        if speed < SLOWEST_SWEEP_RAD_S {
+            section.reject("speed_rad_s", format!("is {speed}"), format!("expected {SLOWEST_SWEEP_RAD_S} or more"));
+            return None;
+        }
         return Some(Uniform { speeds: 1, slowest_rad_s: speed, fastest_rad_s: speed, ..default });
     }
     let speeds = section.may("speeds").whole(1, MANY).and_then(|speeds| usize::try_from(speeds).ok());

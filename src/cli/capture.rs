@@ -82,8 +82,7 @@ pub fn run(arguments: &Arguments, talk: &Talk) -> Result<ExitCode> {
         Ok(outcome) => tell(arguments, &plan, &outcome, armed, talk),
         Err(NotStarted(why)) => {
             if let Some(path) = arguments.output.as_deref().filter(|_| armed && !arguments.resume) {
-                // It holds nothing but our copies of rig and plan.
-                let _ = std::fs::remove_dir_all(path);
+                Folder::abandon(path);
             }
             Problem::error(&arguments.rig, why, "nothing was enabled").alone()
         }

@@ -91,12 +91,39 @@ fn a_scan_writes_a_rig_that_reads_back() {
     let bus = shared();
     let found = with_line(wire(&bus, 0), scan).unwrap();
     let text = starting_rig("eth1", &found).unwrap();
-    let read = Rig::parse("rig.toml".as_ref(), &text).unwrap();
+    // As it is it serves nothing, and says what is missing.
+    let refused = Rig::parse("rig.toml".as_ref(), &text).unwrap_err().to_string();
+    for key in ["drive.counts_per_rad", "sensor.nm_per_count", "limits.torque_nm", "joint.name", "dynamics.gravity_nm"]
+    {
+        assert!(refused.contains(&format!("`{key}`: missing")), "{key}\n{refused}");
+    }
+    let filled: Vec<&str> = text.lines().skip(2).map(|line| line.trim_start_matches("# ")).collect();
+    let read = Rig::parse("rig.toml".as_ref(), &filled.join("\n")).unwrap();
     let known = rig();
     assert_eq!((read.drive.identity.vendor, read.drive.outputs), (0xABC, known.drive.outputs));
     assert_eq!(read.drive.inputs, known.drive.inputs);
     assert_eq!(read.sensor.inputs, known.sensor.inputs);
     assert_eq!(read.bus.interface, "eth1");
+}
+
+/// Numbers that would cut a target off, or switch a watch off, are refused before anything starts.
+#[test]
+fn a_rig_that_its_drive_cannot_count_is_refused() {
+    for (key, absurd, expected) in [
+        ("counts_per_rad = 166886.05", "counts_per_rad = 1e12", "which its position cannot hold"),
+        ("zero_counts = 0                 # where", "zero_counts = 1e18 # where", "which its position cannot hold"),
+        ("following_error_rad = 0.05", "following_error_rad = 1e9", "makes a following error of"),
+        ("following_error_rad = 0.05", "following_error_rad = 1e-9", "makes a following error of 0.0 counts"),
+        ("following_error_s = 0.01", "following_error_s = 1e9", "expected 10 s at most"),
+        ("torque_max_nm = 2.0", "torque_max_nm = 1e9", "per mille of its rated torque"),
+        ("torque_max_nm = 2.0", "torque_max_nm = 1e-9", "may give 0.0 per mille"),
+        ("approach_rad_s = 0.3", "approach_rad_s = 1e-300", "would take hours"),
+    ] {
+        let text = super::RIG.replace(key, absurd);
+        assert_ne!(text, super::RIG, "{key}");
+        let refused = Rig::parse("rig.toml".as_ref(), &text).unwrap_err().to_string();
+        assert!(refused.contains(expected), "{absurd}: {refused}");
+    }
 }
 
 #[test]

@@ -1,7 +1,6 @@
 //! Process data: what stands where in the bytes that a device exchanges every cycle.
 
 use crate::document::Section;
-use toml::Value;
 
 /// How a number is written on the wire, little end first.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -49,10 +48,8 @@ impl Kind {
 
     /// The unsigned kind of that length, where there is one.
     pub fn of_bits(bits: usize) -> Option<Self> {
-        Self::ALL
-            .iter()
-            .map(|(_, kind)| *kind)
-            .find(|kind| !matches!(kind, Self::Signed(_) | Self::Real) && kind.bits() == bits)
+        let mut plain = Self::ALL.iter().map(|(_, kind)| *kind).filter(|k| !matches!(k, Self::Signed(_) | Self::Real));
+        plain.find(|kind| kind.bits() == bits)
     }
 }
 
@@ -110,24 +107,6 @@ impl ProcessData {
         Some(found)
     }
 
-    /// What its file holds.
-    pub fn to_value(&self) -> Value {
-        let entry = |entry: &Entry| {
-            let mut table = toml::Table::new();
-            if let Some(role) = &entry.role {
-                table.insert("as".to_string(), role.as_str().into());
-            }
-            table.insert("index".to_string(), i64::from(entry.index).into());
-            table.insert("sub".to_string(), i64::from(entry.sub).into());
-            table.insert("type".to_string(), entry.kind.name().into());
-            Value::Table(table)
-        };
-        let mut table = toml::Table::new();
-        table.insert("pdo".to_string(), i64::from(self.pdo).into());
-        table.insert("entries".to_string(), self.entries.iter().map(entry).collect::<Vec<Value>>().into());
-        table.into()
-    }
-
     /// Its length in whole bytes.
     pub fn bytes(&self) -> usize {
         self.entries.iter().map(|entry| entry.kind.bits()).sum::<usize>().div_ceil(8)
@@ -168,6 +147,16 @@ impl Place {
             Kind::Signed(_) => f64::from(((raw << (32 - bits)) as i32) >> (32 - bits)),
             Kind::Real => f64::from(f32::from_bits(raw)),
             Kind::Bits(_) | Kind::Unsigned(_) => f64::from(raw),
+        }
+    }
+
+    /// Whether it can hold `value`.
+    pub fn holds(&self, value: f64) -> bool {
+        let bits = self.kind.bits() as i32;
+        match self.kind {
+            Kind::Signed(_) => (-2f64.powi(bits - 1)..2f64.powi(bits - 1)).contains(&value.round()),
+            Kind::Bits(_) | Kind::Unsigned(_) => (0.0..2f64.powi(bits)).contains(&value.round()),
+            Kind::Real => (value as f32).is_finite(),
         }
     }
 
@@ -230,6 +219,8 @@ mod tests {
             place.set(&mut bytes, value);
             assert_eq!(place.get(&bytes), expected);
         }
+        assert!([-32768.4, 0.0, 32767.4].into_iter().all(|value| place.holds(value)));
+        assert!(![-32769.0, 32768.0, f64::NAN, f64::INFINITY].into_iter().any(|value| place.holds(value)));
     }
 
     #[test]
