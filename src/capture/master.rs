@@ -7,7 +7,7 @@ use super::own_limits;
 use super::rig::{Identity, ProcessData, Rig};
 use super::wire::Wire;
 use ethercrab::subdevice_group::{DcConfiguration, HasDc, NoDc, Op, PreOp, PreOpPdi};
-use ethercrab::{DcSync, DefaultLock, MainDevice, SubDevice, SubDeviceGroup, SubDeviceRef};
+use ethercrab::{AlStatusCode, Command, DcSync, DefaultLock, MainDevice, SubDevice, SubDeviceGroup, SubDeviceRef};
 use std::ops::Deref;
 use std::time::Duration;
 
@@ -27,6 +27,12 @@ const SETTLED: u32 = 50;
 /// How long the devices may take to get to OP while data flow, s.
 const TO_OP_S: f64 = 5.0;
 
+/// The station address that the stack gives to the first device; the others follow.
+const FIRST_STATION: u16 = 0x1000;
+/// AL status, whose bit 4 flags an error; its code follows after 4 bytes.
+const AL_STATUS: u16 = 0x0130;
+const AL_ERROR: u8 = 1 << 4;
+
 /// Why the bus did not start, in words with the device at fault.
 #[derive(Debug, Clone, PartialEq)]
 pub struct NotStarted(pub String);
@@ -40,6 +46,29 @@ impl NotStarted {
 /// A step that was not taken.
 pub(super) fn while_doing(what: &str) -> impl Fn(Failure) -> NotStarted + '_ {
     move |failure| NotStarted(format!("{what}: {failure}"))
+}
+
+/// What was asked of all devices together, with those named that are in error.
+fn of_all<W: Wire, T>(
+    line: &mut Line<'_, W>,
+    main: &MainDevice<'_>,
+    what: &str,
+    done: Result<T, Failure>,
+) -> Result<T, NotStarted> {
+    done.map_err(|failure| NotStarted(format!("{what}: {failure}{}", ailing(line, main))))
+}
+
+/// The devices that have refused a state or fallen from it, and why, in words; nothing where all are well.
+pub fn ailing<W: Wire>(line: &mut Line<'_, W>, main: &MainDevice<'_>) -> String {
+    (0..main.num_subdevices())
+        .filter_map(|place| {
+            let register = Command::fprd(FIRST_STATION.wrapping_add(u16::try_from(place).ok()?), AL_STATUS);
+            let status = line.run(register.receive::<[u8; 6]>(main)).ok()?;
+            let code = u16::from_le_bytes([status[4], status[5]]);
+            let why = AlStatusCode::from(code);
+            (status[0] & AL_ERROR != 0).then(|| format!("; device {place} is in error {code:#06x}: {why}"))
+        })
+        .collect()
 }
 
 /// Brings all devices to PRE-OP.
@@ -179,7 +208,8 @@ pub fn with_data<W: Wire>(
     main: &MainDevice<'_>,
     group: Group<PreOp, NoDc>,
 ) -> Result<Group<PreOpPdi, NoDc>, NotStarted> {
-    line.run(group.into_pre_op_pdi(main)).map_err(while_doing("laying out the process data"))
+    let done = line.run(group.into_pre_op_pdi(main));
+    of_all(line, main, "laying out the process data", done)
 }
 
 /// From PRE-OP to OP, data flowing all the way: a device that waits for them would stall otherwise. Outputs are zero.
@@ -192,8 +222,10 @@ pub fn to_op<W: Wire, C>(
     rig: &Rig,
 ) -> Result<Exchange<C>, NotStarted> {
     let period_ns = u64::from(rig.bus.cycle_us) * 1000;
-    let group = line.run(group.into_safe_op(main)).map_err(while_doing("going to SAFE-OP"))?;
-    let group = line.run(group.request_into_op(main)).map_err(while_doing("asking for OP"))?;
+    let done = line.run(group.into_safe_op(main));
+    let group = of_all(line, main, "going to SAFE-OP", done)?;
+    let done = line.run(group.request_into_op(main));
+    let group = of_all(line, main, "asking for OP", done)?;
     check_lengths(main, &group, rig)?;
     let (began_ns, mut last, mut alike) = (line.wire.now_ns(), 0, 0);
     let mut next_ns = began_ns;

@@ -137,19 +137,11 @@ impl Session<'_> {
     fn run<W: Wire>(self, line: &mut Line<'_, W>, main: &MainDevice<'_>) -> Result<Outcome, NotStarted> {
         let rig = self.task.rig;
         let group = master::pre_op(line, main).map_err(|failure| {
-            let cure = "are they powered, and is this the interface that they hang on?";
-            NotStarted(format!(
-                "the devices on `{}` cannot be brought to PRE-OP ({failure}): {cure}",
-                rig.bus.interface
-            ))
+            let (interface, ailing) = (&rig.bus.interface, master::ailing(line, main));
+            NotStarted(format!("the devices on `{interface}` cannot be brought to PRE-OP: {failure}{ailing}"))
         })?;
         let mut report = master::prepare(line, main, &group, rig)?;
-        report.extend(self.task.plan.trials.iter().filter(|trial| trial.entry.repeat == 1).filter_map(|trial| {
-            let (name, others) = (&trial.trajectory.name, trial.trajectory.others.len());
-            (others > 0).then(|| {
-                format!("`{name}` moves {others} other joints along, which this rig neither drives nor records")
-            })
-        }));
+        report.extend(self.task.plan.left_out());
         let period = Duration::from_micros(rig.bus.cycle_us.into());
         match rig.bus.clocks {
             true => {

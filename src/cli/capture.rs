@@ -84,7 +84,8 @@ pub fn run(arguments: &Arguments, talk: &Talk) -> Result<ExitCode> {
             if let Some(path) = arguments.output.as_deref().filter(|_| armed && !arguments.resume) {
                 Folder::abandon(path);
             }
-            Problem::error(&arguments.rig, why, "nothing was enabled").alone()
+            let cure = "nothing was enabled; `tautline rig scan` shows who answers";
+            Problem::error(&arguments.rig, why, cure).alone()
         }
     }
 }

@@ -1,6 +1,7 @@
 //! A bus that is not what the rig says does not start, and says why.
 
 use super::{SWEEP, demo, plan, rig, run};
+use ethercrab::Command;
 use ethercrab::error::Error;
 use std::cell::RefCell;
 use std::rc::Rc;
@@ -11,9 +12,12 @@ use tautline::capture::cause::Cause;
 use tautline::capture::found::scan;
 use tautline::capture::in_process::{Answers, InProcess};
 use tautline::capture::line::with_line;
-use tautline::capture::master::pre_op;
+use tautline::capture::master::{ailing, pre_op};
+use tautline::capture::plan::Plan;
 use tautline::capture::rig::{Kind, Rig, starting_rig};
 use tautline::capture::session::{Task, capture};
+use tautline::capture::wire::Wire;
+use tautline::dynamics::JointKind;
 
 type Shared = Rc<RefCell<Bus>>;
 
@@ -77,6 +81,39 @@ fn process_data_that_a_device_does_not_have_are_refused() {
     rig.sensor.inputs.entries[1].kind = Kind::Signed(32);
     let why = refused(&shared(), 0, &rig);
     assert!(why.contains("`torque terminal`") && why.contains("0x1a00") && why.contains("rig scan"), "{why}");
+}
+
+#[test]
+fn a_device_in_error_is_named_with_its_reason() {
+    with_line(wire(&shared(), 0), |line, main| {
+        drop(pre_op(line, main).unwrap());
+        assert_eq!(ailing(line, main), "");
+        // From PRE-OP there is no way to OP but through SAFE-OP.
+        line.run(Command::fpwr(0x1001, 0x0120).send(main, 0x0008u16)).unwrap();
+        let later_ns = line.wire.now_ns() + 10_000_000;
+        line.wire.sleep(later_ns);
+        assert_eq!(ailing(line, main), "; device 1 is in error 0x0011: Invalid requested state change");
+    });
+}
+
+/// A rig moves one joint: what others should do meanwhile is said to be left out.
+#[test]
+fn a_motion_of_many_joints_is_captured_for_its_own() {
+    let motion =
+        "format = \"trajectory/1\"\nstart_rad = 0.0\n[[segments]]\nkind = \"sweep\"\nto_rad = 0.2\nspeed_rad_s = 0.2\n
+        [[others]]\nstart_rad = 0.0\n[[others.segments]]\nkind = \"rest\"\nduration_s = 1.0\n";
+    let out = tempfile::TempDir::new().unwrap();
+    std::fs::write(out.path().join("both.toml"), motion).unwrap();
+    let plan = "format = \"plan/1\"\n[[motions]]\ntrajectory = \"both.toml\"\n";
+    std::fs::write(out.path().join("plan.toml"), plan).unwrap();
+    let plan = Plan::read(&out.path().join("plan.toml"), JointKind::Revolute).unwrap();
+    let outcome = run(demo(), &rig(), &plan, None).outcome;
+    assert_eq!((outcome.cause, outcome.complete), (None, 1));
+    assert!(
+        outcome.report.iter().any(|line| line.starts_with("`both` moves 1 other joints along")),
+        "{:?}",
+        outcome.report
+    );
 }
 
 #[test]
