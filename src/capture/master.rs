@@ -64,9 +64,8 @@ pub fn ailing<W: Wire>(line: &mut Line<'_, W>, main: &MainDevice<'_>) -> String 
         .filter_map(|place| {
             let register = Command::fprd(FIRST_STATION.wrapping_add(u16::try_from(place).ok()?), AL_STATUS);
             let status = line.run(register.receive::<[u8; 6]>(main)).ok()?;
-            let code = u16::from_le_bytes([status[4], status[5]]);
-            let why = AlStatusCode::from(code);
-            (status[0] & AL_ERROR != 0).then(|| format!("; device {place} is in error {code:#06x}: {why}"))
+            let why = AlStatusCode::from(u16::from_le_bytes([status[4], status[5]]));
+            (status[0] & AL_ERROR != 0).then(|| format!("; device {place} is in error {why}"))
         })
         .collect()
 }
@@ -105,7 +104,7 @@ pub fn prepare<W: Wire>(
     map(line, drive, &rig.drive.identity, ASSIGNED_OUTPUTS, &rig.drive.outputs, &mut report)?;
     map(line, drive, &rig.drive.identity, ASSIGNED_INPUTS, &rig.drive.inputs, &mut report)?;
     map(line, sensor, &rig.sensor.identity, ASSIGNED_INPUTS, &rig.sensor.inputs, &mut report)?;
-    own_limits::set_all(line, drive, &rig.drive, &mut report)?;
+    own_limits::set_all(line, drive, rig, &mut report)?;
     Ok(report)
 }
 

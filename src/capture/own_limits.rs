@@ -3,7 +3,7 @@
 use super::drive::brakes;
 use super::line::Line;
 use super::master::{NotStarted, while_doing};
-use super::rig::Drive;
+use super::rig::{Drive, Rig};
 use super::wire::Wire;
 use ethercrab::{EtherCrabWireReadSized, EtherCrabWireWrite, SubDevice, SubDeviceRef};
 use std::ops::Deref;
@@ -18,9 +18,10 @@ const WATCHDOG_OUTPUTS: u16 = 0x0420;
 pub(super) fn set_all<W: Wire, S: Deref<Target = SubDevice>>(
     line: &mut Line<'_, W>,
     device: &SubDeviceRef<'_, S>,
-    drive: &Drive,
+    rig: &Rig,
     report: &mut Vec<String>,
 ) -> Result<(), NotStarted> {
+    let drive = &rig.drive;
     let option: i16 = object(line, device, drive, 0x605A, "quick-stop option")?;
     if !brakes(option) {
         return NotStarted::of(format!(
@@ -45,6 +46,7 @@ pub(super) fn set_all<W: Wire, S: Deref<Target = SubDevice>>(
         "quick stop: option {option}, {ramp_rad_s2:.1} rad/s^2 if its unit is counts/s^2; fault reaction: option {reaction}"
     ));
     report.push(watchdog(line, device));
+    report.extend(interpolate(line, device, rig.bus.cycle_us));
     allow(line, device, drive, report)
 }
 
@@ -70,6 +72,34 @@ fn allow<W: Wire, S: Deref<Target = SubDevice>>(
         "drive's own limits, read back: following error {window} counts for {time_ms} ms, torque {torque} per mille"
     ));
     Ok(())
+}
+
+/// Tells the drive how far its targets are apart, where it has an object for that (0x60C2): else it would rush to each and wait
+/// there. In words.
+fn interpolate<W: Wire, S: Deref<Target = SubDevice>>(
+    line: &mut Line<'_, W>,
+    device: &SubDeviceRef<'_, S>,
+    cycle_us: u32,
+) -> Option<String> {
+    let found = |line: &mut Line<'_, W>| {
+        let exponent = line.run(device.sdo_read::<i8>(0x60C2, 2u8)).ok()?;
+        Some((line.run(device.sdo_read::<u8>(0x60C2, 1u8)).ok()?, exponent))
+    };
+    let before = found(line)?;
+    // As many of 1 ms, 0.1 ms, 10 us or 1 us as make the cycle, if they fit a byte.
+    let wanted = [(1000, -3), (100, -4), (10, -5), (1, -6)].into_iter().find_map(|(unit_us, exponent)| {
+        let units = u8::try_from(cycle_us / unit_us).ok().filter(|_| cycle_us.is_multiple_of(unit_us))?;
+        Some((units, exponent))
+    });
+    if let Some((units, exponent)) = wanted.filter(|wanted| *wanted != before) {
+        // What is not taken is seen when it is read back.
+        let _ = line.run(device.sdo_write(0x60C2, 2u8, exponent));
+        let _ = line.run(device.sdo_write(0x60C2, 1u8, units));
+    }
+    let after = found(line)?;
+    let (units, exponent) = after;
+    let stays = if Some(after) == wanted { "" } else { ", WHICH IS NOT THE CYCLE: set it in the drive's own tool" };
+    Some(format!("time between targets: {units} x 10^{exponent} s{stays}"))
 }
 
 /// After how long without data the device leaves OP by itself, which a drive answers by stopping: what is left of safety where this

@@ -72,7 +72,7 @@ impl<'a, 's, W: Wire, C> Run<'a, 's, W, C> {
     /// All trials that are not `done`.
     pub fn trials(&mut self, done: &[TrialEntry]) {
         self.shown.trials = self.task.plan.trials.len();
-        let mut home_rad = None;
+        let mut home_rad: Option<f64> = None;
         for (at, trial) in self.task.plan.trials.iter().enumerate() {
             if done.iter().any(|entry| entry.file == trial.entry.file) {
                 continue;
@@ -87,7 +87,9 @@ impl<'a, 's, W: Wire, C> Run<'a, 's, W, C> {
             }
             self.complete += 1;
         }
-        // Where the joint was at rest without torque it will be so again.
+        // Where the joint was at rest without torque it will be so again, or near it.
+        let limits = &self.task.rig.limits;
+        let home_rad = home_rad.map(|home_rad| home_rad.clamp(limits.low_rad, limits.high_rad));
         if let Some(home_rad) = home_rad.filter(|_| self.cycle.axis.cause().is_none()) {
             self.approach(home_rad);
         }

@@ -109,7 +109,11 @@ fn process_data(data: &ProcessData) -> String {
         let Entry { role, index, sub, kind } = entry;
         let role = role.as_ref().map_or(String::new(), |role| format!("as = \"{role}\", "));
         let sub = if *sub == 0 { String::new() } else { format!("sub = {sub:#04x}, ") };
-        format!("    {{ {role}index = {index:#06x}, {sub}type = \"{}\" }},\n", kind.name())
+        let kind = match kind {
+            Kind::Gap(bits) => format!("bits = {bits}"),
+            kind => format!("type = \"{}\"", kind.name()),
+        };
+        format!("    {{ {role}index = {index:#06x}, {sub}{kind} }},\n")
     };
     let entries: String = data.entries.iter().map(entry).collect();
     format!("pdo = {:#06x}\nentries = [\n{entries}]\n", data.pdo)
@@ -132,4 +136,25 @@ fn as_terminal(data: &ProcessData) -> ProcessData {
         entry.kind = kind;
     }
     data
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::capture::rig::Rig;
+
+    /// What a device maps that is no number of ours is written so that it is read back as it stands.
+    #[test]
+    fn entries_of_any_length_read_back() {
+        let entry = |role: Option<&str>, kind| Entry { role: role.map(str::to_string), index: 0x6000, sub: 0x11, kind };
+        let known = include_str!("../../../data/rigs/demo/rig.toml");
+        let entries =
+            vec![entry(Some("torque"), Kind::Signed(16)), entry(None, Kind::Gap(64)), entry(None, Kind::Bits(3))];
+        let data = ProcessData { pdo: 0x1A00, entries };
+        let (before, _) = known.split_once("[sensor.inputs]").unwrap();
+        let (_, after) = known.split_once("[limits]").unwrap();
+        let before = before.replace("stale_by = \"toggle\"", "stale_by = \"nothing\"");
+        let text = format!("{before}[sensor.inputs]\n{}\n[limits]{after}", process_data(&data));
+        assert_eq!(Rig::parse("rig.toml".as_ref(), &text).unwrap().sensor.inputs, data);
+    }
 }
