@@ -73,6 +73,8 @@ pub struct Outcome {
     pub complete: usize,
     /// Trials that were recorded before.
     pub before: usize,
+    /// Of them, broken off.
+    pub broken_before: usize,
     /// Cycles of this run.
     pub cycles: u64,
     /// Of them, not as they should be.
@@ -172,6 +174,7 @@ impl Session<'_> {
         run.guarded(Run::close);
         run.guarded(Run::release);
         let (complete, looked, before) = (run.complete, run.looked, done.len());
+        let broken_before = done.iter().filter(|trial| trial.is_incomplete()).count();
         let (cycles, counts, now) = (run.cycle.number(), run.counts(), run.cycle.now.clone());
         let (cause, doubt) = (run.cycle.axis.cause().cloned(), run.cycle.axis.doubt().cloned());
         let left = run.cycle.finish();
@@ -179,6 +182,6 @@ impl Session<'_> {
             Some(_) => report.into_iter().chain([format!("where the devices were at the end: {left}")]).collect(),
             None => report,
         };
-        Outcome { complete, before, cycles, counts, cause, doubt, looked, report, now, unwritten: None }
+        Outcome { complete, before, broken_before, cycles, counts, cause, doubt, looked, report, now, unwritten: None }
     }
 }

@@ -16,7 +16,7 @@ fn a_capture_that_broke_off_goes_on_with_the_next_trial() {
     let broken = run(bus, &rig, &plan, Some(folder(&path, &rig, false))).outcome;
     assert_eq!((broken.complete, broken.cause.map(|cause| cause.name())), (0, Some("drive_fault")));
     let resumed = run(demo(), &rig, &plan, Some(folder(&path, &rig, true))).outcome;
-    assert_eq!((resumed.complete, resumed.before, resumed.cause), (1, 1, None));
+    assert_eq!((resumed.complete, resumed.before, resumed.broken_before, resumed.cause), (1, 1, 1, None));
     let campaign = Campaign::read(&path).unwrap();
     let incomplete: Vec<bool> = campaign.trials.iter().map(|trial| trial.is_incomplete()).collect();
     assert_eq!(incomplete, [true, false]);
