@@ -205,6 +205,19 @@ fn a_terminal_without_a_mailbox_serves_too() {
 }
 
 #[test]
+fn of_a_terminal_that_always_sends_more_the_first_is_read() {
+    let bus = with_terminal(Terminal { two_channels: true, ..Terminal::default() });
+    let outcome = run(bus, &rig(), &plan(SWEEP), None).outcome;
+    assert_eq!((outcome.cause, outcome.complete), (None, 2));
+    let told = "`torque terminal` sends 1 PDOs more behind 0x1a00, which are left alone";
+    assert!(outcome.report.iter().any(|line| line == told), "{:?}", outcome.report);
+    let bus = Rc::new(RefCell::new(with_terminal(Terminal { two_channels: true, ..Terminal::default() })));
+    let mut other = rig();
+    other.sensor.inputs.entries.reverse();
+    assert!(refused(&bus, 0, &other).contains("does not take the process data"));
+}
+
+#[test]
 fn a_value_that_is_no_number_stops_the_joint() {
     let mut rig = rig();
     let sensor = &mut rig.sensor;
