@@ -79,7 +79,8 @@ def main() -> None:
         elif whole or lasted_s >= SHORT_S:
             raise SystemExit(f"{number}: {out} does not open: {done.stderr}")
     losses.sort()
-    print(f"{options.times - ended} kills ({ended} runs ended before): {opened} recordings open, the others were too short;")
+    kills = options.times - ended
+    print(f"{kills} kills ({ended} runs ended before): {opened} recordings open, {kills - opened} were too short for any use;")
     print(f"{in_trial} within a trial", end=", ")
     assert losses, "no kill fell into a trial"
     print(f"lost: median {losses[len(losses) // 2] * 1e3:.0f} ms, at most {losses[-1] * 1e3:.0f} ms")

@@ -34,13 +34,15 @@ pub struct Terminal {
     pub float: bool,
     /// Whether it has a mailbox; the simplest have none.
     pub mailbox: bool,
+    /// Whether it always sends a second PDO behind the first, of another channel.
+    pub two_channels: bool,
     /// What it reads at no torque, V.
     pub offset_v: f64,
 }
 
 impl Default for Terminal {
     fn default() -> Self {
-        Self { float: false, mailbox: true, offset_v: 0.0 }
+        Self { float: false, mailbox: true, two_channels: false, offset_v: 0.0 }
     }
 }
 
@@ -60,7 +62,13 @@ impl Terminal {
         dictionary.number((0x6000, 0), Access::Read, 1, 0x11);
         dictionary.number((0x6000, 0x01), Access::Read, 2, 0).number((0x6000, 0x11), Access::Read, bytes, 0);
         dictionary.list(0x1A00, Access::Read, 4, &[0x6000_0110, 0x6000_1100 | bits]);
-        dictionary.list(0x1C12, Access::WritePreOp, 2, &[]).list(0x1C13, Access::WritePreOp, 2, &[0x1A00]);
+        dictionary.list(0x1C12, Access::WritePreOp, 2, &[]);
+        if self.two_channels {
+            dictionary.number((0x6010, 0), Access::Read, 1, 0x11).number((0x6010, 0x11), Access::Read, 2, 0);
+            dictionary.list(0x1A01, Access::Read, 4, &[0x6010_1110]).list(0x1C13, Access::Read, 2, &[0x1A00, 0x1A01]);
+        } else {
+            dictionary.list(0x1C13, Access::WritePreOp, 2, &[0x1A00]);
+        }
         let product = if self.float { PRODUCT_FLOAT } else { PRODUCT };
         let description = Description {
             identity: [VENDOR, product, 1, 77],

@@ -1,15 +1,17 @@
 //! The joint as it is seen on the wire, cycle by cycle: inputs -> cause, state -> outputs. Pure: it sends nothing and waits for
 //! nothing, so that every fault can be played to it.
 
-use super::cause::Cause;
+use super::cause::{Beyond, Cause};
 use super::drive::{Condition, FOLLOWING_ERROR, INTERNAL_LIMIT, Mode};
-use super::limits::{Measured, Watch};
+use super::limits::{Measured, SPEED_CYCLES, Watch};
 use super::rig::{Place, Rig};
 use super::safety::{Patience, Request, Seen, State, Target};
 use super::sensor::{Reading, SensorReader};
 
-/// Slower than this counts as rest, rad/s: a count of a coarse encoder more or less within the cycles of a speed.
+/// Slower than this counts as rest, rad/s ...
 const REST_RAD_S: f64 = 0.01;
+/// ... and of a coarse encoder what flickers by a count within the cycles of a speed.
+const REST_COUNTS: f64 = 1.5;
 /// Cycles of it that make sure.
 const REST_CYCLES: u32 = 20;
 /// How long the drive may take to switch, s: some have a brake to open.
@@ -25,6 +27,8 @@ pub struct Axis {
     sensor: SensorReader,
     watch: Watch,
     patience: Patience,
+    /// Slower than this the joint rests, rad/s.
+    rest_rad_s: f64,
     state: State,
     cycles: u32,
     cause: Option<Cause>,
@@ -98,6 +102,7 @@ impl Axis {
             sensor: SensorReader::new(&rig.sensor),
             watch: Watch::new(rig.limits, period_s),
             patience: Patience { switching: cycles(SWITCHING_S), stopping: cycles(STOPPING_S) },
+            rest_rad_s: REST_RAD_S.max(REST_COUNTS / rig.drive.counts_per_rad / (SPEED_CYCLES as f64 * period_s)),
             state: State::Watching,
             cycles: 0,
             cause: None,
@@ -111,6 +116,7 @@ impl Axis {
                 drive: Condition::NotReady,
                 has_cause: false,
                 at_rest: false,
+                in_mode: false,
                 cycles: 0,
             },
         }
@@ -167,9 +173,10 @@ impl Axis {
         if let Some(cause) = left.or_else(|| sensor.cause.clone()).or(beyond).or(complains) {
             self.blame(cause);
         }
-        let rests = self.watch.speed_rad_s().abs() < REST_RAD_S && position_rad.is_finite();
+        let rests = self.watch.speed_rad_s().abs() < self.rest_rad_s && position_rad.is_finite();
         self.resting = if rests { self.resting + 1 } else { 0 };
         self.last.drive = condition;
+        self.last.in_mode = self.other_mode(inputs.drive).is_none();
         self.last.at_rest = self.resting >= REST_CYCLES;
         if self.state.target() == Target::Actual && counts.is_finite() {
             (self.target_counts, self.target_rad, self.target_rad_s) = (counts, position_rad, 0.0);
@@ -202,14 +209,31 @@ impl Axis {
         if !self.must_follow() || condition != Condition::Enabled {
             return None;
         }
-        let wanted = i64::from(self.rig.drive.mode.code());
-        let mode = self.places.mode_display.map(|place| place.get(bytes) as i64).filter(|mode| *mode != wanted);
         if self.rig.drive.mode == Mode::Position && status_word & FOLLOWING_ERROR != 0 {
             Some(Cause::FollowingError)
         } else if status_word & INTERNAL_LIMIT != 0 {
             Some(Cause::InternalLimit)
         } else {
-            mode.map(|found| Cause::DriveMode { found, wanted })
+            self.other_mode(bytes)
+        }
+    }
+
+    /// The drive's mode, where it tells one that it should not be in.
+    fn other_mode(&self, bytes: &[u8]) -> Option<Cause> {
+        let wanted = i64::from(self.rig.drive.mode.code());
+        let found = self.places.mode_display.map(|place| place.get(bytes) as i64);
+        found.filter(|found| *found != wanted).map(|found| Cause::DriveMode { found, wanted })
+    }
+
+    /// Why the drive did not get where it should in time.
+    fn slow(&self) -> Cause {
+        let found = self.last.drive;
+        match self.state {
+            State::Readying if !self.last.at_rest => {
+                Cause::Restless(Beyond { found: self.speed_rad_s().abs(), limit: self.rest_rad_s })
+            }
+            State::Readying => Cause::DriveSlow { wanted: "operation enabled", found },
+            _ => Cause::DriveSlow { wanted: "switched off", found },
         }
     }
 
@@ -218,6 +242,11 @@ impl Axis {
         let can_stop = self.state.is_armed() || matches!(self.state, State::Disarming | State::Clearing);
         let place = if can_stop { &mut self.cause } else { &mut self.doubt };
         place.get_or_insert(cause);
+    }
+
+    /// A reason to stop, whatever is being done.
+    pub fn fail(&mut self, cause: Cause) {
+        self.cause.get_or_insert(cause);
     }
 
     /// One cycle on: from what was taken in and what is wanted, to what the drive is told. `command_rad` is where the joint is to
@@ -234,8 +263,7 @@ impl Axis {
         let seen = Seen { request, has_cause: self.cause.is_some(), cycles: self.cycles, ..self.last };
         let next = self.state.next(&seen, self.patience);
         if next == State::Stopping && self.cause.is_none() {
-            let wanted = if self.state == State::Readying { "operation enabled" } else { "switched off" };
-            self.cause = Some(Cause::DriveSlow { wanted, found: self.last.drive });
+            self.cause = Some(self.slow());
         }
         self.cycles = if next == self.state { self.cycles.saturating_add(1) } else { 0 };
         self.state = next;

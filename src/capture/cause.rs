@@ -38,8 +38,8 @@ pub enum Cause {
         /// Object 0x6060 as written.
         wanted: i64,
     },
-    /// The drive put a message into its mailbox, which nobody had asked for: an emergency.
-    Emergency,
+    /// The drive put an emergency message into its mailbox: its code (CiA 301), where it can be read.
+    Emergency(Option<u16>),
     /// Bit 11 of the status word.
     InternalLimit,
     /// Bit 13 of the status word: the drive says that it does not follow.
@@ -50,6 +50,8 @@ pub enum Cause {
     Position(Beyond),
     /// The joint is too fast, rad/s.
     Speed(Beyond),
+    /// The joint does not come to rest, without which it gets no torque, rad/s.
+    Restless(Beyond),
     /// The torque at the sensor is too large, N m.
     Torque(Beyond),
     /// The torque changed by more than it can from one sample to the next, N m: a cable that broke or a wire that came off.
@@ -103,12 +105,13 @@ impl Cause {
             Self::DriveQuickStop => "drive_quick_stop",
             Self::DriveLeft(_) => "drive_left",
             Self::DriveMode { .. } => "drive_mode",
-            Self::Emergency => "emergency",
+            Self::Emergency(_) => "emergency",
             Self::InternalLimit => "internal_limit",
             Self::FollowingError => "following_error",
             Self::Lag(_) => "lag",
             Self::Position(_) => "position",
             Self::Speed(_) => "speed",
+            Self::Restless(_) => "restless",
             Self::Torque(_) => "torque",
             Self::TorqueStep(_) => "torque_step",
             Self::EncoderJump(_) => "encoder_jump",
@@ -139,12 +142,16 @@ impl fmt::Display for Cause {
             Self::DriveQuickStop => write!(f, "the drive made a quick stop of its own"),
             Self::DriveLeft(condition) => write!(f, "the drive let go: {condition}"),
             Self::DriveMode { found, wanted } => write!(f, "the drive follows mode {found} and not {wanted}"),
-            Self::Emergency => write!(f, "the drive sent an emergency message (its mailbox filled by itself)"),
+            Self::Emergency(Some(code)) => write!(f, "the drive sent emergency message {code:#06x}"),
+            Self::Emergency(None) => write!(f, "the drive sent a message that nobody had asked for"),
             Self::InternalLimit => write!(f, "the drive is at a limit of its own (status bit 11)"),
             Self::FollowingError => write!(f, "the drive reports a following error (status bit 13)"),
             Self::Lag(beyond) => write!(f, "the joint is {} rad off its command", beyond),
             Self::Position(beyond) => write!(f, "the joint is at {} rad", beyond),
             Self::Speed(beyond) => write!(f, "the joint moves at {} rad/s", beyond),
+            Self::Restless(beyond) => {
+                write!(f, "the joint must rest before it gets torque, and moves at {} rad/s", beyond)
+            }
             Self::Torque(beyond) => write!(f, "the torque is {} N m", beyond),
             Self::TorqueStep(beyond) => {
                 write!(f, "the torque jumped by {} N m: has a cable or a wire come off?", beyond)

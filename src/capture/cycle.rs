@@ -2,8 +2,8 @@
 
 use super::axis::{Axis, Inputs, Now};
 use super::cause::Cause;
-use super::drive::Condition;
 use super::line::{Failure, Line};
+use super::mailbox;
 use super::master::{Exchange, states};
 use super::recorder::{Recorder, Sample};
 use super::rig::Rig;
@@ -19,8 +19,8 @@ const ANSWER: f64 = 0.8;
 
 /// The drive's mailbox is looked at once in so many cycles.
 const MAILBOX_CYCLES: u64 = 10;
-/// Status of sync manager 1, the mailbox that a device writes; bit 3 is set while it is full.
-const MAILBOX_STATUS: u16 = 0x080D;
+/// What is taken out of it until then was there before we came.
+const OLD_MAIL_CYCLES: u64 = 100;
 
 /// Share of the distance from the middle between two pulses of the devices' clocks that a cycle makes good, and the most of a
 /// period that it does.
@@ -55,8 +55,6 @@ pub struct Cycle<'a, 's, W, C> {
     began_ns: u64,
     origin_ns: u64,
     missed_in_a_row: u32,
-    /// Whether the drive's mailbox was full when last looked at.
-    has_mail: bool,
     bus_time_origin_ns: Option<u64>,
     /// s from the beginning of the campaign to that of this run.
     began_s: f64,
@@ -90,7 +88,6 @@ impl<'a, 's, W: Wire, C> Cycle<'a, 's, W, C> {
             began_ns: origin_ns,
             origin_ns,
             missed_in_a_row: 0,
-            has_mail: true,
             bus_time_origin_ns: None,
             began_s,
             command_rad: 0.0,
@@ -105,11 +102,6 @@ impl<'a, 's, W: Wire, C> Cycle<'a, 's, W, C> {
     /// Cycles so far.
     pub fn number(&self) -> u64 {
         self.number
-    }
-
-    /// Working counter with every device at work.
-    pub fn working_counter(&self) -> u16 {
-        self.exchange.working_counter
     }
 
     /// One cycle: the frame of its moment, with what was decided in the last one, and the next decision.
@@ -170,16 +162,17 @@ impl<'a, 's, W: Wire, C> Cycle<'a, 's, W, C> {
         now_ns
     }
 
-    /// Whether the drive's mailbox has filled: as nobody asks it anything, that is an emergency message. It is not fetched, which
-    /// the stack would not survive.
+    /// Whether the drive has sent an emergency message. One that was there before we came, or that comes with a fault being
+    /// acknowledged, is history: it is told, and the status word says how things stand now.
     fn look_for_mail(&mut self, until_ns: u64) {
         let Ok(drive) = self.exchange.group.subdevice(self.main, self.rig.drive.identity.place) else { return };
-        let Ok(status) = self.line.run_until(until_ns, drive.register_read::<u8>(MAILBOX_STATUS)) else { return };
-        let has_mail = status & 0b1000 != 0;
-        if has_mail && !self.has_mail {
-            self.axis.blame(Cause::Emergency);
+        let Some(emergency) = mailbox::fetch(self.line, &drive, until_ns) else { return };
+        let cause = Cause::Emergency(emergency);
+        let is_looking = self.axis.state() == State::Watching && self.number > OLD_MAIL_CYCLES;
+        match is_looking || self.axis.drive().has_torque() {
+            true => self.axis.blame(cause),
+            false => self.recorder.note(format!("cycle {}: {cause}, before there was torque", self.number)),
         }
-        self.has_mail = has_mail;
     }
 
     /// Keeps our frames in the middle between the pulses of the devices' clocks, which come at whole periods of their time: what
@@ -214,8 +207,9 @@ impl<'a, 's, W: Wire, C> Cycle<'a, 's, W, C> {
         }
         let expected = self.exchange.working_counter;
         if working_counter != expected {
-            self.missed(1);
-            return self.axis.blame(Cause::WorkingCounter { found: working_counter, expected });
+            // What explains the other comes first.
+            self.axis.blame(Cause::WorkingCounter { found: working_counter, expected });
+            return self.missed(1);
         }
         let periods = self.missed_in_a_row.saturating_add(1);
         self.missed_in_a_row = 0;
@@ -280,11 +274,6 @@ impl<'a, 's, W: Wire, C> Cycle<'a, 's, W, C> {
         };
         let line = format!("cycle {}: {} -> {}, drive {drive}{why}", self.number, before.name(), state.name());
         self.recorder.note(line);
-    }
-
-    /// Whether the drive gives torque, as far as it is known.
-    pub fn has_torque(&self) -> bool {
-        self.now.is_none() || Condition::has_torque(self.axis.drive())
     }
 
     /// The exchange ends: all devices leave OP. Gives where each of them was, in words.

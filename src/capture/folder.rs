@@ -18,7 +18,12 @@ use std::path::{Path, PathBuf};
 use std::time::{SystemTime, UNIX_EPOCH};
 
 /// What an incomplete trial is said to have broken off by until its end is known.
-const UNKNOWN: &str = "the recorder was killed, or lost power";
+const UNKNOWN: &str = "its end was not recorded: killed, without power, or without room on the disk";
+
+/// The campaign.
+const CAMPAIGN: &str = "campaign.toml";
+/// What happened when.
+const NOTES: &str = "capture.log";
 
 /// A campaign's folder, being filled.
 #[derive(Debug)]
@@ -65,7 +70,10 @@ impl Folder {
             folder.note("capture begins")?;
             Ok(folder)
         };
-        made().or_else(|error| unwritable(path, &error))
+        made().or_else(|error| {
+            Self::abandon(path);
+            unwritable(path, &error)
+        })
     }
 
     /// Opens `path`, which a capture has left, to go on; `texts` must be what it was captured by.
@@ -88,9 +96,9 @@ impl Folder {
             }
         }
         // Before its first trial a capture has no campaign.
-        let trials = if path.join("campaign.toml").exists() { listed(path)? } else { Vec::new() };
+        let trials = if path.join(CAMPAIGN).exists() { listed(path)? } else { Vec::new() };
         let opened = || -> io::Result<Self> {
-            let first = std::fs::read_to_string(path.join("capture.log"))?;
+            let first = std::fs::read_to_string(path.join(NOTES))?;
             let since_1970_s = first.split(' ').next().and_then(|stamp| stamp.parse().ok()).unwrap_or_else(today_s);
             let origin = Origin { since_1970_s };
             let campaign = campaign(path, rig, trials);
@@ -99,6 +107,17 @@ impl Folder {
             Ok(folder)
         };
         opened().or_else(|error| unwritable(path, &error))
+    }
+
+    /// Takes `path` away again, of a capture that did not start; where anything was recorded it stays as it is.
+    pub fn abandon(path: &Path) {
+        if path.join(CAMPAIGN).exists() {
+            return;
+        }
+        for name in ["rig.toml", "plan.toml", NOTES] {
+            let _ = std::fs::remove_file(path.join(name));
+        }
+        let _ = std::fs::remove_dir(path);
     }
 
     /// What is recorded, whole or not.
@@ -136,7 +155,7 @@ impl Folder {
     }
 
     fn write(&self) -> io::Result<()> {
-        replace(&self.path, "campaign.toml", &self.campaign.to_toml())
+        replace(&self.path, CAMPAIGN, &self.campaign.to_toml())
     }
 }
 
@@ -156,7 +175,7 @@ fn unwritable<T>(path: &Path, error: &io::Error) -> Result<T> {
 }
 
 fn notes(path: &Path) -> io::Result<File> {
-    OpenOptions::new().create(true).append(true).open(path.join("capture.log"))
+    OpenOptions::new().create(true).append(true).open(path.join(NOTES))
 }
 
 /// Writes `text` to `name` in `folder` so that either the old or the new stands there, whatever happens.
@@ -179,7 +198,7 @@ fn campaign(path: &Path, rig: &Rig, trials: Vec<TrialEntry>) -> Campaign {
     };
     Campaign {
         folder: path.to_path_buf(),
-        file: path.join("campaign.toml"),
+        file: path.join(CAMPAIGN),
         joint: rig.joint.clone(),
         dynamics: rig.dynamics,
         arm: None,

@@ -97,8 +97,9 @@ fn entry(mapping: u32) -> Entry {
         0x603F => (Some("error_code"), false),
         _ => (None, false),
     };
-    let unsigned = Kind::of_bits(bits).unwrap_or(Kind::Unsigned(bits.min(32) as u8));
-    let kind = if signed { Kind::Signed(bits.min(32) as u8) } else { unsigned };
+    let unsigned = Kind::of_bits(bits).unwrap_or(Kind::Gap(mapping as u8));
+    let kind = if signed && matches!(bits, 8 | 16 | 32) { Kind::Signed(bits as u8) } else { unsigned };
+    let role = role.filter(|_| !matches!(kind, Kind::Gap(_)));
     Entry { role: role.map(str::to_string), index, sub, kind }
 }
 

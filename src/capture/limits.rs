@@ -28,6 +28,8 @@ pub struct Limits {
 const SPEED_ROOM: f64 = 1.25;
 /// How many times the limit of speed a jump of the position is: no joint gets there in one cycle.
 const JUMP_SPEEDS: f64 = 5.0;
+/// A move between trials at less than this takes half an hour and more, rad/s.
+const SLOWEST_RAD_S: f64 = 0.001;
 /// Cycles over which the measured speed is taken: in one, a count of the encoder more or less is a lot.
 pub const SPEED_CYCLES: usize = 10;
 
@@ -49,6 +51,10 @@ impl Limits {
             section.reject("high_rad", format!("is {high}, low_rad {low}"), "high_rad must be above low_rad");
         }
         let speed_rad_s = speed_rad_s?;
+        if approach_rad_s.is_some_and(|approach| approach < SLOWEST_RAD_S) {
+            let cure = format!("expected {SLOWEST_RAD_S} at least: moves between trials would take hours");
+            section.reject("approach_rad_s", "is next to nothing", cure);
+        }
         if approach_rad_s.is_some_and(|approach| approach > speed_rad_s) {
             section.reject("approach_rad_s", "is above speed_rad_s", "approach more slowly than that");
         }
@@ -64,37 +70,38 @@ impl Limits {
         })
     }
 
-    /// The first of `positions_rad`, commanded every `period_s`, that is outside: its index and why.
+    /// The first of `positions_rad`, commanded every `period_s` to a joint that rests at the first of them, that is outside: its
+    /// index and why.
     pub fn first_beyond(&self, positions_rad: &[f64], period_s: f64) -> Option<(usize, &'static str, Beyond)> {
         let beyond = |found: f64, limit: f64| Beyond { found, limit };
-        let speed = |i: usize| (positions_rad[i] - positions_rad[i - 1]) / period_s;
+        let speed = |i: usize| (positions_rad[i] - positions_rad[i.saturating_sub(1)]) / period_s;
         (0..positions_rad.len()).find_map(|i| {
             let at = positions_rad[i];
             let fault = if !at.is_finite() || at < self.low_rad {
                 Some(("position, rad", beyond(at, self.low_rad)))
             } else if at > self.high_rad {
                 Some(("position, rad", beyond(at, self.high_rad)))
-            } else if i > 0 && speed(i).abs() > self.speed_rad_s {
+            } else if speed(i).abs() > self.speed_rad_s {
                 Some(("speed, rad/s", beyond(speed(i).abs(), self.speed_rad_s)))
-            } else if i > 1 && (speed(i) - speed(i - 1)).abs() / period_s > self.acceleration_rad_s2 {
-                let found = (speed(i) - speed(i - 1)).abs() / period_s;
-                Some(("acceleration, rad/s^2", beyond(found, self.acceleration_rad_s2)))
             } else {
-                None
+                let found = (speed(i) - speed(i.saturating_sub(1))).abs() / period_s;
+                let is_beyond = found > self.acceleration_rad_s2;
+                is_beyond.then_some(("acceleration, rad/s^2", beyond(found, self.acceleration_rad_s2)))
             };
             fault.map(|(what, beyond)| (i, what, beyond))
         })
     }
 
-    /// Whether `command_rad` may follow `before_rad` within `period_s`.
+    /// Whether `command_rad` may follow `before_rad` within `period_s`. A joint that hangs a little outside its range, as far as
+    /// its lag allows, may be led back into it.
     pub fn check_command(&self, before_rad: f64, command_rad: f64, period_s: f64) -> Option<Cause> {
         /// What is lost in counting: a command at the limit is within it.
         const ROUNDING: f64 = 1.0 + 1e-6;
         let speed = (command_rad - before_rad).abs() / period_s;
         let fault = |found, limit| Some(Cause::Command(Beyond { found, limit }));
-        if command_rad.is_nan() || command_rad < self.low_rad - 1e-6 {
+        if command_rad.is_nan() || command_rad < self.low_rad.min(before_rad) - 1e-6 {
             fault(command_rad, self.low_rad)
-        } else if command_rad > self.high_rad + 1e-6 {
+        } else if command_rad > self.high_rad.max(before_rad) + 1e-6 {
             fault(command_rad, self.high_rad)
         } else if speed > self.speed_rad_s * ROUNDING {
             fault(speed, self.speed_rad_s)
@@ -174,12 +181,6 @@ impl Watch {
             (position_rad.is_nan() || position_rad > high).then_some(Beyond { found: position_rad, limit: high })
         }
     }
-
-    /// Forgets the last measurement, after which anything may have happened.
-    pub fn forget(&mut self) {
-        self.last = None;
-        self.recent.clear();
-    }
 }
 
 #[cfg(test)]
@@ -248,15 +249,25 @@ mod tests {
 
     #[test]
     fn commands_are_checked_before_they_are_sent() {
-        let sweep: Vec<f64> = (0..100).map(|i| 0.4e-3 * f64::from(i)).collect();
+        // Up to 0.4 rad/s at 4 rad/s^2.
+        let sweep: Vec<f64> = (0..100).map(|i| 2e-6 * f64::from(i).powi(2)).collect();
         assert_eq!(LIMITS.first_beyond(&sweep, 0.001), None);
         let what = |positions: &[f64]| LIMITS.first_beyond(positions, 0.001).map(|(i, what, _)| (i, what));
-        assert_eq!(what(&[0.0, 0.0004, -0.1]), Some((2, "position, rad")));
+        assert_eq!(what(&[0.0, 0.000004, -0.1]), Some((2, "position, rad")));
         assert_eq!(what(&[0.0, 0.0006]), Some((1, "speed, rad/s")));
         assert_eq!(what(&[0.0, 0.0, 0.0004]), Some((2, "acceleration, rad/s^2")));
+        assert_eq!(what(&[0.0, 0.0004]), Some((1, "acceleration, rad/s^2")));
         assert_eq!(LIMITS.check_command(0.1, 0.1005, 0.001), None);
         assert!(LIMITS.check_command(0.1, 0.102, 0.001).is_some());
         assert!(LIMITS.check_command(1.5, 1.501, 0.001).is_some());
+        assert!(
+            LIMITS.check_command(1.52, 1.5203, 0.001).is_some()
+                && LIMITS.check_command(-0.02, -0.0203, 0.001).is_some()
+        );
+        assert!(
+            LIMITS.check_command(1.52, 1.5197, 0.001).is_none()
+                && LIMITS.check_command(-0.02, -0.0197, 0.001).is_none()
+        );
         assert!(LIMITS.check_command(0.5, f64::NAN, 0.001).is_some());
     }
 }

@@ -48,13 +48,6 @@ pub enum Failure {
     TimedOut,
 }
 
-impl Failure {
-    /// What was caught of a panic.
-    pub fn of_panic(panic: &(dyn std::any::Any + Send)) -> Self {
-        Self::Panic(words(panic))
-    }
-}
-
 impl std::fmt::Display for Failure {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         match self {
@@ -103,7 +96,7 @@ impl<W: Wire> Line<'_, W> {
         future: impl Future<Output = Result<T, Error>>,
     ) -> Result<T, Failure> {
         let run = AssertUnwindSafe(|| self.drive(until_ns, future));
-        catch_unwind(run).unwrap_or_else(|panic| Err(Failure::of_panic(&*panic)))
+        catch_unwind(run).unwrap_or_else(|panic| Err(Failure::Panic(words(&*panic))))
     }
 
     fn drive<T>(&mut self, until_ns: u64, future: impl Future<Output = Result<T, Error>>) -> Result<T, Failure> {
@@ -174,7 +167,8 @@ const DROP_OUT: [u8; 60] = {
     frame
 };
 
-fn words(panic: &(dyn std::any::Any + Send)) -> String {
+/// What was caught of a panic, in its own words.
+pub(super) fn words(panic: &(dyn std::any::Any + Send)) -> String {
     let text = panic.downcast_ref::<&str>().map(|text| text.to_string());
     text.or_else(|| panic.downcast_ref::<String>().cloned()).unwrap_or_else(|| "no words".to_string())
 }

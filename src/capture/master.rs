@@ -1,14 +1,13 @@
 //! The way to OP: who is there, what is exchanged, the drive's own limits, the clocks, cyclic data.
 
 use super::clock;
-use super::drive::brakes;
 use super::found::{ASSIGNED_INPUTS, ASSIGNED_OUTPUTS, Found, entries, found};
 use super::line::{Failure, Line};
-use super::rig::{Drive, Identity, ProcessData, Rig};
+use super::own_limits;
+use super::rig::{Identity, ProcessData, Rig};
 use super::wire::Wire;
 use ethercrab::subdevice_group::{DcConfiguration, HasDc, NoDc, Op, PreOp, PreOpPdi};
-use ethercrab::{DcSync, DefaultLock, EtherCrabWireReadSized, EtherCrabWireWrite, MainDevice, SubDevice};
-use ethercrab::{SubDeviceGroup, SubDeviceRef};
+use ethercrab::{AlStatusCode, Command, DcSync, DefaultLock, MainDevice, SubDevice, SubDeviceGroup, SubDeviceRef};
 use std::ops::Deref;
 use std::time::Duration;
 
@@ -28,19 +27,47 @@ const SETTLED: u32 = 50;
 /// How long the devices may take to get to OP while data flow, s.
 const TO_OP_S: f64 = 5.0;
 
+/// The station address that the stack gives to the first device; the others follow.
+const FIRST_STATION: u16 = 0x1000;
+/// AL status, whose bit 4 flags an error; its code follows after 4 bytes.
+const AL_STATUS: u16 = 0x0130;
+const AL_ERROR: u8 = 1 << 4;
+
 /// Why the bus did not start, in words with the device at fault.
 #[derive(Debug, Clone, PartialEq)]
 pub struct NotStarted(pub String);
 
 impl NotStarted {
-    fn of<T>(what: impl Into<String>) -> Result<T, Self> {
+    pub(super) fn of<T>(what: impl Into<String>) -> Result<T, Self> {
         Err(Self(what.into()))
     }
 }
 
 /// A step that was not taken.
-fn while_doing(what: &str) -> impl Fn(Failure) -> NotStarted + '_ {
+pub(super) fn while_doing(what: &str) -> impl Fn(Failure) -> NotStarted + '_ {
     move |failure| NotStarted(format!("{what}: {failure}"))
+}
+
+/// What was asked of all devices together, with those named that are in error.
+fn of_all<W: Wire, T>(
+    line: &mut Line<'_, W>,
+    main: &MainDevice<'_>,
+    what: &str,
+    done: Result<T, Failure>,
+) -> Result<T, NotStarted> {
+    done.map_err(|failure| NotStarted(format!("{what}: {failure}{}", ailing(line, main))))
+}
+
+/// The devices that have refused a state or fallen from it, and why, in words; nothing where all are well.
+pub fn ailing<W: Wire>(line: &mut Line<'_, W>, main: &MainDevice<'_>) -> String {
+    (0..main.num_subdevices())
+        .filter_map(|place| {
+            let register = Command::fprd(FIRST_STATION.wrapping_add(u16::try_from(place).ok()?), AL_STATUS);
+            let status = line.run(register.receive::<[u8; 6]>(main)).ok()?;
+            let why = AlStatusCode::from(u16::from_le_bytes([status[4], status[5]]));
+            (status[0] & AL_ERROR != 0).then(|| format!("; device {place} is in error {why}"))
+        })
+        .collect()
 }
 
 /// Brings all devices to PRE-OP.
@@ -77,7 +104,7 @@ pub fn prepare<W: Wire>(
     map(line, drive, &rig.drive.identity, ASSIGNED_OUTPUTS, &rig.drive.outputs, &mut report)?;
     map(line, drive, &rig.drive.identity, ASSIGNED_INPUTS, &rig.drive.inputs, &mut report)?;
     map(line, sensor, &rig.sensor.identity, ASSIGNED_INPUTS, &rig.sensor.inputs, &mut report)?;
-    limit(line, drive, &rig.drive, &mut report)?;
+    own_limits::set_all(line, drive, rig, &mut report)?;
     Ok(report)
 }
 
@@ -119,6 +146,16 @@ fn map<W: Wire, S: Deref<Target = SubDevice>>(
     if is_so(line) {
         return Ok(());
     }
+    // Of a device whose list is as it is, the first PDO is read, if it is the rig's.
+    let all = super::found::mapped(line, device, assigned);
+    if assigned == ASSIGNED_INPUTS
+        && let [first, _, ..] = &all[..]
+        && first.pdo == pdo
+        && first.entries.iter().map(|entry| entry.mapping()).eq(words)
+    {
+        report.push(format!("`{name}` sends {} PDOs more behind {pdo:#06x}, which are left alone", all.len() - 1));
+        return Ok(());
+    }
     let why = written.into_iter().find_map(Result::err).map_or(String::new(), |failure| format!(" ({failure})"));
     let found = entries(line, device, pdo).unwrap_or_default();
     let found: Vec<String> = found.iter().map(|entry| format!("{:#010x}", entry.mapping())).collect();
@@ -127,78 +164,6 @@ fn map<W: Wire, S: Deref<Target = SubDevice>>(
         "`{name}` does not take the process data that the rig maps to {pdo:#06x}{why}: it has {found}; \
          correct the entries in the rig: `tautline rig scan` shows the device's own"
     ))
-}
-
-/// Reads what the drive does on a stop, and sets and reads back what it allows itself.
-fn limit<W: Wire, S: Deref<Target = SubDevice>>(
-    line: &mut Line<'_, W>,
-    device: &SubDeviceRef<'_, S>,
-    drive: &Drive,
-    report: &mut Vec<String>,
-) -> Result<(), NotStarted> {
-    let option: i16 = object(line, device, drive, 0x605A, "quick-stop option")?;
-    if !brakes(option) {
-        return NotStarted::of(format!(
-            "`{}` does not brake on a quick stop: its option (0x605A) is {option}; set it to 2 in the drive's own tool",
-            drive.identity.name
-        ));
-    }
-    let reaction: i16 = object(line, device, drive, 0x605E, "fault reaction")?;
-    let ramp: u32 = object(line, device, drive, 0x6085, "quick-stop deceleration")?;
-    if ramp == 0 {
-        return NotStarted::of(format!("`{}` has a quick-stop deceleration (0x6085) of 0", drive.identity.name));
-    }
-    let ramp_rad_s2 = f64::from(ramp) / drive.counts_per_rad;
-    report.push(format!(
-        "quick stop: option {option}, {ramp_rad_s2:.1} rad/s^2 if its unit is counts/s^2; fault reaction: option {reaction}"
-    ));
-    let window = (drive.following_error_rad * drive.counts_per_rad).round() as u32;
-    let time_ms = (drive.following_error_s * 1e3).round() as u16;
-    let torque = (drive.torque_max_nm / drive.rated_torque_nm * 1e3).round().clamp(0.0, 65_535.0) as u16;
-    let mode = drive.mode.code();
-    set(line, device, drive, 0x6065, "following-error window", window)?;
-    set(line, device, drive, 0x6066, "following-error time", time_ms)?;
-    set(line, device, drive, 0x6072, "maximum torque", torque)?;
-    // Where it is exchanged every cycle, that is what counts, and a drive need not take it otherwise.
-    if drive.outputs.place("mode").is_none() {
-        set(line, device, drive, 0x6060, "mode", mode as u8)?;
-    }
-    report.push(format!(
-        "drive's own limits, read back: following error {window} counts for {time_ms} ms, torque {torque} per mille"
-    ));
-    Ok(())
-}
-
-fn object<W: Wire, S: Deref<Target = SubDevice>, T: EtherCrabWireReadSized>(
-    line: &mut Line<'_, W>,
-    device: &SubDeviceRef<'_, S>,
-    drive: &Drive,
-    index: u16,
-    what: &str,
-) -> Result<T, NotStarted> {
-    let asking = format!("`{}` does not tell its {what} ({index:#06x})", drive.identity.name);
-    line.run(device.sdo_read::<T>(index, 0u8)).map_err(while_doing(&asking))
-}
-
-fn set<W: Wire, S: Deref<Target = SubDevice>, T>(
-    line: &mut Line<'_, W>,
-    device: &SubDeviceRef<'_, S>,
-    drive: &Drive,
-    index: u16,
-    what: &str,
-    value: T,
-) -> Result<(), NotStarted>
-where
-    T: EtherCrabWireReadSized + EtherCrabWireWrite + PartialEq + std::fmt::Display + Copy,
-{
-    let name = &drive.identity.name;
-    let setting = format!("`{name}` does not take a {what} ({index:#06x}) of {value}");
-    line.run(device.sdo_write(index, 0u8, value)).map_err(while_doing(&setting))?;
-    let found: T = object(line, device, drive, index, what)?;
-    match found == value {
-        true => Ok(()),
-        false => NotStarted::of(format!("{setting}: it reads back {found}")),
-    }
 }
 
 /// The bus exchanging data in OP.
@@ -242,7 +207,8 @@ pub fn with_data<W: Wire>(
     main: &MainDevice<'_>,
     group: Group<PreOp, NoDc>,
 ) -> Result<Group<PreOpPdi, NoDc>, NotStarted> {
-    line.run(group.into_pre_op_pdi(main)).map_err(while_doing("laying out the process data"))
+    let done = line.run(group.into_pre_op_pdi(main));
+    of_all(line, main, "laying out the process data", done)
 }
 
 /// From PRE-OP to OP, data flowing all the way: a device that waits for them would stall otherwise. Outputs are zero.
@@ -255,8 +221,10 @@ pub fn to_op<W: Wire, C>(
     rig: &Rig,
 ) -> Result<Exchange<C>, NotStarted> {
     let period_ns = u64::from(rig.bus.cycle_us) * 1000;
-    let group = line.run(group.into_safe_op(main)).map_err(while_doing("going to SAFE-OP"))?;
-    let group = line.run(group.request_into_op(main)).map_err(while_doing("asking for OP"))?;
+    let done = line.run(group.into_safe_op(main));
+    let group = of_all(line, main, "going to SAFE-OP", done)?;
+    let done = line.run(group.request_into_op(main));
+    let group = of_all(line, main, "asking for OP", done)?;
     check_lengths(main, &group, rig)?;
     let (began_ns, mut last, mut alike) = (line.wire.now_ns(), 0, 0);
     let mut next_ns = began_ns;

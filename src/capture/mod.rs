@@ -9,11 +9,13 @@
 //! |---|---|
 //! | `rig`, `plan` | what is on the bus and what is to be recorded |
 //! | `wire`, `socket`, `in_process`, `clock`, `line` | frames and time, real or virtual, and the EtherCAT stack on them |
-//! | `found`, `master` | who is there; the way to OP |
+//! | `found`, `master`, `own_limits` | who is there; the way to OP; what the drive itself watches over |
+//! | `mailbox` | messages that nobody asked for |
 //! | `drive`, `sensor` | what the words on the wire mean |
 //! | `safety` | the machine that decides what the drive is told: every state, every transition |
 //! | `cause`, `limits`, `ramp` | why to stop, what is allowed, moves without corners |
-//! | `axis`, `cycle`, `session` | one cycle as a pure step; the exchange; a whole capture |
+//! | `axis`, `cycle` | one cycle as a pure step; the exchange |
+//! | `run`, `session` | the trials one after the other; a whole capture |
 //! | `folder`, `recorder` | samples to the disk as they come |
 //! | `realtime` | what the operating system grants |
 
@@ -27,12 +29,15 @@ pub mod found;
 pub mod in_process;
 pub mod limits;
 pub mod line;
+mod mailbox;
 pub mod master;
+mod own_limits;
 pub mod plan;
 pub mod ramp;
 pub mod realtime;
 pub mod recorder;
 pub mod rig;
+mod run;
 pub mod safety;
 pub mod sensor;
 pub mod session;

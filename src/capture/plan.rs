@@ -13,8 +13,12 @@ use std::path::Path;
 const FORMAT: &str = "plan/1";
 /// The most of anything: more would be a slip of the finger.
 const MANY: i64 = 1000;
+/// The longest rest before a trial, s.
+const LONGEST_REST_S: f64 = 3600.0;
 /// A slower one takes an hour, rad/s.
 const SLOWEST_SWEEP_RAD_S: f64 = 0.001;
+/// No joint here is faster, rad/s.
+const FASTEST_SWEEP_RAD_S: f64 = 100.0;
 
 /// What is to be recorded.
 #[derive(Debug, Clone, PartialEq)]
@@ -53,6 +57,9 @@ impl Plan {
         let read = document.read(|root| {
             root.need("format").choice(&[(FORMAT, ())]);
             let rest_s = root.may("rest_s").not_negative().unwrap_or(1.0);
+            if rest_s > LONGEST_REST_S {
+                root.reject("rest_s", format!("is {rest_s}"), format!("expected {LONGEST_REST_S} s at most"));
+            }
             let repeats = root.may("repeats").whole(1, MANY).unwrap_or(1);
             let motions = root.need("motions").such_as("[[motions]]", "one for each, with its protocol");
             motions.sections(|section| list.read(section, repeats))?;
@@ -92,6 +99,15 @@ impl Plan {
                 .then(|| Problem::error(file, what, "change the motion, or the rig's [limits] if the joint can"))
         });
         Problems(problems.collect()).unless_errors(())
+    }
+
+    /// What of the motions is not recorded, in words: a rig moves one joint.
+    pub fn left_out(&self) -> impl Iterator<Item = String> {
+        let first = self.trials.iter().filter(|trial| trial.entry.repeat == 1);
+        let moving = first.map(|trial| &trial.trajectory).filter(|motion| !motion.others.is_empty());
+        moving.map(|Trajectory { name, others, .. }| {
+            format!("`{name}` moves {} other joints along, which this rig neither drives nor records", others.len())
+        })
     }
 
     /// How long the trials take without rests and moves between them, s.
@@ -154,14 +170,22 @@ impl List<'_> {
 fn read_uniform(section: &Section<'_>) -> Option<Uniform> {
     let default = Uniform::default();
     if let Some(speed) = section.may("speed_rad_s").positive() {
+        if !(SLOWEST_SWEEP_RAD_S..=FASTEST_SWEEP_RAD_S).contains(&speed) {
+            section.reject("speed_rad_s", format!("is {speed}"), "expected 0.001 to 100");
+            return None;
+        }
         return Some(Uniform { speeds: 1, slowest_rad_s: speed, fastest_rad_s: speed, ..default });
     }
     let speeds = section.may("speeds").whole(1, MANY).and_then(|speeds| usize::try_from(speeds).ok());
     let slowest_rad_s = section.may("slowest_rad_s").positive().unwrap_or(default.slowest_rad_s);
     let fastest_rad_s = section.may("fastest_rad_s").positive().unwrap_or(default.fastest_rad_s);
-    if slowest_rad_s < SLOWEST_SWEEP_RAD_S || fastest_rad_s < slowest_rad_s {
+    if slowest_rad_s < SLOWEST_SWEEP_RAD_S || fastest_rad_s < slowest_rad_s || fastest_rad_s > FASTEST_SWEEP_RAD_S {
         let what = format!("is {slowest_rad_s}, fastest_rad_s {fastest_rad_s}");
-        section.reject("slowest_rad_s", what, "expected 0.001 or more, and no more than fastest_rad_s");
+        section.reject(
+            "slowest_rad_s",
+            what,
+            "expected 0.001 or more, no more than fastest_rad_s, and that 100 at most",
+        );
         return None;
     }
     Some(Uniform { speeds: speeds.unwrap_or(default.speeds), slowest_rad_s, fastest_rad_s, ..default })

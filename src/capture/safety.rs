@@ -1,7 +1,7 @@
 //! The machine that decides, every cycle, what the drive is told: all states and all transitions are here.
 //!
 //! ```text
-//!            arm                                    off                ready, torque on
+//!            arm                                 off, at rest       at rest, torque on
 //! Watching ------> Disarming (drive was on) ------------> Readying ------------------> Holding <----> Moving
 //!    ^      |----> Clearing (drive in fault) ------------>   |          hold / move       |             |
 //!    |      '----------------------------------------------->|                            | release     |
@@ -13,7 +13,9 @@
 //!                                                  Stopped   (for good: only a new start leads out)
 //! ```
 //!
-//! A dry run stays in Watching: no word that could give torque is ever sent there. Two things are told to the drive: a command
+//! A dry run stays in Watching: no word that could give torque is ever sent there. Where nothing is wanted any more, the way up
+//! ends in Releasing (from Disarming in Watching). Torque comes to a joint at rest, in the mode asked for, and not before: until
+//! then limits and sensor have been looked at for as long as it takes to see that it rests. Two things are told to the drive: a command
 //! (its control word) and what becomes of the target.
 
 use super::drive::{Condition, Control};
@@ -63,6 +65,8 @@ pub struct Seen {
     pub has_cause: bool,
     /// Whether the joint rests.
     pub at_rest: bool,
+    /// Whether the drive is in the mode asked for, as far as it tells.
+    pub in_mode: bool,
     /// Cycles since this state was entered.
     pub cycles: u32,
 }
@@ -121,7 +125,11 @@ impl State {
                 _ if is_off => Self::Readying,
                 _ => Self::Disarming,
             },
-            Self::Disarming if is_off && seen.at_rest => Self::Readying,
+            Self::Disarming if is_off && seen.at_rest => match seen.request {
+                Request::Watch => Self::Watching,
+                Request::Hold | Request::Move => Self::Readying,
+            },
+            Self::Clearing | Self::Readying if seen.request == Request::Watch => Self::Releasing,
             Self::Clearing if is_off && seen.drive != Condition::Fault => Self::Readying,
             Self::Readying if seen.drive == Condition::Enabled => Self::Holding,
             Self::Disarming | Self::Clearing | Self::Readying if waited => Self::Stopping,
@@ -146,6 +154,10 @@ impl State {
             Self::Disarming => Control::DisableVoltage,
             Self::Clearing if seen.cycles < RESET_CYCLES => Control::DisableVoltage,
             Self::Clearing => Control::ResetFault,
+            // A step before torque it waits for the joint and the mode.
+            Self::Readying if seen.drive == Condition::SwitchedOn && !(seen.at_rest && seen.in_mode) => {
+                Control::SwitchOn
+            }
             Self::Readying => seen.drive.towards_enabled(),
             Self::Holding | Self::Moving => Control::Enable,
             Self::Releasing if seen.drive == Condition::Enabled => Control::SwitchOn,
@@ -195,15 +207,16 @@ mod tests {
     /// Everything that can be seen, at the counts of cycles that matter.
     fn everything() -> impl Iterator<Item = Seen> {
         let requests = [Request::Watch, Request::Hold, Request::Move];
-        let flags = [(false, false), (false, true), (true, false), (true, true)];
+        let flags = [0, 1, 2, 3, 4, 5, 6, 7].map(|bits| (bits & 1 != 0, bits & 2 != 0, bits & 4 != 0));
         requests.into_iter().flat_map(move |request| {
             Condition::ALL.into_iter().flat_map(move |drive| {
-                flags.into_iter().flat_map(move |(has_cause, at_rest)| {
+                flags.into_iter().flat_map(move |(has_cause, at_rest, in_mode)| {
                     [0, 1, 99, 100, 1000].into_iter().map(move |cycles| Seen {
                         request,
                         drive,
                         has_cause,
                         at_rest,
+                        in_mode,
                         cycles,
                     })
                 })
@@ -212,7 +225,7 @@ mod tests {
     }
 
     fn seen(request: Request, drive: Condition) -> Seen {
-        Seen { request, drive, has_cause: false, at_rest: true, cycles: 0 }
+        Seen { request, drive, has_cause: false, at_rest: true, in_mode: true, cycles: 0 }
     }
 
     #[test]
@@ -316,14 +329,45 @@ mod tests {
     }
 
     #[test]
-    fn every_state_is_reached() {
-        let mut reached = vec![State::Watching];
-        while let Some(next) = State::ALL.into_iter().find(|state| {
-            !reached.contains(state)
-                && reached.iter().any(|from| everything().any(|seen| from.next(&seen, PATIENCE) == *state))
-        }) {
-            reached.push(next);
+    fn torque_comes_to_a_joint_at_rest_in_the_right_mode() {
+        for seen in everything().filter(|seen| seen.drive == Condition::SwitchedOn) {
+            let gives = State::Readying.control(&seen) == Control::Enable;
+            assert_eq!(gives, seen.at_rest && seen.in_mode, "{seen:?}");
         }
-        assert_eq!(reached.len(), State::ALL.len(), "{reached:?}");
+    }
+
+    #[test]
+    fn the_transitions_are_those_of_the_drawing() {
+        use State::*;
+        let drawn: [(State, &[State]); 9] = [
+            (Watching, &[Watching, Disarming, Clearing, Readying, Stopping]),
+            (Disarming, &[Watching, Disarming, Readying, Stopping]),
+            (Clearing, &[Clearing, Readying, Releasing, Stopping]),
+            (Readying, &[Readying, Holding, Releasing, Stopping]),
+            (Holding, &[Holding, Moving, Releasing, Stopping]),
+            (Moving, &[Holding, Moving, Releasing, Stopping]),
+            (Releasing, &[Watching, Releasing, Stopping]),
+            (Stopping, &[Stopping, Stopped]),
+            (Stopped, &[Stopped]),
+        ];
+        for (from, expected) in drawn {
+            let leads = |to: &State| everything().any(|seen| from.next(&seen, PATIENCE) == *to);
+            let found: Vec<State> = State::ALL.into_iter().filter(leads).collect();
+            assert_eq!(found, expected, "{from:?}");
+        }
+    }
+
+    #[test]
+    fn where_nothing_is_wanted_no_torque_comes() {
+        for drive in Condition::ALL {
+            let (mut state, mut cycles) = (State::Readying, 0);
+            while !matches!(state, State::Watching | State::Stopped) && cycles < 2000 {
+                let now = Seen { cycles, ..seen(Request::Watch, drive) };
+                state = state.next(&now, PATIENCE);
+                assert_ne!(state.control(&now), Control::Enable, "{drive}");
+                cycles += 1;
+            }
+            assert!(matches!(state, State::Watching | State::Stopped), "{drive} ends in {state:?}");
+        }
     }
 }

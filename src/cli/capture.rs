@@ -82,10 +82,10 @@ pub fn run(arguments: &Arguments, talk: &Talk) -> Result<ExitCode> {
         Ok(outcome) => tell(arguments, &plan, &outcome, armed, talk),
         Err(NotStarted(why)) => {
             if let Some(path) = arguments.output.as_deref().filter(|_| armed && !arguments.resume) {
-                // It holds nothing but our copies of rig and plan.
-                let _ = std::fs::remove_dir_all(path);
+                Folder::abandon(path);
             }
-            Problem::error(&arguments.rig, why, "nothing was enabled").alone()
+            let cure = "nothing was enabled; `tautline rig scan` shows who answers";
+            Problem::error(&arguments.rig, why, cure).alone()
         }
     }
 }
@@ -154,6 +154,7 @@ pub fn to_json(folder: Option<&Path>, plan: &Plan, outcome: &Outcome) -> Value {
         "trials": plan.trials.len(),
         "complete": outcome.complete,
         "recorded_before": outcome.before,
+        "broken_before": outcome.broken_before,
         "cycles": outcome.cycles,
         "late_cycles": outcome.counts.late,
         "missed_cycles": outcome.counts.missed,
@@ -178,7 +179,11 @@ fn write_text(out: &mut impl Write, folder: Option<&Path>, plan: &Plan, outcome:
     match folder {
         Some(folder) => {
             let (done, before) = (outcome.complete, outcome.before);
-            let before = if before > 0 { format!(", {before} before") } else { String::new() };
+            let before = match (before, outcome.broken_before) {
+                (0, _) => String::new(),
+                (before, 0) => format!(", {before} before"),
+                (before, broken) => format!(", {before} before, of which {broken} broken off"),
+            };
             writeln!(out, "{}: {done} of {trials} trials recorded{before}", folder.display())
         }
         None => writeln!(out, "a dry run: {trials} trials fit the limits, nothing was enabled; --arm records them"),

@@ -48,6 +48,9 @@ impl Drop for View {
 
 fn line(seen: &Live) -> String {
     let Live { trial, trials, name, state, position_rad, torque_nm, margins, counts, .. } = seen;
+    if state.is_empty() {
+        return "starting the bus".to_string();
+    }
     let torque = torque_nm.map_or("no torque".to_string(), |torque| format!("{torque:+.3} N m"));
     let (room_rad, room_nm) = margins;
     format!(

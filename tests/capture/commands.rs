@@ -85,4 +85,10 @@ fn a_plan_beyond_the_limits_is_refused() {
     std::fs::write(path("missing.toml"), "format = \"plan/1\"\n[[motions]]\ntrajectory = \"a.toml\"").unwrap();
     let said = refused(&tautline(&["capture", "--rig", "demo", "--plan", &path("missing.toml")]));
     assert!(said.contains("a.toml: cannot be read"), "{said}");
+    std::fs::write(path("slow.toml"), super::SWEEP.replace("speed_rad_s = 0.4", "speed_rad_s = 1e-9")).unwrap();
+    let said = refused(&tautline(&["capture", "--rig", "demo", "--plan", &path("slow.toml")]));
+    assert!(said.contains("expected 0.001 to 100"), "{said}");
+    std::fs::write(path("rest.toml"), super::SWEEP.replace("rest_s = 0.1", "rest_s = 1e12")).unwrap();
+    let said = refused(&tautline(&["capture", "--rig", "demo", "--plan", &path("rest.toml")]));
+    assert!(said.contains("expected 3600 s at most"), "{said}");
 }

@@ -1,6 +1,7 @@
 //! Every fault that the bus can have ends in a quick stop, is named, and leaves a recording that opens.
 
 use super::{SWEEP, Watched, demo, folder, plan, rig, run};
+use std::io;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use tautline::bus::{Bus, Fault, When};
@@ -8,6 +9,7 @@ use tautline::capture::cause::Cause;
 use tautline::capture::drive::{Condition, Control};
 use tautline::capture::in_process::InProcess;
 use tautline::capture::session::{Task, capture};
+use tautline::capture::wire::Wire;
 use tautline::log::{Campaign, read_trial};
 use tempfile::TempDir;
 
@@ -162,6 +164,78 @@ fn a_panic_of_the_stack_stops_the_drive() {
     assert!(!Condition::of(bus.drive_status().unwrap()).has_torque());
     let campaign = Campaign::read(&out.path().join("c")).unwrap();
     assert!(campaign.trials[0].is_incomplete() && read_trial(&campaign, 0).is_ok());
+}
+
+/// A wire on which the program itself fails, so many times from a moment on.
+struct Failing<W> {
+    wire: W,
+    at_ns: u64,
+    times: u32,
+}
+
+impl<W: Wire> Wire for Failing<W> {
+    fn now_ns(&self) -> u64 {
+        self.wire.now_ns()
+    }
+
+    fn send(&mut self, frame: &[u8]) -> io::Result<()> {
+        self.wire.send(frame)
+    }
+
+    fn receive(&mut self, buffer: &mut [u8], until_ns: u64) -> io::Result<Option<usize>> {
+        self.wire.receive(buffer, until_ns)
+    }
+
+    fn sleep(&mut self, until_ns: u64) {
+        if self.now_ns() >= self.at_ns && self.times > 0 {
+            self.times -= 1;
+            panic!("as if the program had");
+        }
+        self.wire.sleep(until_ns);
+    }
+
+    fn is_real_time(&self) -> bool {
+        self.wire.is_real_time()
+    }
+}
+
+/// What fails outside the stack stops the drive too, and takes nothing of the recording away.
+#[test]
+fn a_panic_of_the_program_stops_the_drive() {
+    const AT_NS: u64 = 6_000_000_000;
+    for times in [1, u32::MAX] {
+        let (rig, plan, out) = (rig(), plan(SWEEP), TempDir::new().unwrap());
+        let (interrupted, mut bus, mut last_ns) = (AtomicBool::new(false), demo(), 0);
+        let answers = |now_ns: u64, frame: &[u8]| {
+            last_ns = now_ns;
+            bus.send(now_ns, frame).into_iter().map(|reply| (reply.at_ns, reply.frame)).collect()
+        };
+        let wire = Failing { wire: InProcess::new(answers), at_ns: AT_NS, times };
+        let task = Task { rig: &rig, plan: &plan, armed: true, interrupted: &interrupted };
+        let folder = folder(&out.path().join("c"), &rig, false);
+        let outcome = capture(wire, &task, Some(folder), &Arc::default()).unwrap();
+        assert_eq!(outcome.cause, Some(Cause::Panic("as if the program had".to_string())), "{times}");
+        assert!(last_ns > AT_NS, "nothing was sent after it: {times}");
+        bus.advance(last_ns + 1_000_000_000);
+        assert!(!Condition::of(bus.drive_status().unwrap()).has_torque(), "{times}");
+        let campaign = Campaign::read(&out.path().join("c")).unwrap();
+        let why = campaign.trials[0].capture.as_ref().and_then(|capture| capture.incomplete.clone());
+        assert!(why.as_ref().is_some_and(|why| why.starts_with("panic")), "{why:?}");
+        assert!(read_trial(&campaign, 0).unwrap().time_s.len() > 2000);
+    }
+}
+
+/// What the drive said before it had torque is history; it does not hide what it says later.
+#[test]
+fn an_old_emergency_message_hides_no_new_one() {
+    let (rig, plan, out) = (rig(), plan(SWEEP), TempDir::new().unwrap());
+    let mut bus = demo();
+    bus.inject(Fault::Emergency { device: 0, code: 0x1000 }, When::Cycle(5));
+    bus.inject(Fault::Emergency { device: 0, code: 0x8611 }, When::Cycle(AT));
+    let outcome = run(bus, &rig, &plan, Some(folder(&out.path().join("c"), &rig, false))).outcome;
+    assert_eq!(outcome.cause, Some(Cause::Emergency(Some(0x8611))));
+    let notes = std::fs::read_to_string(out.path().join("c/capture.log")).unwrap();
+    assert!(notes.contains("emergency message 0x1000, before there was torque"), "{notes}");
 }
 
 /// An emergency message during a transfer of objects makes the stack panic.

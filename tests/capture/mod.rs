@@ -2,6 +2,7 @@
 
 mod commands;
 mod faults;
+mod noise;
 mod recording;
 mod start;
 mod whole;

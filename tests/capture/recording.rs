@@ -3,7 +3,8 @@
 use super::{SWEEP, demo, folder, plan, rig, run};
 use std::fs;
 use tautline::bus::{Fault, When};
-use tautline::log::{Campaign, read_trial};
+use tautline::capture::recorder::{Recorder, Sample};
+use tautline::log::{Campaign, Captured, read_trial};
 use tempfile::TempDir;
 
 #[test]
@@ -15,7 +16,7 @@ fn a_capture_that_broke_off_goes_on_with_the_next_trial() {
     let broken = run(bus, &rig, &plan, Some(folder(&path, &rig, false))).outcome;
     assert_eq!((broken.complete, broken.cause.map(|cause| cause.name())), (0, Some("drive_fault")));
     let resumed = run(demo(), &rig, &plan, Some(folder(&path, &rig, true))).outcome;
-    assert_eq!((resumed.complete, resumed.before, resumed.cause), (1, 1, None));
+    assert_eq!((resumed.complete, resumed.before, resumed.broken_before, resumed.cause), (1, 1, 1, None));
     let campaign = Campaign::read(&path).unwrap();
     let incomplete: Vec<bool> = campaign.trials.iter().map(|trial| trial.is_incomplete()).collect();
     assert_eq!(incomplete, [true, false]);
@@ -72,3 +73,48 @@ fn a_full_disk_stops_the_joint_and_is_named() {
     let campaign = Campaign::read(&path).unwrap();
     assert!(!campaign.trials[0].is_incomplete() && read_trial(&campaign, 0).is_ok());
 }
+
+/// A disk that is away holds nothing up: the drive must still be told to stop. A pipe that nobody reads is such a disk.
+#[test]
+#[cfg(target_os = "linux")]
+fn a_disk_that_hangs_holds_nothing_up() {
+    let (rig, plan, out) = (rig(), plan(SWEEP), TempDir::new().unwrap());
+    let path = out.path().join("c");
+    let folder = folder(&path, &rig, false);
+    let entry = plan.trials[0].entry.clone();
+    let log = path.join(&entry.file);
+    assert!(std::process::Command::new("mkfifo").arg(&log).status().unwrap().success());
+    let (done, is_done) = std::sync::mpsc::channel();
+    let thread = std::thread::spawn(move || {
+        let mut recorder = Recorder::new(folder, false);
+        recorder.begin(entry);
+        for cycle in 0..10_000 {
+            recorder.record(Sample { cycle, ..SAMPLE });
+        }
+        recorder.note("stopped".to_string());
+        recorder.end(Captured::default());
+        done.send(recorder.failed()).unwrap();
+        recorder.finish()
+    });
+    // Long enough for any machine; a recorder that waits for the disk never comes.
+    let failed = is_done.recv_timeout(std::time::Duration::from_secs(60)).expect("the recorder waits for the disk");
+    assert_eq!(failed.as_deref(), Some("the disk is too slow"));
+    drop(fs::File::open(&log).unwrap());
+    thread.join().unwrap();
+    assert!(fs::read_to_string(path.join("capture.log")).unwrap().contains("stopped"));
+}
+
+const SAMPLE: Sample = Sample {
+    time_s: 0.0,
+    cycle: 0,
+    state: "moving",
+    working_counter: 4,
+    position_rad: 0.0,
+    torque_nm: 0.0,
+    command_rad: 0.0,
+    bus_time_s: 0.0,
+    status_word: 0,
+    sensor_status: 0,
+    sensor_counts: 0.0,
+    drive_torque_nm: 0.0,
+};

@@ -1,6 +1,7 @@
 //! A bus that is not what the rig says does not start, and says why.
 
 use super::{SWEEP, demo, plan, rig, run};
+use ethercrab::Command;
 use ethercrab::error::Error;
 use std::cell::RefCell;
 use std::rc::Rc;
@@ -11,9 +12,12 @@ use tautline::capture::cause::Cause;
 use tautline::capture::found::scan;
 use tautline::capture::in_process::{Answers, InProcess};
 use tautline::capture::line::with_line;
-use tautline::capture::master::pre_op;
+use tautline::capture::master::{ailing, pre_op};
+use tautline::capture::plan::Plan;
 use tautline::capture::rig::{Kind, Rig, starting_rig};
 use tautline::capture::session::{Task, capture};
+use tautline::capture::wire::Wire;
+use tautline::dynamics::JointKind;
 
 type Shared = Rc<RefCell<Bus>>;
 
@@ -80,6 +84,39 @@ fn process_data_that_a_device_does_not_have_are_refused() {
 }
 
 #[test]
+fn a_device_in_error_is_named_with_its_reason() {
+    with_line(wire(&shared(), 0), |line, main| {
+        drop(pre_op(line, main).unwrap());
+        assert_eq!(ailing(line, main), "");
+        // From PRE-OP there is no way to OP but through SAFE-OP.
+        line.run(Command::fpwr(0x1001, 0x0120).send(main, 0x0008u16)).unwrap();
+        let later_ns = line.wire.now_ns() + 10_000_000;
+        line.wire.sleep(later_ns);
+        assert_eq!(ailing(line, main), "; device 1 is in error 0x0011: Invalid requested state change");
+    });
+}
+
+/// A rig moves one joint: what others should do meanwhile is said to be left out.
+#[test]
+fn a_motion_of_many_joints_is_captured_for_its_own() {
+    let motion =
+        "format = \"trajectory/1\"\nstart_rad = 0.0\n[[segments]]\nkind = \"sweep\"\nto_rad = 0.2\nspeed_rad_s = 0.2\n
+        [[others]]\nstart_rad = 0.0\n[[others.segments]]\nkind = \"rest\"\nduration_s = 1.0\n";
+    let out = tempfile::TempDir::new().unwrap();
+    std::fs::write(out.path().join("both.toml"), motion).unwrap();
+    let plan = "format = \"plan/1\"\n[[motions]]\ntrajectory = \"both.toml\"\n";
+    std::fs::write(out.path().join("plan.toml"), plan).unwrap();
+    let plan = Plan::read(&out.path().join("plan.toml"), JointKind::Revolute).unwrap();
+    let outcome = run(demo(), &rig(), &plan, None).outcome;
+    assert_eq!((outcome.cause, outcome.complete), (None, 1));
+    assert!(
+        outcome.report.iter().any(|line| line.starts_with("`both` moves 1 other joints along")),
+        "{:?}",
+        outcome.report
+    );
+}
+
+#[test]
 fn an_empty_bus_is_told() {
     let bus = Rc::new(RefCell::new(Bus::new(Vec::new())));
     let why = refused(&bus, 0, &rig());
@@ -91,12 +128,39 @@ fn a_scan_writes_a_rig_that_reads_back() {
     let bus = shared();
     let found = with_line(wire(&bus, 0), scan).unwrap();
     let text = starting_rig("eth1", &found).unwrap();
-    let read = Rig::parse("rig.toml".as_ref(), &text).unwrap();
+    // As it is it serves nothing, and says what is missing.
+    let refused = Rig::parse("rig.toml".as_ref(), &text).unwrap_err().to_string();
+    for key in ["drive.counts_per_rad", "sensor.nm_per_count", "limits.torque_nm", "joint.name", "dynamics.gravity_nm"]
+    {
+        assert!(refused.contains(&format!("`{key}`: missing")), "{key}\n{refused}");
+    }
+    let filled: Vec<&str> = text.lines().skip(2).map(|line| line.trim_start_matches("# ")).collect();
+    let read = Rig::parse("rig.toml".as_ref(), &filled.join("\n")).unwrap();
     let known = rig();
     assert_eq!((read.drive.identity.vendor, read.drive.outputs), (0xABC, known.drive.outputs));
     assert_eq!(read.drive.inputs, known.drive.inputs);
     assert_eq!(read.sensor.inputs, known.sensor.inputs);
     assert_eq!(read.bus.interface, "eth1");
+}
+
+/// Numbers that would cut a target off, or switch a watch off, are refused before anything starts.
+#[test]
+fn a_rig_that_its_drive_cannot_count_is_refused() {
+    for (key, absurd, expected) in [
+        ("counts_per_rad = 166886.05", "counts_per_rad = 1e12", "which its position cannot hold"),
+        ("zero_counts = 0                 # where", "zero_counts = 1e18 # where", "which its position cannot hold"),
+        ("following_error_rad = 0.05", "following_error_rad = 1e9", "makes a following error of"),
+        ("following_error_rad = 0.05", "following_error_rad = 1e-9", "makes a following error of 0.0 counts"),
+        ("following_error_s = 0.01", "following_error_s = 1e9", "expected 10 s at most"),
+        ("torque_max_nm = 2.0", "torque_max_nm = 1e9", "per mille of its rated torque"),
+        ("torque_max_nm = 2.0", "torque_max_nm = 1e-9", "may give 0.0 per mille"),
+        ("approach_rad_s = 0.3", "approach_rad_s = 1e-300", "would take hours"),
+    ] {
+        let text = super::RIG.replace(key, absurd);
+        assert_ne!(text, super::RIG, "{key}");
+        let refused = Rig::parse("rig.toml".as_ref(), &text).unwrap_err().to_string();
+        assert!(refused.contains(expected), "{absurd}: {refused}");
+    }
 }
 
 #[test]
@@ -138,6 +202,19 @@ fn a_terminal_without_a_mailbox_serves_too() {
     let bus = Rc::new(RefCell::new(with_terminal(Terminal { mailbox: false, ..Terminal::default() })));
     let why = refused(&bus, 0, &longer);
     assert!(why.contains("`torque terminal` exchanges 4 bytes in"), "{why}");
+}
+
+#[test]
+fn of_a_terminal_that_always_sends_more_the_first_is_read() {
+    let bus = with_terminal(Terminal { two_channels: true, ..Terminal::default() });
+    let outcome = run(bus, &rig(), &plan(SWEEP), None).outcome;
+    assert_eq!((outcome.cause, outcome.complete), (None, 2));
+    let told = "`torque terminal` sends 1 PDOs more behind 0x1a00, which are left alone";
+    assert!(outcome.report.iter().any(|line| line == told), "{:?}", outcome.report);
+    let bus = Rc::new(RefCell::new(with_terminal(Terminal { two_channels: true, ..Terminal::default() })));
+    let mut other = rig();
+    other.sensor.inputs.entries.reverse();
+    assert!(refused(&bus, 0, &other).contains("does not take the process data"));
 }
 
 #[test]

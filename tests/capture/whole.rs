@@ -53,6 +53,32 @@ fn without_arming_no_word_that_gives_torque_is_sent() {
     assert!(words > 1000 && outcome.looked.samples > 1000);
 }
 
+/// The demo's joint hangs at -0.018 rad, held by friction.
+#[test]
+fn a_joint_that_hangs_beside_its_range_is_led_into_it() {
+    let rig = Rig::parse(Path::new("rig.toml"), &super::RIG.replace("low_rad = -0.1", "low_rad = 0.0")).unwrap();
+    let outcome = run(demo(), &rig, &plan(SWEEP), None).outcome;
+    assert_eq!((outcome.cause, outcome.complete), (None, 2));
+    // Farther away than its lag it is not taken over.
+    let rig = Rig::parse(Path::new("rig.toml"), &super::RIG.replace("low_rad = -0.1", "low_rad = 0.04")).unwrap();
+    let watched = run(demo(), &rig, &plan(SWEEP), None);
+    assert_eq!(watched.outcome.cause.map(|cause| cause.name()), Some("position"));
+    assert!(!watched.control.contains(&Control::Enable.word()));
+}
+
+/// A bus without distributed clocks, and one of another cycle, of which the drive is told.
+#[test]
+fn other_buses_do_too() {
+    for (before, after, between) in [("clocks = true", "clocks = false", 1), ("cycle_us = 1000", "cycle_us = 2000", 2)]
+    {
+        let rig = Rig::parse(Path::new("rig.toml"), &super::RIG.replace(before, after)).unwrap();
+        let watched = run(demo(), &rig, &plan(SWEEP), None);
+        assert_eq!((watched.outcome.cause, watched.outcome.complete), (None, 2), "{after}");
+        let told = format!("time between targets: {between} x 10^-3 s");
+        assert!(watched.outcome.report.contains(&told), "{:?}", watched.outcome.report);
+    }
+}
+
 /// In velocity and torque mode the position loop is ours.
 #[test]
 fn the_other_modes_follow_too() {

@@ -8,8 +8,11 @@
 mod writer;
 
 use super::folder::Folder;
+use super::line::words;
 use crate::log::{Captured, TrialEntry};
+use std::collections::VecDeque;
 use std::io::{self, Write};
+use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{SyncSender, TrySendError, sync_channel};
 use std::sync::{Arc, Mutex, PoisonError};
@@ -25,7 +28,7 @@ pub const HEADER: &str = "time_s,cycle,state,working_counter,position_rad,torque
 /// One cycle as recorded. For a prismatic joint `_rad` is m and `_nm` is N.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Sample {
-    /// When its frame was sent, by this machine's own steady clock, s since the trial began.
+    /// When its frame was sent, by this machine's own steady clock, s since the capture began.
     pub time_s: f64,
     /// Number of its period since the bus began to cycle: one that is missing was missed.
     pub cycle: u64,
@@ -39,7 +42,7 @@ pub struct Sample {
     pub torque_nm: f64,
     /// What the drive was told with the same frame, rad.
     pub command_rad: f64,
-    /// The devices' common clock, s since the trial began; 0 without clocks.
+    /// The devices' common clock, s since this run's first cycle; 0 without clocks.
     pub bus_time_s: f64,
     /// The drive's status word.
     pub status_word: u16,
@@ -82,20 +85,26 @@ struct Shared {
 }
 
 impl Shared {
+    /// Nobody waits for a log any more that cannot come.
     fn fail(&self, why: String) {
         self.failed.lock().unwrap_or_else(PoisonError::into_inner).get_or_insert(why);
+        self.ready.store(true, Ordering::Release);
     }
 }
 
 /// The other end of the thread.
 pub struct Recorder {
     sender: Option<SyncSender<Message>>,
+    /// What waits for room on the way there, in order: nothing passes it by.
+    late: VecDeque<Message>,
     thread: Option<JoinHandle<()>>,
     shared: Arc<Shared>,
     /// Whether to wait for the disk rather than to fail: in virtual time.
     waits: bool,
 }
 
+/// Why nothing can be handed over any more.
+const ENDED: &str = "its thread has ended";
 /// How often the disk is looked at where it is waited for.
 const LOOKED: Duration = Duration::from_micros(200);
 
@@ -105,13 +114,17 @@ impl Recorder {
         let (sender, receiver) = sync_channel(WAITING);
         let shared = Arc::new(Shared::default());
         let mut writer = Writer::new(folder, Arc::clone(&shared));
-        let thread = std::thread::spawn(move || writer.run(&receiver));
-        Self { sender: Some(sender), thread: Some(thread), shared, waits }
+        let told = Arc::clone(&shared);
+        let thread = std::thread::spawn(move || {
+            let panicked = catch_unwind(AssertUnwindSafe(|| writer.run(&receiver))).err();
+            panicked.into_iter().for_each(|panic| told.fail(format!("its thread panicked: {}", words(&*panic))));
+        });
+        Self { sender: Some(sender), late: VecDeque::new(), thread: Some(thread), shared, waits }
     }
 
     /// Records nothing.
     pub fn none() -> Self {
-        Self { sender: None, thread: None, shared: Arc::default(), waits: true }
+        Self { sender: None, late: VecDeque::new(), thread: None, shared: Arc::default(), waits: true }
     }
 
     /// A trial begins: it is in the campaign from now on, as incomplete.
@@ -121,7 +134,8 @@ impl Recorder {
     }
 
     /// Whether its log is on the disk, and rows can come; in virtual time it will be.
-    pub fn is_ready(&self) -> bool {
+    pub fn is_ready(&mut self) -> bool {
+        self.hand_over();
         while self.waits && !self.shared.ready.load(Ordering::Acquire) {
             std::thread::sleep(LOOKED);
         }
@@ -155,27 +169,39 @@ impl Recorder {
     }
 
     fn close(&mut self) {
-        self.sender = None;
+        if let Some(sender) = self.sender.take() {
+            self.late.drain(..).for_each(|message| sender.send(message).unwrap_or(()));
+        }
         if let Some(thread) = self.thread.take() {
             let _ = thread.join();
         }
     }
 
+    /// In real time nothing here ever waits: while the disk is away the drive must still be told to stop. A row for which there is
+    /// no room is a failure; all else is kept until there is.
     fn tell(&mut self, message: Message) {
         let Some(sender) = &self.sender else { return };
+        if self.waits {
+            sender.send(message).unwrap_or_else(|_| self.shared.fail(ENDED.to_string()));
+            return;
+        }
         let is_row = matches!(message, Message::Row(_));
-        // Only rows come in numbers; for what is between them there is always room.
-        let told = if self.waits || !is_row {
-            sender.send(message).map_err(|_| "its thread has ended")
-        } else {
-            sender.try_send(message).map_err(|error| match error {
-                TrySendError::Full(_) => "the disk is too slow",
-                TrySendError::Disconnected(_) => "its thread has ended",
-            })
-        };
-        if let Err(why) = told {
-            self.shared.fail(why.to_string());
-            self.shared.ready.store(true, Ordering::Release);
+        self.late.push_back(message);
+        self.hand_over();
+        if is_row && self.late.pop_back().is_some() {
+            self.shared.fail("the disk is too slow".to_string());
+        }
+    }
+
+    /// Hands over what waits, as far as there is room.
+    fn hand_over(&mut self) {
+        let Some(sender) = &self.sender else { return };
+        while let Some(message) = self.late.pop_front() {
+            match sender.try_send(message) {
+                Ok(()) => {}
+                Err(TrySendError::Full(message)) => return self.late.push_front(message),
+                Err(TrySendError::Disconnected(_)) => self.shared.fail(ENDED.to_string()),
+            }
         }
     }
 }

@@ -65,13 +65,11 @@ impl Writer {
             Message::Note(line) => self.folder.note(&line),
             Message::Begin(entry) => {
                 let begun = self.open(&entry.file).and_then(|log| self.folder.begin(entry).map(|()| log));
-                // Rows may come, or it is known by then that they cannot.
-                let begun = begun.map(|log| self.log = Some(log));
-                if let Err(error) = &begun {
-                    self.shared.fail(error.to_string());
-                }
-                self.shared.ready.store(true, Ordering::Release);
-                begun
+                // Rows may come; else `run` says that they cannot.
+                begun.map(|log| {
+                    self.log = Some(log);
+                    self.shared.ready.store(true, Ordering::Release);
+                })
             }
             // Of a trial that could not begin there is nothing to end.
             Message::End(_) if self.log.is_none() => Ok(()),

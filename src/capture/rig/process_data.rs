@@ -1,7 +1,6 @@
 //! Process data: what stands where in the bytes that a device exchanges every cycle.
 
 use crate::document::Section;
-use toml::Value;
 
 /// How a number is written on the wire, little end first.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -14,6 +13,8 @@ pub enum Kind {
     Unsigned(u8),
     /// IEEE 754, 32 bits.
     Real,
+    /// So many bits that are left alone.
+    Gap(u8),
 }
 
 impl Kind {
@@ -37,22 +38,20 @@ impl Kind {
     /// Its length in bits.
     pub fn bits(self) -> usize {
         match self {
-            Self::Bits(bits) | Self::Signed(bits) | Self::Unsigned(bits) => usize::from(bits),
+            Self::Bits(bits) | Self::Signed(bits) | Self::Unsigned(bits) | Self::Gap(bits) => usize::from(bits),
             Self::Real => 32,
         }
     }
 
-    /// The name used in files.
+    /// The name used in files; a gap has none.
     pub fn name(self) -> &'static str {
         Self::ALL.iter().find(|(_, kind)| *kind == self).map_or("", |(name, _)| name)
     }
 
     /// The unsigned kind of that length, where there is one.
     pub fn of_bits(bits: usize) -> Option<Self> {
-        Self::ALL
-            .iter()
-            .map(|(_, kind)| *kind)
-            .find(|kind| !matches!(kind, Self::Signed(_) | Self::Real) && kind.bits() == bits)
+        let mut plain = Self::ALL.iter().map(|(_, kind)| *kind).filter(|k| !matches!(k, Self::Signed(_) | Self::Real));
+        plain.find(|kind| kind.bits() == bits)
     }
 }
 
@@ -95,7 +94,15 @@ impl ProcessData {
             let role = entry.may("as").choice(&choices);
             let index = entry.need("index").whole(0, 0xFFFF);
             let sub = entry.may("sub").whole(0, 0xFF).unwrap_or(0);
-            let kind = entry.need("type").choice(&Kind::ALL);
+            let kind = match entry.may("bits").whole(1, 255).and_then(|bits| u8::try_from(bits).ok()) {
+                Some(bits) => Some(Kind::Gap(bits)),
+                None => {
+                    entry.need("type").such_as("\"u16\"", "or `bits = 24` of what is left alone").choice(&Kind::ALL)
+                }
+            };
+            if role.is_some() && matches!(kind, Some(Kind::Gap(_))) {
+                entry.reject("bits", "tell no number", "give what is read or written a `type`");
+            }
             Some(Entry { role, index: u16::try_from(index?).ok()?, sub: u8::try_from(sub).ok()?, kind: kind? })
         });
         let found = Self { pdo: u16::try_from(pdo?).ok()?, entries: entries? };
@@ -108,24 +115,6 @@ impl ProcessData {
             }
         }
         Some(found)
-    }
-
-    /// What its file holds.
-    pub fn to_value(&self) -> Value {
-        let entry = |entry: &Entry| {
-            let mut table = toml::Table::new();
-            if let Some(role) = &entry.role {
-                table.insert("as".to_string(), role.as_str().into());
-            }
-            table.insert("index".to_string(), i64::from(entry.index).into());
-            table.insert("sub".to_string(), i64::from(entry.sub).into());
-            table.insert("type".to_string(), entry.kind.name().into());
-            Value::Table(table)
-        };
-        let mut table = toml::Table::new();
-        table.insert("pdo".to_string(), i64::from(self.pdo).into());
-        table.insert("entries".to_string(), self.entries.iter().map(entry).collect::<Vec<Value>>().into());
-        table.into()
     }
 
     /// Its length in whole bytes.
@@ -157,7 +146,7 @@ impl Place {
     /// The number that stands in `bytes`; NaN past their end, where a real holds none, never a panic.
     pub fn get(&self, bytes: &[u8]) -> f64 {
         let bits = self.kind.bits();
-        if self.bit + bits > 8 * bytes.len() {
+        if self.bit + bits > 8 * bytes.len() || matches!(self.kind, Kind::Gap(_)) {
             return f64::NAN;
         }
         let raw = (0..bits).fold(0u32, |raw, i| {
@@ -167,14 +156,25 @@ impl Place {
         match self.kind {
             Kind::Signed(_) => f64::from(((raw << (32 - bits)) as i32) >> (32 - bits)),
             Kind::Real => f64::from(f32::from_bits(raw)),
-            Kind::Bits(_) | Kind::Unsigned(_) => f64::from(raw),
+            Kind::Bits(_) | Kind::Unsigned(_) | Kind::Gap(_) => f64::from(raw),
+        }
+    }
+
+    /// Whether it can hold `value`.
+    pub fn holds(&self, value: f64) -> bool {
+        let bits = self.kind.bits() as i32;
+        match self.kind {
+            Kind::Signed(_) => (-2f64.powi(bits - 1)..2f64.powi(bits - 1)).contains(&value.round()),
+            Kind::Bits(_) | Kind::Unsigned(_) => (0.0..2f64.powi(bits)).contains(&value.round()),
+            Kind::Real => (value as f32).is_finite(),
+            Kind::Gap(_) => false,
         }
     }
 
     /// Writes `value`, rounded and kept within what fits; nothing past the end of `bytes`.
     pub fn set(&self, bytes: &mut [u8], value: f64) {
         let bits = self.kind.bits();
-        if self.bit + bits > 8 * bytes.len() {
+        if self.bit + bits > 8 * bytes.len() || matches!(self.kind, Kind::Gap(_)) {
             return;
         }
         let raw = match self.kind {
@@ -183,7 +183,9 @@ impl Place {
                 value.round().clamp(-top, top - 1.0) as i32 as u32
             }
             Kind::Real => (value as f32).to_bits(),
-            Kind::Bits(_) | Kind::Unsigned(_) => value.round().clamp(0.0, 2f64.powi(bits as i32) - 1.0) as u32,
+            Kind::Bits(_) | Kind::Unsigned(_) | Kind::Gap(_) => {
+                value.round().clamp(0.0, 2f64.powi(bits as i32) - 1.0) as u32
+            }
         };
         for i in 0..bits {
             let (byte, bit) = ((self.bit + i) / 8, (self.bit + i) % 8);
@@ -230,6 +232,20 @@ mod tests {
             place.set(&mut bytes, value);
             assert_eq!(place.get(&bytes), expected);
         }
+        assert!([-32768.4, 0.0, 32767.4].into_iter().all(|value| place.holds(value)));
+        assert!(![-32769.0, 32768.0, f64::NAN, f64::INFINITY].into_iter().any(|value| place.holds(value)));
+    }
+
+    #[test]
+    fn gaps_are_left_alone() {
+        let gap = Entry { role: None, index: 0, sub: 0, kind: Kind::Gap(40) };
+        let data = ProcessData { pdo: 0x1A00, entries: vec![gap, entry("a", Kind::Unsigned(8))] };
+        let mut bytes = [0x55u8; 6];
+        data.place("a").unwrap().set(&mut bytes, 7.0);
+        assert_eq!((bytes, data.bytes()), ([0x55, 0x55, 0x55, 0x55, 0x55, 7], 6));
+        let within = Place { bit: 0, kind: Kind::Gap(40) };
+        within.set(&mut bytes, 1.0);
+        assert!(within.get(&bytes).is_nan() && bytes[0] == 0x55);
     }
 
     #[test]

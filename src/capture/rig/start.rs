@@ -1,82 +1,122 @@
 //! A rig to fill in, from what is on the bus.
 
-use super::super::found::Found;
-use super::super::limits::Limits;
-use super::{Bus, Drive, Gains, Identity, Kind, ProcessData, Rig, Sensor, StaleBy};
-use crate::capture::drive::Mode;
-use crate::dynamics::{Dynamics, JointKind};
-use crate::log::Signal;
-use crate::model::Joint;
+use super::{Entry, Kind, ProcessData};
+use crate::capture::found::Found;
 
-/// What the file begins with: every number that no device tells.
-const TO_DO: &str = "\
-# Written by `tautline rig scan`: the devices are as they report themselves. FILL IN what no device can tell, marked 1.0 here or
-# taken from an example: counts_per_rad, zero_counts, sign, rated_torque_nm, torque_max_nm, nm_per_count, which of the sensor's
-# entries is the torque, and all of [limits], [joint], [dynamics]. Then `tautline rig check --rig` this file.
+/// The text of a rig of the first drive among `found` and the first other device that sends something. What no device can tell
+/// stands there as a comment with an example: until it is filled in the rig is refused, with each number that is missing.
+pub fn starting_rig(interface: &str, found: &[Found]) -> Option<String> {
+    let has = |data: &&ProcessData, role: &str| data.place(role).is_some();
+    let drive = found.iter().find(|device| device.outputs.iter().any(|data| has(&data, "control_word")))?;
+    let sensor = found.iter().find(|device| device.place != drive.place && !device.inputs.is_empty())?;
+    let outputs = drive.outputs.iter().find(|data| has(data, "control_word"))?;
+    let inputs = drive.inputs.iter().find(|data| has(data, "status_word"))?;
+    let terminal = as_terminal(sensor.inputs.first()?);
+    let has_toggle = ["toggle", "status"].iter().any(|role| has(&&terminal, role));
+    Some(format!(
+        "\
+# Written by `tautline rig scan`: the devices are as they report themselves. FILL IN what no device can tell: take the `#` off
+# the lines that begin with it, with your own numbers. Then `tautline rig check --rig` this file.
+format = \"rig/1\"
+
+[bus]
+interface = \"{interface}\"
+cycle_us = 1000
+missed_cycles_max = 1           # more than so many, one after the other, end the motion
+clocks = {clocks}
+
+[drive]
+{drive_identity}mode = \"csp\"
+{DRIVE}
+[drive.outputs]
+{outputs}
+[drive.inputs]
+{inputs}
+[sensor]
+{sensor_identity}{SENSOR}stale_by = \"{stale_by}\"            # \"toggle\", \"value\" where there is no toggle bit, or \"nothing\"
+stale_cycles = 3
+
+[sensor.inputs]                 # the entry of the torque takes `as = \"torque\"`, and a signed type such as \"i16\"
+{terminal}
+{JOINT}",
+        clocks = drive.has_clock,
+        drive_identity = identity(drive, "winch drive"),
+        outputs = process_data(outputs),
+        inputs = process_data(inputs),
+        sensor_identity = identity(sensor, "torque terminal"),
+        stale_by = if has_toggle { "toggle" } else { "nothing" },
+        terminal = process_data(&terminal),
+    ))
+}
+
+/// What is to be filled in of the drive.
+const DRIVE: &str = "\
+# counts_per_rad = 83443.0      # counts of the position for a rad of the joint
+# zero_counts = 0               # counts where the joint is at 0 rad
+# sign = 1                      # -1 where counts grow as the joint goes down
+# rated_torque_nm = 2.0         # at the winch: what the drive calls 1000
+# torque_max_nm = 1.0           # the most that it may give
+# following_error_rad = 0.05    # the drive stops beyond
+following_error_s = 0.01
 ";
 
-/// The text of a rig of the first drive among `found` and the first other device that sends something.
-pub fn starting_rig(interface: &str, found: &[Found]) -> Option<String> {
-    let role = |data: &ProcessData, role: &str| data.place(role).is_some();
-    let drive = found.iter().find(|device| device.outputs.iter().any(|data| role(data, "control_word")))?;
-    let sensor = found.iter().find(|device| device.place != drive.place && !device.inputs.is_empty())?;
-    let rig = Rig {
-        bus: Bus { interface: interface.to_string(), cycle_us: 1000, missed_cycles_max: 1, clocks: drive.has_clock },
-        drive: Drive {
-            identity: identity(drive, "winch drive"),
-            mode: Mode::Position,
-            counts_per_rad: 1.0,
-            zero_counts: 0.0,
-            sign: 1.0,
-            rated_torque_nm: 1.0,
-            torque_max_nm: 1.0,
-            following_error_rad: 0.05,
-            following_error_s: 0.01,
-            gains: Gains::default(),
-            outputs: drive.outputs.iter().find(|data| role(data, "control_word"))?.clone(),
-            inputs: drive.inputs.iter().find(|data| role(data, "status_word"))?.clone(),
-        },
-        sensor: Sensor {
-            identity: identity(sensor, "torque terminal"),
-            nm_per_count: 1.0,
-            zero_counts: 0.0,
-            saturated_counts: 32_760.0,
-            stale_by: StaleBy::Toggle,
-            stale_cycles: 3,
-            inputs: as_terminal(sensor.inputs.first()?),
-        },
-        limits: Limits {
-            low_rad: 0.0,
-            high_rad: 1.6,
-            speed_rad_s: 0.5,
-            acceleration_rad_s2: 5.0,
-            torque_nm: 1.0,
-            torque_step_nm: 0.3,
-            lag_rad: 0.05,
-            approach_rad_s: 0.1,
-        },
-        joint: Joint {
-            name: "elbow".to_string(),
-            kind: JointKind::Revolute,
-            winch_radius_m: 0.012,
-            pulley_radius_m: 0.04,
-            backlash_m: 0.0008,
-        },
-        dynamics: Dynamics { gravity_nm: 1.0, inertia_kg_m2: 0.0 },
-        signal: Signal { torque_sign: 1.0, lowpass_hz: 5.0, lowpass_order: 4 },
+/// What is to be filled in of the sensor.
+const SENSOR: &str = "\
+# nm_per_count = 0.0001526      # torque for a count, N m; negative where counts fall as it grows
+zero_counts = 0                 # `tautline rig tare` sets it
+saturated_counts = 32760        # where its range ends
+";
+
+/// What is to be filled in of the joint.
+const JOINT: &str = "\
+[limits]
+# low_rad = 0.0                 # the lowest position
+# high_rad = 1.6
+# speed_rad_s = 0.5
+# acceleration_rad_s2 = 5.0     # of commands
+# torque_nm = 1.0               # at the sensor
+# torque_step_nm = 0.3          # the largest change from one sample to the next: a cable that breaks is more
+# lag_rad = 0.05                # the largest distance from the command
+# approach_rad_s = 0.1          # of moves between trials
+
+[joint]
+# name = \"elbow\"
+# winch_radius_m = 0.012
+# pulley_radius_m = 0.04
+# backlash_m = 0.0008
+
+[dynamics]
+# gravity_nm = 0.7              # about the joint at 90 deg
+# inertia_kg_m2 = 0.012
+
+[signal]
+torque_sign = 1
+lowpass_hz = 5.0
+lowpass_order = 4
+";
+
+fn identity(found: &Found, name: &str) -> String {
+    let Found { place, vendor, product, revision, .. } = found;
+    let own = found.name.replace(char::is_control, " ");
+    format!(
+        "place = {place}                       # it calls itself {own}\nname = \"{name}\"\nvendor = {vendor:#010x}\n\
+         product = {product:#010x}\nrevision = {revision:#010x}\n"
+    )
+}
+
+fn process_data(data: &ProcessData) -> String {
+    let entry = |entry: &Entry| {
+        let Entry { role, index, sub, kind } = entry;
+        let role = role.as_ref().map_or(String::new(), |role| format!("as = \"{role}\", "));
+        let sub = if *sub == 0 { String::new() } else { format!("sub = {sub:#04x}, ") };
+        let kind = match kind {
+            Kind::Gap(bits) => format!("bits = {bits}"),
+            kind => format!("type = \"{}\"", kind.name()),
+        };
+        format!("    {{ {role}index = {index:#06x}, {sub}{kind} }},\n")
     };
-    let rig = Rig { sensor: Sensor { stale_by: stale_by(&rig.sensor.inputs), ..rig.sensor }, ..rig };
-    Some(format!("{TO_DO}{}", rig.to_toml()))
-}
-
-fn stale_by(inputs: &ProcessData) -> StaleBy {
-    let has_toggle = ["toggle", "status"].iter().any(|role| inputs.place(role).is_some());
-    if has_toggle { StaleBy::Toggle } else { StaleBy::Nothing }
-}
-
-fn identity(found: &Found, name: &str) -> Identity {
-    let Found { place, vendor, product, revision, .. } = *found;
-    Identity { place, name: name.to_string(), vendor, product, revision: Some(revision) }
+    let entries: String = data.entries.iter().map(entry).collect();
+    format!("pdo = {:#06x}\nentries = [\n{entries}]\n", data.pdo)
 }
 
 /// The roles that entries of an analog terminal have by their place in object 0x6000, as EL3xxx terminals have them.
@@ -96,4 +136,25 @@ fn as_terminal(data: &ProcessData) -> ProcessData {
         entry.kind = kind;
     }
     data
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::capture::rig::Rig;
+
+    /// What a device maps that is no number of ours is written so that it is read back as it stands.
+    #[test]
+    fn entries_of_any_length_read_back() {
+        let entry = |role: Option<&str>, kind| Entry { role: role.map(str::to_string), index: 0x6000, sub: 0x11, kind };
+        let known = include_str!("../../../data/rigs/demo/rig.toml");
+        let entries =
+            vec![entry(Some("torque"), Kind::Signed(16)), entry(None, Kind::Gap(64)), entry(None, Kind::Bits(3))];
+        let data = ProcessData { pdo: 0x1A00, entries };
+        let (before, _) = known.split_once("[sensor.inputs]").unwrap();
+        let (_, after) = known.split_once("[limits]").unwrap();
+        let before = before.replace("stale_by = \"toggle\"", "stale_by = \"nothing\"");
+        let text = format!("{before}[sensor.inputs]\n{}\n[limits]{after}", process_data(&data));
+        assert_eq!(Rig::parse("rig.toml".as_ref(), &text).unwrap().sensor.inputs, data);
+    }
 }

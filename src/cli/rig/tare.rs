@@ -40,7 +40,8 @@ pub fn run(arguments: &Arguments, talk: &Talk) -> Result<ExitCode> {
     if looked.sd_counts > SPREAD * sensor.saturated_counts {
         return refuse(format!("the sensor's value spreads by {:.0} counts", looked.sd_counts), "let go of the joint");
     }
-    let (before, zero) = (sensor.zero_counts, looked.mean_counts.round());
+    // Adding 0 takes the sign off a zero.
+    let (before, zero) = (sensor.zero_counts, looked.mean_counts.round() + 0.0);
     if !described.is_demo {
         rewrite(file, &described.text, zero)?;
     }

@@ -1,0 +1,58 @@
+//! The drive's mailbox, looked into beside the process data: what comes unasked is an emergency message (CiA 301; ETG.1000.6).
+//!
+//! It is read by registers and not through the stack, which does not survive such a message where it expects an answer. Nothing is
+//! asked of the drive while data flow, so that nobody's answer is taken away.
+
+use super::line::Line;
+use super::wire::Wire;
+use ethercrab::{SubDevice, SubDeviceRef};
+use std::ops::Deref;
+
+/// Sync manager 1, the mailbox that a device writes: start and length, 16 bits each.
+const WHERE: u16 = 0x0808;
+/// Its status; bit 3 is set while it is full.
+const STATUS: u16 = 0x080D;
+const FULL: u8 = 1 << 3;
+/// What is read of a message: its header, 6 bytes, that of CoE, 2 bytes, and an emergency, 8 bytes.
+const HEAD: usize = 16;
+
+/// Takes a message out of the mailbox of `device`, if there is one, until `until_ns` at most: the code of an emergency, nothing
+/// within where it is none. What only says that an error is over (code 0) is no message.
+pub(super) fn fetch<W: Wire, S: Deref<Target = SubDevice>>(
+    line: &mut Line<'_, W>,
+    device: &SubDeviceRef<'_, S>,
+    until_ns: u64,
+) -> Option<Option<u16>> {
+    let status = line.run_until(until_ns, device.register_read::<u8>(STATUS)).ok()?;
+    if status & FULL == 0 {
+        return None;
+    }
+    let place = line.run_until(until_ns, device.register_read::<u32>(WHERE)).ok()?;
+    let (start, length) = (place as u16, (place >> 16) as u16);
+    let head = line.run_until(until_ns, device.register_read::<[u8; HEAD]>(start)).ok();
+    // It is empty, and takes the next message, once its last byte is read.
+    let last = start.wrapping_add(length).wrapping_sub(1);
+    let _ = line.run_until(until_ns, device.register_read::<u8>(last));
+    let code = head.as_ref().and_then(emergency);
+    (code != Some(0)).then_some(code)
+}
+
+/// The code of an emergency message: mailbox type 3 (CoE), service 1.
+fn emergency(head: &[u8; HEAD]) -> Option<u16> {
+    let is_emergency = head[5] & 0x0F == 3 && head[7] >> 4 == 1;
+    is_emergency.then(|| u16::from_le_bytes([head[8], head[9]]))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_emergency_is_told_from_an_answer() {
+        let mut head = [0; HEAD];
+        (head[0], head[5], head[7], head[8], head[9]) = (10, 0x33, 0x10, 0x11, 0x86);
+        assert_eq!(emergency(&head), Some(0x8611));
+        assert_eq!(emergency(&[&head[..7], &[0x30], &head[8..]].concat().try_into().unwrap()), None);
+        assert_eq!(emergency(&[&head[..5], &[0x32], &head[6..]].concat().try_into().unwrap()), None);
+    }
+}

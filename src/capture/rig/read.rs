@@ -1,0 +1,202 @@
+//! `rig.toml` -> a rig: every key, and what the keys must be together.
+
+use super::StaleBy;
+use super::{
+    Bus, DRIVE_INPUTS, DRIVE_OUTPUTS, Drive, FORMAT, Gains, Identity, Place, ProcessData, Rig, SENSOR_INPUTS, Sensor,
+};
+use crate::capture::drive::Mode;
+use crate::capture::limits::Limits;
+use crate::document::Section;
+use crate::dynamics::Dynamics;
+use crate::log::Signal;
+use crate::model::Joint;
+
+/// The longest that a drive may be off its command, s: longer would be no watch.
+const LONGEST_ERROR_S: f64 = 10.0;
+
+/// A whole rig.
+pub(super) fn rig(root: &Section<'_>) -> Option<Rig> {
+    root.need("format").choice(&[(FORMAT, ())]);
+    let bus = root.need("bus").such_as("[bus]", "a section with the interface").section(read_bus);
+    let drive = root.need("drive").such_as("[drive]", "a section on the drive").section(read_drive);
+    let sensor = root.need("sensor").such_as("[sensor]", "a section on the sensor").section(read_sensor);
+    let limits = root.need("limits").such_as("[limits]", "what the joint may do").section(Limits::read);
+    let joint = root.need("joint").such_as("[joint]", "as in campaign.toml");
+    let joint = joint.section(|section| Joint::read(section, Joint::read_kind(section)));
+    let dynamics = root.need("dynamics").such_as("[dynamics]", "as in campaign.toml").section(read_dynamics);
+    let signal = root.need("signal").such_as("[signal]", "as in campaign.toml").section(Signal::read);
+    if let (Some(drive), Some(sensor)) = (&drive, &sensor)
+        && drive.identity.place == sensor.identity.place
+    {
+        root.reject("sensor", "has the drive's place on the bus", "count the devices from 0: `tautline rig scan`");
+    }
+    if let (Some(drive), Some(limits)) = (&drive, &limits) {
+        check_counts(root, drive, limits);
+    }
+    Some(Rig {
+        bus: bus?,
+        drive: drive?,
+        sensor: sensor?,
+        limits: limits?,
+        joint: joint?,
+        dynamics: dynamics?,
+        signal: signal?,
+    })
+}
+
+/// What a drive counts in must hold what the joint may do: a target that is cut off would be a jump.
+fn check_counts(root: &Section<'_>, drive: &Drive, limits: &Limits) {
+    let ends_rad = [limits.low_rad - limits.lag_rad, limits.high_rad + limits.lag_rad];
+    let places = [drive.inputs.place("position"), drive.outputs.place("target_position")];
+    let beyond = ends_rad.map(|end_rad| drive.counts(end_rad)).into_iter().find(|counts| {
+        let holds = |place: Option<Place>| place.is_none_or(|place| place.holds(*counts));
+        !places.into_iter().all(holds)
+    });
+    if let Some(counts) = beyond {
+        let what = format!("puts an end of [limits] at {counts:.0} counts, which its position cannot hold");
+        root.reject("drive", what, "check counts_per_rad and zero_counts, and the limits");
+    }
+    let window = drive.following_error_rad * drive.counts_per_rad;
+    // The largest number switches it off (CiA 402-2, object 0x6065).
+    if !(1.0..f64::from(u32::MAX)).contains(&window.round()) {
+        let what = format!("makes a following error of {window:.1} counts");
+        root.reject("drive", what, "check following_error_rad and counts_per_rad");
+    }
+    let torque = drive.torque_max_nm / drive.rated_torque_nm * 1e3;
+    if !(1.0..=f64::from(i16::MAX)).contains(&torque.round()) {
+        let what = format!("may give {torque:.1} per mille of its rated torque");
+        root.reject("drive", what, "check torque_max_nm and rated_torque_nm");
+    }
+}
+
+fn read_dynamics(section: &Section<'_>) -> Option<Dynamics> {
+    let gravity_nm = section.need("gravity_nm").such_as("0.7", "gravity torque about the joint at 90 deg, N m");
+    let gravity_nm = gravity_nm.number();
+    let inertia_kg_m2 = section.may("inertia_kg_m2").not_negative().unwrap_or(0.0);
+    Some(Dynamics { gravity_nm: gravity_nm?, inertia_kg_m2 })
+}
+
+fn read_bus(section: &Section<'_>) -> Option<Bus> {
+    let interface = section.need("interface").such_as("\"eth0\"", "the network interface").text();
+    let cycle_us = section.may("cycle_us").whole(250, 20_000).unwrap_or(1000);
+    let missed = section.may("missed_cycles_max").whole(0, 1000).unwrap_or(2);
+    let clocks = section.may("clocks").flag().unwrap_or(true);
+    Some(Bus {
+        interface: interface?,
+        cycle_us: u32::try_from(cycle_us).ok()?,
+        missed_cycles_max: u32::try_from(missed).ok()?,
+        clocks,
+    })
+}
+
+fn read_identity(section: &Section<'_>) -> Option<Identity> {
+    let number =
+        |key: &str| section.need(key).such_as("0x00000002", "as `rig scan` shows it").whole(0, u32::MAX.into());
+    let place = section.need("place").such_as("0", "its place on the bus, from 0").whole(0, 63);
+    let name = section.need("name").such_as("\"drive\"", "any name").text();
+    let (vendor, product) = (number("vendor"), number("product"));
+    let revision = section.may("revision").whole(0, u32::MAX.into());
+    Some(Identity {
+        place: usize::try_from(place?).ok()?,
+        name: name?,
+        vendor: u32::try_from(vendor?).ok()?,
+        product: u32::try_from(product?).ok()?,
+        revision: revision.and_then(|revision| u32::try_from(revision).ok()),
+    })
+}
+
+fn read_drive(section: &Section<'_>) -> Option<Drive> {
+    let positive = |key, example, means| section.need(key).such_as(example, means).positive();
+    let identity = read_identity(section);
+    let mode = section.may("mode").choice(&Mode::NAMES).unwrap_or(Mode::Position);
+    let counts_per_rad = positive("counts_per_rad", "83443.0", "counts of the position for a rad of the joint");
+    let zero_counts = section.need("zero_counts").such_as("0", "counts where the joint is at 0 rad").number();
+    let sign = read_sign(section, "1", "-1 where counts grow as the joint goes down");
+    let rated_torque_nm = positive("rated_torque_nm", "2.0", "the torque at the winch that the drive calls 1000, N m");
+    let torque_max_nm = positive("torque_max_nm", "2.0", "the most that the drive may give, N m at the winch");
+    let following_error_rad = positive("following_error_rad", "0.05", "the drive's window, rad");
+    let following_error_s = section.may("following_error_s").not_negative().unwrap_or(0.01);
+    if following_error_s > LONGEST_ERROR_S {
+        let cure = format!("expected {LONGEST_ERROR_S} s at most");
+        section.reject("following_error_s", format!("is {following_error_s}"), cure);
+    }
+    let gains = section.may("gains").section(read_gains).unwrap_or_default();
+    let target = match mode {
+        Mode::Position => "target_position",
+        Mode::Velocity => "target_velocity",
+        Mode::Torque => "target_torque",
+    };
+    let outputs = section.need("outputs").such_as("[drive.outputs]", "its RxPDO");
+    let outputs = outputs.section(|s| ProcessData::read(s, &DRIVE_OUTPUTS, &["control_word", target]));
+    let inputs = section.need("inputs").such_as("[drive.inputs]", "its TxPDO");
+    let inputs = inputs.section(|s| ProcessData::read(s, &DRIVE_INPUTS, &["status_word", "position"]));
+    let is_closed = match mode {
+        Mode::Position => true,
+        Mode::Velocity => gains.position_per_s > 0.0,
+        Mode::Torque => gains.stiffness_nm_rad > 0.0 && gains.damping_nm_s_rad > 0.0,
+    };
+    if !is_closed {
+        let what = "leave the position open in this mode";
+        section.reject("gains", what, "csv needs position_per_s; cst stiffness_nm_rad and damping_nm_s_rad");
+    }
+    Some(Drive {
+        identity: identity?,
+        mode,
+        counts_per_rad: counts_per_rad?,
+        zero_counts: zero_counts?,
+        sign: sign?,
+        rated_torque_nm: rated_torque_nm?,
+        torque_max_nm: torque_max_nm?,
+        following_error_rad: following_error_rad?,
+        following_error_s,
+        gains,
+        outputs: outputs?,
+        inputs: inputs?,
+    })
+}
+
+fn read_gains(section: &Section<'_>) -> Option<Gains> {
+    let gain = |key| section.may(key).not_negative().unwrap_or(0.0);
+    Some(Gains {
+        position_per_s: gain("position_per_s"),
+        stiffness_nm_rad: gain("stiffness_nm_rad"),
+        damping_nm_s_rad: gain("damping_nm_s_rad"),
+    })
+}
+
+fn read_sensor(section: &Section<'_>) -> Option<Sensor> {
+    let identity = read_identity(section);
+    let nm_per_count = section.need("nm_per_count").such_as("0.0001526", "torque for a count, N m").number();
+    let zero_counts = section.need("zero_counts").such_as("0", "counts without torque: `tautline rig tare`").number();
+    let saturated_counts = section.may("saturated_counts").positive().unwrap_or(32_767.0);
+    let stale_by = section.may("stale_by").choice(&StaleBy::NAMES).unwrap_or(StaleBy::Toggle);
+    let stale_cycles = section.may("stale_cycles").whole(1, 10_000).unwrap_or(3);
+    if nm_per_count == Some(0.0) {
+        section.reject("nm_per_count", "is 0", "expected the torque for a count, N m");
+    }
+    let inputs = section.need("inputs").such_as("[sensor.inputs]", "its TxPDO");
+    let inputs = inputs.section(|s| ProcessData::read(s, &SENSOR_INPUTS, &["torque"]));
+    let has_toggle = |data: &ProcessData| ["toggle", "status"].iter().any(|role| data.place(role).is_some());
+    if stale_by == StaleBy::Toggle && inputs.as_ref().is_some_and(|data: &ProcessData| !has_toggle(data)) {
+        let cure =
+            "set it to \"value\", with as many stale_cycles as the value never stands still for, or to \"nothing\"";
+        section.reject("stale_by", "is by a toggle bit, and the inputs have neither `status` nor `toggle`", cure);
+    }
+    Some(Sensor {
+        identity: identity?,
+        nm_per_count: nm_per_count?,
+        zero_counts: zero_counts?,
+        saturated_counts,
+        stale_by,
+        stale_cycles: u32::try_from(stale_cycles).ok()?,
+        inputs: inputs?,
+    })
+}
+
+fn read_sign(section: &Section<'_>, example: &str, means: &str) -> Option<f64> {
+    let sign = section.need("sign").such_as(example, means).number()?;
+    if sign.abs() != 1.0 {
+        section.reject("sign", format!("is {sign}"), "expected 1 or -1");
+    }
+    Some(sign)
+}

@@ -1,0 +1,199 @@
+//! The trials of a plan, one after the other, cycle by cycle; or a look without torque.
+
+use super::cause::Cause;
+use super::cycle::{Counts, Cycle};
+use super::line::words;
+use super::plan::PlannedTrial;
+use super::ramp::Ramp;
+use super::safety::{Request, State};
+use super::session::{Live, Looked, Task};
+use super::wire::Wire;
+use crate::log::{Captured, TrialEntry};
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::sync::atomic::Ordering;
+use std::sync::{Arc, Mutex};
+
+/// How long a dry run looks at the joint, s.
+const LOOK_S: f64 = 2.0;
+/// Cycles between two looks of whoever watches.
+const WATCHED_CYCLES: u64 = 50;
+/// Cycles without voltage that end a run: the last word on the wire.
+const LAST_CYCLES: usize = 10;
+
+/// The trials as they run.
+pub(super) struct Run<'a, 's, W, C> {
+    pub cycle: Cycle<'a, 's, W, C>,
+    task: &'a Task<'a>,
+    live: Arc<Mutex<Live>>,
+    shown: Live,
+    all: Counts,
+    /// Whether a trial has begun and not ended.
+    is_open: bool,
+    /// Trials recorded whole.
+    pub complete: usize,
+    /// What a look without torque saw.
+    pub looked: Looked,
+}
+
+impl<'a, 's, W: Wire, C> Run<'a, 's, W, C> {
+    /// Nothing done yet.
+    pub fn new(cycle: Cycle<'a, 's, W, C>, task: &'a Task<'a>, live: &Arc<Mutex<Live>>) -> Self {
+        let (live, shown, all) = (Arc::clone(live), Live::default(), Counts::default());
+        Self { cycle, task, live, shown, all, is_open: false, complete: 0, looked: Looked::default() }
+    }
+
+    /// Acts. A panic has the drive in its hands: it is a cause like any other, and what comes next stops the drive.
+    pub fn guarded(&mut self, act: impl FnOnce(&mut Self)) {
+        if let Err(panic) = catch_unwind(AssertUnwindSafe(|| act(self))) {
+            self.cycle.axis.fail(Cause::Panic(words(&*panic)));
+        }
+    }
+
+    /// Looks for a while, without torque.
+    pub fn look(&mut self) {
+        let cycles = (LOOK_S / self.task.rig.bus.period_s()) as usize;
+        self.shown.name = "looking".to_string();
+        let mut counts = Vec::with_capacity(cycles);
+        for _ in 0..cycles {
+            if self.task.interrupted.load(Ordering::Relaxed) {
+                break;
+            }
+            let missed = self.cycle.counts.missed;
+            self.turn(Request::Watch, None);
+            let fresh = self.cycle.now.as_ref().filter(|_| self.cycle.counts.missed == missed);
+            counts.extend(fresh.map(|now| now.sensor.counts));
+        }
+        let samples = counts.len().max(1) as f64;
+        let mean_counts = counts.iter().sum::<f64>() / samples;
+        let sd_counts = (counts.iter().map(|x| (x - mean_counts).powi(2)).sum::<f64>() / samples).sqrt();
+        self.looked = Looked { samples: u32::try_from(counts.len()).unwrap_or(u32::MAX), mean_counts, sd_counts };
+    }
+
+    /// All trials that are not `done`.
+    pub fn trials(&mut self, done: &[TrialEntry]) {
+        self.shown.trials = self.task.plan.trials.len();
+        let mut home_rad: Option<f64> = None;
+        for (at, trial) in self.task.plan.trials.iter().enumerate() {
+            if done.iter().any(|entry| entry.file == trial.entry.file) {
+                continue;
+            }
+            self.shown = Live { trial: at + 1, name: trial.entry.file.clone(), ..self.shown.clone() };
+            if !self.hold() {
+                break;
+            }
+            home_rad.get_or_insert(self.cycle.axis.target_rad());
+            if !(self.approach(trial.trajectory.own.start_rad) && self.record(trial)) {
+                break;
+            }
+            self.complete += 1;
+        }
+        // Where the joint was at rest without torque it will be so again, or near it.
+        let limits = &self.task.rig.limits;
+        let home_rad = home_rad.map(|home_rad| home_rad.clamp(limits.low_rad, limits.high_rad));
+        if let Some(home_rad) = home_rad.filter(|_| self.cycle.axis.cause().is_none()) {
+            self.approach(home_rad);
+        }
+    }
+
+    /// Torque on and at rest; false where that is not reached.
+    fn hold(&mut self) -> bool {
+        while !matches!(self.cycle.axis.state(), State::Holding | State::Stopped) {
+            self.turn(Request::Hold, None);
+        }
+        self.cycle.axis.state() == State::Holding
+    }
+
+    /// To `to_rad` along half a cosine, and at rest there.
+    fn approach(&mut self, to_rad: f64) -> bool {
+        let (limits, period_s) = (&self.task.rig.limits, self.task.rig.bus.period_s());
+        let ramp =
+            Ramp::new(self.cycle.axis.target_rad(), to_rad, limits.approach_rad_s, limits.acceleration_rad_s2 / 2.0);
+        let steps = (ramp.duration_s() / period_s).ceil() as usize;
+        for step in 1..=steps {
+            if !self.turn(Request::Move, Some(ramp.position_rad(step as f64 * period_s))) {
+                return false;
+            }
+        }
+        let rest = (self.task.plan.rest_s / period_s).round() as usize;
+        (0..rest).all(|_| self.turn(Request::Hold, None))
+    }
+
+    /// The trial itself; false where it broke off.
+    fn record(&mut self, trial: &PlannedTrial) -> bool {
+        let positions_rad = trial.trajectory.positions_rad(1.0 / self.task.rig.bus.period_s());
+        self.gather();
+        self.shown.samples = (0, positions_rad.len());
+        self.is_open = true;
+        self.cycle.recorder().begin(trial.entry.clone());
+        while !self.cycle.recorder().is_ready() && self.turn(Request::Hold, None) {}
+        self.gather();
+        self.cycle.records = true;
+        let whole = positions_rad.into_iter().all(|position_rad| {
+            let is_well = self.turn(Request::Move, Some(position_rad));
+            self.shown.samples.0 += usize::from(is_well);
+            is_well
+        });
+        self.close();
+        whole
+    }
+
+    /// Ends the trial that has begun, if one has.
+    pub fn close(&mut self) {
+        self.cycle.records = false;
+        let Counts { late, missed } = self.gather();
+        let incomplete = self.cycle.axis.cause().map(|cause| format!("{}: {cause}", cause.name()));
+        if std::mem::take(&mut self.is_open) {
+            self.cycle.recorder().end(Captured { incomplete, late_cycles: late, missed_cycles: missed });
+        }
+    }
+
+    /// Back to no torque, the way that the state asks for.
+    pub fn release(&mut self) {
+        while !matches!(self.cycle.axis.state(), State::Watching | State::Stopped) {
+            self.turn(Request::Watch, None);
+        }
+        for _ in 0..LAST_CYCLES {
+            self.turn(Request::Watch, None);
+        }
+    }
+
+    /// Cycles that were not as they should be, in all.
+    pub fn counts(&mut self) -> Counts {
+        self.gather();
+        self.all
+    }
+
+    /// One cycle; whether all is well.
+    fn turn(&mut self, request: Request, command_rad: Option<f64>) -> bool {
+        self.cycle.turn(request, command_rad);
+        if self.cycle.number().is_multiple_of(WATCHED_CYCLES) {
+            self.show();
+        }
+        self.cycle.axis.cause().is_none()
+    }
+
+    /// Adds the counts up, and sets them back; gives them.
+    fn gather(&mut self) -> Counts {
+        let counts = std::mem::take(&mut self.cycle.counts);
+        self.all.late += counts.late;
+        self.all.missed += counts.missed;
+        counts
+    }
+
+    /// Shows where things are to whoever looks, unless they are looking just now: nothing is waited for.
+    fn show(&mut self) {
+        let limits = &self.task.rig.limits;
+        self.shown.state = self.cycle.axis.state().name();
+        self.shown.counts = self.cycle.counts;
+        if let Some(now) = &self.cycle.now {
+            let at = now.position_rad;
+            self.shown.position_rad = at;
+            self.shown.torque_nm = now.sensor.torque_nm;
+            let torque_nm = now.sensor.torque_nm.map_or(0.0, f64::abs);
+            self.shown.margins = ((at - limits.low_rad).min(limits.high_rad - at), limits.torque_nm - torque_nm);
+        }
+        if let Ok(mut live) = self.live.try_lock() {
+            live.clone_from(&self.shown);
+        }
+    }
+}
