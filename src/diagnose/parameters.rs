@@ -79,8 +79,11 @@ pub fn of_cause(bench: &Bench<'_>, draws: &Draws, fit: &Fit, (cause, how): (Caus
     found
 }
 
-/// A positive range is compared in its logarithm, for it spans decades.
+/// Viscous friction below zero would help the motion. A positive range is compared in its logarithm, for it spans decades.
 fn doubt(knob: Knob, model: &Model, most: f64) -> Option<&'static str> {
+    if matches!(knob, Knob::Friction(..)) && moves::group_of(knob) == "viscous" && knob.value(model) < 0.0 {
+        return Some("below zero: it makes up for something else");
+    }
     let (low, high) = knob.bounds(model);
     let high = high.min(most);
     if !low.is_finite() || !high.is_finite() {
