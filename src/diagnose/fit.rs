@@ -88,6 +88,13 @@ pub struct Cost {
     pub surprise: f64,
 }
 
+impl Fit {
+    /// Whether each of its effects is what it is called.
+    pub fn is_sound(&self) -> bool {
+        self.model.effects.iter().all(|added| added.effect.is_itself(&added.parameters))
+    }
+}
+
 impl Bench<'_> {
     /// From now on the rows that are `used` count.
     pub fn count(&mut self, used: Vec<bool>) {

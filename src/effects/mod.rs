@@ -279,6 +279,11 @@ pub trait Effect: Sync + std::fmt::Debug {
         true
     }
 
+    /// Whether strengths found are what the effect is called by.
+    fn is_itself(&self, _p: &[f64]) -> bool {
+        true
+    }
+
     /// The most that parameter number `at` may be for a campaign to show it.
     fn most(&self, _at: usize, _extent: &Extent) -> f64 {
         f64::INFINITY

@@ -15,7 +15,7 @@ static ABOUT: About = About {
     parameters: &[
         Parameter::strength("up_nm_s2_rad2"),
         Parameter::strength("down_nm_s2_rad2"),
-        Parameter::shape("exponent", 1.3, 4.0).or(2.0),
+        Parameter::shape("exponent", 1.7, 3.0).or(2.0),
         Parameter::form("by_speed", 1.0),
     ],
 };
@@ -30,6 +30,11 @@ impl Effect for QuadraticViscous {
 
     fn starts(&self, _extent: &Extent) -> Vec<Vec<f64>> {
         vec![vec![0.0, 0.0, 2.0, 0.0], vec![0.0, 0.0, 2.0, 1.0]]
+    }
+
+    /// Drag that levels off with speed is another thing.
+    fn is_itself(&self, p: &[f64]) -> bool {
+        p[0] + p[1] >= 0.0
     }
 
     fn friction_nm(&self, p: &[f64], sample: &Sample<'_>, _carried: Carried) -> Both<f64> {
