@@ -38,6 +38,11 @@ impl Effect for ElasticSpring {
         at < 3 || p[2] > 0.5
     }
 
+    /// One that softens is another thing.
+    fn is_itself(&self, p: &[f64]) -> bool {
+        p[2] <= 0.5 || p[0] * p[3] >= 0.0
+    }
+
     fn joint_torque_nm(&self, p: &[f64], sample: &Sample<'_>) -> f64 {
         p[0] * sample.own.position + p[1] + p[3] * (sample.own.position - p[4]).powi(3)
     }

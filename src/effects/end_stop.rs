@@ -45,6 +45,11 @@ impl Effect for EndStop {
         REACHES.into_iter().flat_map(at).collect()
     }
 
+    /// It pushes back, and gives back less than it took.
+    fn is_itself(&self, p: &[f64]) -> bool {
+        p[1] >= p[4].abs()
+    }
+
     fn joint_torque_nm(&self, p: &[f64], sample: &Sample<'_>) -> f64 {
         let depth_rad = (p[0] * (sample.own.position - p[2])).max(0.0);
         if depth_rad == 0.0 {

@@ -5,6 +5,9 @@ use super::{About, Effect, Extent, Family, Parameter, Presliding, Region, spaced
 /// Travels tried, as shares of the range moved through.
 const TRAVELS: (f64, f64) = (0.002, 0.15);
 
+/// Below this friction arrives at its branch as at the end of a clearance.
+const EXPONENT_MIN: f64 = 0.65;
+
 static ABOUT: About = About {
     id: "presliding",
     family: Family::Physics,
@@ -13,7 +16,7 @@ static ABOUT: About = About {
     source: "Dahl 1968; Canudas de Wit, Olsson, Astrom and Lischinsky 1995",
     signature: Region::AfterReversal,
     trades_with: &["reversal_transition", "backlash_width", "time_delay"],
-    parameters: &[Parameter::shape("travel_rad", 1e-9, 10.0), Parameter::shape("exponent", 0.3, 4.0)],
+    parameters: &[Parameter::shape("travel_rad", 1e-9, 10.0), Parameter::shape("exponent", EXPONENT_MIN, 4.0)],
 };
 
 #[derive(Debug)]
@@ -27,6 +30,11 @@ impl Effect for Bristles {
     fn starts(&self, extent: &Extent) -> Vec<Vec<f64>> {
         let range_rad = extent.position_rad.1 - extent.position_rad.0;
         spaced(TRAVELS.0 * range_rad, TRAVELS.1 * range_rad, 7).map(|travel| vec![travel, 1.0]).collect()
+    }
+
+    /// Where friction arrives as abruptly as an exponent at its bound says, no bristle bends.
+    fn is_itself(&self, p: &[f64]) -> bool {
+        p[1] > EXPONENT_MIN + 0.01
     }
 
     fn presliding(&self, p: &[f64]) -> Option<Presliding> {
