@@ -156,6 +156,7 @@ fn parameters_name_their_units_and_have_room() {
         "cos_of_friction",
         "stiffens",
         "by_speed",
+        "long_tail",
     ];
     for effect in LIBRARY {
         let about = effect.about();

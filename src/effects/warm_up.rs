@@ -5,14 +5,16 @@ use crate::dynamics::Both;
 
 /// How cold the joint still is, 1 at first.
 fn cold(p: &[f64], sample: &Sample<'_>) -> f64 {
-    (-(clock_s(p[0], sample).max(0.0) / p[4]).powf(p[5])).exp()
+    let share = clock_s(p[0], sample).max(0.0) / p[4];
+    if p[6] > 0.5 { (1.0 + share).powf(-p[5]) } else { (-share.powf(p[5])).exp() }
 }
 
 static ABOUT: About = About {
     id: "warm_up",
     family: Family::Physics,
     means: "friction decays as the joint warms up",
-    formula: "friction (1 + cold_share w) + or - cold_nm w + cold_nm_s_rad v w, w = exp(-(t/time_constant_s)^exponent)",
+    formula: "friction (1 + cold_share w) + or - cold_nm w + cold_nm_s_rad v w, w = exp(-(t/time_constant_s)^exponent), or \
+              with a long_tail (1 + t/time_constant_s)^-exponent",
     source: "Simoni, Beschi, Legnani and Visioli 2015",
     signature: Region::Time,
     trades_with: &["sensor_drift"],
@@ -23,6 +25,7 @@ static ABOUT: About = About {
         Parameter::strength("cold_nm_s_rad"),
         Parameter::shape("time_constant_s", 1e-2, 1e6),
         Parameter::shape("exponent", 0.3, 2.0),
+        Parameter::form("long_tail", 1.0),
     ],
 };
 
@@ -45,8 +48,10 @@ impl Effect for WarmUp {
     fn starts(&self, extent: &Extent) -> Vec<Vec<f64>> {
         let clocks = [(1.0, extent.trial_s), (0.0, extent.campaign_s)];
         let of = |(restarts, horizon_s): (f64, f64)| {
-            spaced(horizon_s / 20.0, horizon_s * 1.5, 4)
-                .map(move |constant_s| vec![restarts, 0.0, 0.0, 0.0, constant_s, 0.9])
+            spaced(horizon_s / 20.0, horizon_s * 1.5, 4).flat_map(move |constant_s| {
+                [(0.9, 0.0), (1.0, 1.0)]
+                    .map(|(exponent, long_tail)| vec![restarts, 0.0, 0.0, 0.0, constant_s, exponent, long_tail])
+            })
         };
         clocks.into_iter().flat_map(of).collect()
     }

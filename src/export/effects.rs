@@ -108,7 +108,11 @@ pub fn hooks(added: &Added, code: &mut Code) -> Hooks {
         }
         "warm_up" => {
             let share = format!("fmax({}, 0.0) / {}", named.clock(), of("time_constant_s"));
-            let cold = code.keep("cold", &format!("exp(-pow({share}, {}))", of("exponent")));
+            let cold = match named.value("long_tail") > 0.5 {
+                true => format!("pow(1.0 + {share}, -{})", of("exponent")),
+                false => format!("exp(-pow({share}, {}))", of("exponent")),
+            };
+            let cold = code.keep("cold", &cold);
             let more = code.keep("more", &format!("({} + {} * fabs(v)) * {cold}", of("cold_nm"), of("cold_nm_s_rad")));
             Hooks { factor: Some(format!("1.0 + {} * {cold}", of("cold_share"))), friction_nm: sides(&more), ..none }
         }
