@@ -127,7 +127,7 @@ fn a_verdict_that_rests_on_being_simplest_says_what_would_settle_it() {
     let sweep = |(to_rad, speed_rad_s)| Segment::Sweep { to_rad, speed_rad_s, acceleration_rad_s2: 4.0 };
     let segments = [(1.2, 0.4), (0.2, 0.4), (1.2, 0.8), (0.2, 0.8)].into_iter().map(sweep).collect();
     let few = Trajectory { own: Path { start_rad: 0.2, segments }, repeats: Some(3), ..narrow() };
-    let passes = "reversal_transition:backlash_m=0.0016,p=1,n=1";
+    let passes = "reversal_transition:backlash_m=0.0016,p=2,n=1";
     let open = diagnosed_with(&jumps, 0.1, &[passes], few, 7);
     let next = open.next.as_ref().unwrap();
     assert_eq!((named(&open).1, &next.separates[..]), (vec!["presliding"], &["presliding", "reversal_transition"][..]));
