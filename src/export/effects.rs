@@ -45,30 +45,18 @@ pub fn hooks(added: &Added, code: &mut Code) -> Hooks {
     let named = Named(added);
     let of = |name: &str| named.text(name);
     let none = Hooks::default();
-    let both = |up: String, down: String| {
-        Some([format!("{} * {up}", of_up(&named)), format!("-{} * {down}", of_down(&named))])
-    };
-    let sides = |name: &str| Some([name.to_string(), format!("-{name}")]);
+    let both = |up: &str, down: &str| Some(borne_by_both(&named, up, down));
     match added.id() {
         "stribeck" => {
             let fall = format!("exp(-pow(fabs(v) / {}, {}))", of("speed_rad_s"), of("exponent"));
             let decay = code.keep("decay", &fall);
-            Hooks { friction_nm: both(decay.clone(), decay), ..none }
+            Hooks { friction_nm: both(&decay, &decay), ..none }
         }
         "load_dependent_friction" => {
             let [up, down] = ["own_up", "own_down"].map(|own| borne(&named, own));
-            Hooks { friction_nm: both(up, down), ..none }
+            Hooks { friction_nm: both(&up, &down), ..none }
         }
-        "quadratic_viscous" => {
-            let power = code.keep("power", &format!("pow(fabs(v), {})", of("exponent")));
-            match named.value("by_speed") > 0.5 {
-                true => {
-                    let [up, down] = [of_up(&named), of_down(&named)].map(|size| format!("{size} * {power}"));
-                    Hooks { winch_nm: Some(code.choice("v > 0.0", &up, &format!("-{down}"))), ..none }
-                }
-                false => Hooks { friction_nm: both(power.clone(), power), ..none },
-            }
-        }
+        "quadratic_viscous" => drag(&named, code),
         "friction_ripple" => {
             let (always, share) = ripple(added, code);
             let side = |sign: &str, own: &str| format!("{sign}{always} + {share} * {own}");
@@ -99,34 +87,68 @@ pub fn hooks(added: &Added, code: &mut Code) -> Hooks {
             let cube = format!("{} * {beyond} * {beyond} * {beyond}", of("cubic_nm_rad3"));
             Hooks { joint_nm: Some(format!("{} * q + {} + {cube}", of("stiffness_nm_rad"), of("preload_nm"))), ..none }
         }
-        "end_stop" => {
-            let side = of("side");
-            let depth = code.keep("depth", &format!("fmax({side} * (q - {}), 0.0)", of("position_rad")));
-            let stiffness = format!("({side} * {} + tanh(v / 0.01) * {})", of("stiffness_nm"), of("loss_nm"));
-            let pushed = format!("{stiffness} * pow({depth}, {})", of("exponent"));
-            Hooks { joint_nm: Some(code.choice(&format!("{depth} > 0.0"), &pushed, "0.0")), ..none }
-        }
-        "warm_up" => {
-            let share = format!("fmax({}, 0.0) / {}", named.clock(), of("time_constant_s"));
-            let cold = match named.value("long_tail") > 0.5 {
-                true => format!("pow(1.0 + {share}, -{})", of("exponent")),
-                false => format!("exp(-pow({share}, {}))", of("exponent")),
-            };
-            let cold = code.keep("cold", &cold);
-            let more = code.keep("more", &format!("({} + {} * fabs(v)) * {cold}", of("cold_nm"), of("cold_nm_s_rad")));
-            Hooks { factor: Some(format!("1.0 + {} * {cold}", of("cold_share"))), friction_nm: sides(&more), ..none }
-        }
-        "contact" => {
-            let share = code.keep("share", &format!("(elapsed - {}) / {}", of("start_s"), of("length_s")));
-            let sine = code.keep("sine", &format!("sin({} * {share})", number(PI)));
-            let burst = format!("{} * {sine} * {sine}", of("peak_nm"));
-            let within = format!("{share} >= 0.0 && {share} <= 1.0");
-            Hooks { winch_nm: Some(code.choice(&within, &burst, "0.0")), ..none }
-        }
+        "end_stop" => stop(&named, code),
+        "warm_up" => warmth(&named, code),
+        "contact" => touch(&named, code),
         "joint_coupling" => Hooks { winch_nm: Some(coupling(&named, code)), ..none },
         // The change-over after reversals, presliding and the delay have memory: the controller's own.
         _ => none,
     }
+}
+
+/// Drag beyond linear: on the branches, or by speed alone.
+fn drag(named: &Named<'_>, code: &mut Code) -> Hooks {
+    let of = |name: &str| named.text(name);
+    let power = code.keep("power", &format!("pow(fabs(v), {})", of("exponent")));
+    match named.value("by_speed") > 0.5 {
+        true => {
+            let [up, down] = [of_up(named), of_down(named)].map(|size| format!("{size} * {power}"));
+            Hooks { winch_nm: Some(code.choice("v > 0.0", &up, &format!("-{down}"))), ..Hooks::default() }
+        }
+        false => Hooks { friction_nm: Some(borne_by_both(named, &power, &power)), ..Hooks::default() },
+    }
+}
+
+/// A stop, which gives back less than it took.
+fn stop(named: &Named<'_>, code: &mut Code) -> Hooks {
+    let of = |name: &str| named.text(name);
+    let side = of("side");
+    let depth = code.keep("depth", &format!("fmax({side} * (q - {}), 0.0)", of("position_rad")));
+    let stiffness = format!("({side} * {} + tanh(v / 0.01) * {})", of("stiffness_nm"), of("loss_nm"));
+    let pushed = format!("{stiffness} * pow({depth}, {})", of("exponent"));
+    Hooks { joint_nm: Some(code.choice(&format!("{depth} > 0.0"), &pushed, "0.0")), ..Hooks::default() }
+}
+
+/// Friction that falls as the joint warms up.
+fn warmth(named: &Named<'_>, code: &mut Code) -> Hooks {
+    let of = |name: &str| named.text(name);
+    let share = format!("fmax({}, 0.0) / {}", named.clock(), of("time_constant_s"));
+    let cold = match named.value("long_tail") > 0.5 {
+        true => format!("pow(1.0 + {share}, -{})", of("exponent")),
+        false => format!("exp(-pow({share}, {}))", of("exponent")),
+    };
+    let cold = code.keep("cold", &cold);
+    let more = code.keep("more", &format!("({} + {} * fabs(v)) * {cold}", of("cold_nm"), of("cold_nm_s_rad")));
+    Hooks {
+        factor: Some(format!("1.0 + {} * {cold}", of("cold_share"))),
+        friction_nm: Some([more.clone(), format!("-{more}")]),
+        ..Hooks::default()
+    }
+}
+
+/// A burst from outside.
+fn touch(named: &Named<'_>, code: &mut Code) -> Hooks {
+    let of = |name: &str| named.text(name);
+    let share = code.keep("share", &format!("(elapsed - {}) / {}", of("start_s"), of("length_s")));
+    let sine = code.keep("sine", &format!("sin({} * {share})", number(PI)));
+    let burst = format!("{} * {sine} * {sine}", of("peak_nm"));
+    let within = format!("{share} >= 0.0 && {share} <= 1.0");
+    Hooks { winch_nm: Some(code.choice(&within, &burst, "0.0")), ..Hooks::default() }
+}
+
+/// The strengths of both branches on what each bears.
+fn borne_by_both(named: &Named<'_>, up: &str, down: &str) -> [String; 2] {
+    [format!("{} * {up}", of_up(named)), format!("-{} * {down}", of_down(named))]
 }
 
 /// The strength of a branch, however its unit is written.
