@@ -254,6 +254,47 @@ fn friction_takes_energy_from_every_cycle_and_a_potential_none() {
 }
 
 #[test]
+fn a_stop_takes_what_it_loses() {
+    let n = 20_000;
+    let position = |i: usize| 0.6 - 0.4 * (2.0 * std::f64::consts::TAU * i as f64 / n as f64).cos();
+    let course = Course { position_rad: (0..=n).map(position).collect(), ..Course::default() };
+    let work_nm = |text: &str| {
+        let added_nm = difference_nm(Added::parse(text).unwrap(), &course);
+        let x = &course.position_rad;
+        (1..=n).map(|i| (x[i] - x[i - 1]) * (added_nm[i] + added_nm[i - 1]) / 2.0).sum::<f64>()
+    };
+    let stop = |loss: &str| work_nm(&format!("end_stop:side=1,stiffness_nm=4,position_rad=0.7,exponent=1.5{loss}"));
+    assert!(stop(",loss_nm=1") > stop("") + 0.01, "{} of {}", stop(",loss_nm=1"), stop(""));
+}
+
+#[test]
+fn numbers_that_contradict_the_name_are_told() {
+    let is_itself = |text: &str| {
+        let added = Added::parse(text).unwrap();
+        added.effect.is_itself(&added.parameters)
+    };
+    for text in EXAMPLES {
+        assert!(is_itself(text), "{text}");
+    }
+    for text in [
+        "end_stop:side=1,stiffness_nm=-4,position_rad=0.9,exponent=1.5",
+        "end_stop:side=1,stiffness_nm=4,position_rad=0.9,exponent=1.5,loss_nm=5",
+        "elastic_spring:stiffness_nm_rad=0.3,stiffens=1,cubic_nm_rad3=-0.2",
+        "quadratic_viscous:up_nm_s2_rad2=-0.3",
+        "presliding:travel_rad=0.01,exponent=0.65",
+    ] {
+        assert!(!is_itself(text), "{text}");
+    }
+}
+
+#[test]
+fn what_may_be_left_out_is_what_the_plainest_form_has() {
+    let plain = Added::parse("quadratic_viscous:up_nm_s2_rad2=0.3").unwrap();
+    let spelled = "quadratic_viscous:up_nm_s2_rad2=0.3,down_nm_s2_rad2=0,exponent=2,by_speed=0";
+    assert_eq!(plain, Added::parse(spelled).unwrap());
+}
+
+#[test]
 fn a_range_that_ends_clips_noise_too() {
     let limits = example("saturation");
     let (low, high) = (limits.parameters[0], limits.parameters[1]);

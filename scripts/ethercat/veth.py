@@ -53,6 +53,7 @@ def capture(options: argparse.Namespace, folder: Path) -> None:
     for before, after in [
         ('interface = "demo"', 'interface = "ec0"'),
         ("missed_cycles_max = 1 ", "missed_cycles_max = 90 "),
+        ("lowpass_hz = 5.0", "lowpass_hz = 1.0"),
         ("stale_cycles = 3", "stale_cycles = 100"),
         ("torque_step_nm = 0.3", "torque_step_nm = 5.0"),
         ("lag_rad = 0.05", "lag_rad = 0.2"),

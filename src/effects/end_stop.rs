@@ -1,12 +1,9 @@
 //! A stop engaged near one end of travel.
 
-use super::{About, Effect, Extent, Family, Parameter, Region, Role, Sample};
+use super::{About, Effect, Extent, Family, Parameter, RESTING_RAD_S, Region, Role, Sample};
 
 /// Where a stop may begin, as shares of the range from its end.
 const REACHES: [f64; 5] = [0.03, 0.07, 0.13, 0.22, 0.35];
-
-/// Below this the joint has no direction, rad/s.
-const RESTING_RAD_S: f64 = 0.01;
 
 static ABOUT: About = About {
     id: "end_stop",

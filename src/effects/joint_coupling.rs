@@ -1,9 +1,6 @@
 //! Torque that follows another joint: cables routed over it, its weight, its friction.
 
-use super::{About, Effect, Extent, Family, Parameter, Region, Sample};
-
-/// Speed over which the other joint's Coulomb friction changes sign, rad/s: below it encoders tell no direction.
-const RESTING_RAD_S: f64 = 0.01;
+use super::{About, Effect, Extent, Family, Parameter, RESTING_RAD_S, Region, Sample};
 
 static ABOUT: About = About {
     id: "joint_coupling",

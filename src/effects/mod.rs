@@ -402,6 +402,9 @@ fn spaced(low: f64, high: f64, count: usize) -> impl Iterator<Item = f64> {
     (0..count).map(move |i| low * ratio.powf(i as f64 / (count.max(2) - 1) as f64))
 }
 
+/// Speed over which Coulomb friction of an effect changes sign, rad/s: below it encoders tell no direction.
+pub const RESTING_RAD_S: f64 = 0.01;
+
 /// `time_s` or `elapsed_s` of `sample`: a clock that starts anew with each trial, or runs through the campaign.
 fn clock_s(restarts: f64, sample: &Sample<'_>) -> f64 {
     if restarts > 0.5 { sample.time_s } else { sample.elapsed_s }

@@ -1,7 +1,7 @@
 //! Each effect's hooks as code. A test holds every effect of the library, as C and as Rust, against what the model foretells.
 
 use super::code::{Code, number};
-use crate::effects::{Added, HARMONICS};
+use crate::effects::{Added, HARMONICS, RESTING_RAD_S};
 use std::f64::consts::{PI, TAU};
 
 /// What an effect adds, as expressions over `q`, `v`, `a` (position, speed, acceleration), `t` and `elapsed` (since the trial
@@ -114,7 +114,8 @@ fn stop(named: &Named<'_>, code: &mut Code) -> Hooks {
     let of = |name: &str| named.text(name);
     let side = of("side");
     let depth = code.keep("depth", &format!("fmax({side} * (q - {}), 0.0)", of("position_rad")));
-    let stiffness = format!("({side} * {} + tanh(v / 0.01) * {})", of("stiffness_nm"), of("loss_nm"));
+    let stiffness =
+        format!("({side} * {} + tanh(v / {}) * {})", of("stiffness_nm"), number(RESTING_RAD_S), of("loss_nm"));
     let pushed = format!("{stiffness} * pow({depth}, {})", of("exponent"));
     Hooks { joint_nm: Some(code.choice(&format!("{depth} > 0.0"), &pushed, "0.0")), ..Hooks::default() }
 }
@@ -212,8 +213,6 @@ fn drift(named: &Named<'_>, code: &mut Code) -> String {
 }
 
 fn coupling(named: &Named<'_>, code: &mut Code) -> String {
-    /// Below this the other joint rests, rad/s: as in the effect itself.
-    const RESTING_RAD_S: f64 = 0.01;
     let of = |name: &str| named.text(name);
     let other = (named.value("joint") as usize).saturating_sub(1);
     let field = |code: &Code, name: &str| code.of_sample(&format!("others[{other}].{name}"));

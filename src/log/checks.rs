@@ -14,6 +14,11 @@ const GAP_PERIODS: f64 = 3.01;
 /// Where a recorder counted what it missed, a pause may last this share of a period of the low-pass's cut-off: what is drawn
 /// straight across it is then not seen.
 const CAPTURED_GAP_PERIODS: f64 = 0.1;
+/// The longest gap in a captured trial that does not spoil it, s, where that is more than a few samples.
+pub fn longest_gap_s(lowpass_hz: f64) -> f64 {
+    CAPTURED_GAP_PERIODS / lowpass_hz
+}
+
 /// A log must last this many periods of the low-pass's cut-off; in less there is nothing left to filter.
 const CUTOFF_PERIODS_MIN: f64 = 2.0;
 
@@ -39,7 +44,7 @@ pub(super) fn check(
         Some((readings.columns[index].as_slice(), want))
     };
     if let Some((time, want)) = column(Quantity::Time) {
-        let gap_s = signal.filter(|_| entry.capture.is_some()).map_or(0.0, |s| CAPTURED_GAP_PERIODS / s.lowpass_hz);
+        let gap_s = signal.filter(|_| entry.capture.is_some()).map_or(0.0, |s| longest_gap_s(s.lowpass_hz));
         let tell = stamps(faults, time, want, gap_s, &readings.rows);
         if let Some(signal) = signal.filter(|_| tell) {
             rate_and_duration(faults, time, want, signal);

@@ -22,6 +22,7 @@ pub use crate::trajectory::Protocol;
 pub use arm::{Arm, Place};
 pub use campaign::{Campaign, Signal, Survey, TrialEntry};
 pub use captured::Captured;
+pub use checks::longest_gap_s;
 pub use clock::{clock_s, span_s};
 pub use columns::{Column, Columns, OtherColumn, ReferenceColumn};
 pub use samples::{Sample, Samples};

@@ -149,6 +149,7 @@ fn a_rig_that_its_drive_cannot_count_is_refused() {
     for (key, absurd, expected) in [
         ("counts_per_rad = 166886.05", "counts_per_rad = 1e12", "which its position cannot hold"),
         ("zero_counts = 0                 # where", "zero_counts = 1e18 # where", "which its position cannot hold"),
+        ("missed_cycles_max = 1 ", "missed_cycles_max = 20 ", "lets a gap of 0.021 s pass"),
         ("following_error_rad = 0.05", "following_error_rad = 1e9", "makes a following error of"),
         ("following_error_rad = 0.05", "following_error_rad = 1e-9", "makes a following error of 0.0 counts"),
         ("following_error_s = 0.01", "following_error_s = 1e9", "expected 10 s at most"),

@@ -8,7 +8,7 @@ use crate::capture::drive::Mode;
 use crate::capture::limits::Limits;
 use crate::document::Section;
 use crate::dynamics::Dynamics;
-use crate::log::Signal;
+use crate::log::{Signal, longest_gap_s};
 use crate::model::Joint;
 
 /// The longest that a drive may be off its command, s: longer would be no watch.
@@ -33,6 +33,9 @@ pub(super) fn rig(root: &Section<'_>) -> Option<Rig> {
     if let (Some(drive), Some(limits)) = (&drive, &limits) {
         check_counts(root, drive, limits);
     }
+    if let (Some(bus), Some(signal)) = (&bus, &signal) {
+        check_gaps(root, bus, signal);
+    }
     Some(Rig {
         bus: bus?,
         drive: drive?,
@@ -42,6 +45,18 @@ pub(super) fn rig(root: &Section<'_>) -> Option<Rig> {
         dynamics: dynamics?,
         signal: signal?,
     })
+}
+
+/// What the joint may go on through must leave a log that opens; two missed cycles always do.
+fn check_gaps(root: &Section<'_>, bus: &Bus, signal: &Signal) {
+    let period_s = f64::from(bus.cycle_us) * 1e-6;
+    let allowed = ((longest_gap_s(signal.lowpass_hz) / period_s * (1.0 + 1e-9)).floor() - 1.0).max(2.0);
+    if f64::from(bus.missed_cycles_max) > allowed {
+        let gap_s = f64::from(bus.missed_cycles_max + 1) * period_s;
+        let what =
+            format!("lets a gap of {gap_s} s pass, which spoils a log at a low-pass of {} Hz", signal.lowpass_hz);
+        root.reject("bus", what, format!("missed_cycles_max = {allowed} at most"));
+    }
 }
 
 /// What a drive counts in must hold what the joint may do: a target that is cut off would be a jump.
