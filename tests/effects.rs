@@ -4,7 +4,7 @@
 use crate::campaigns::truth;
 use std::collections::BTreeSet;
 use tautline::dynamics::{Both, Motion};
-use tautline::effects::{Added, Carried, LIBRARY, Role, Sample, find};
+use tautline::effects::{Added, Carried, Extent, LIBRARY, Role, Sample, find};
 use tautline::model::Model;
 use tautline::simulate::{Course, Sensors, record};
 
@@ -269,9 +269,22 @@ fn a_stop_takes_what_it_loses() {
 
 #[test]
 fn numbers_that_contradict_the_name_are_told() {
+    let extent = Extent {
+        position_rad: (0.2, 1.1),
+        stroke_rad: 0.8,
+        speed_rad_s: (0.02, 2.0),
+        trial_s: 20.0,
+        campaign_s: 40.0,
+        torque_nm: (-0.5, 1.5),
+        others: 1,
+        gravity_nm: 1.0,
+        backlash_m: 0.002,
+        pulley_radius_m: 0.05,
+        turns: true,
+    };
     let is_itself = |text: &str| {
         let added = Added::parse(text).unwrap();
-        added.effect.is_itself(&added.parameters)
+        added.effect.is_itself(&added.parameters, &extent)
     };
     for text in EXAMPLES {
         assert!(is_itself(text), "{text}");
@@ -282,6 +295,8 @@ fn numbers_that_contradict_the_name_are_told() {
         "elastic_spring:stiffness_nm_rad=0.3,stiffens=1,cubic_nm_rad3=-0.2",
         "quadratic_viscous:up_nm_s2_rad2=-0.3",
         "presliding:travel_rad=0.01,exponent=0.65",
+        "friction_ripple:periods_per_rad=1.2,sin_1_nm=0.08",
+        "torque_ripple:periods_per_rad=0.9,cos_of_load=0.1",
     ] {
         assert!(!is_itself(text), "{text}");
     }

@@ -18,6 +18,7 @@ mod evaluate;
 mod excite;
 mod export;
 mod few;
+mod floor;
 mod free;
 mod friction;
 mod golden;

@@ -30,18 +30,18 @@ fn narrow() -> Trajectory {
 
 /// `trajectory` recorded from the elbow with `effects`, and diagnosed with the elbow's model.
 fn diagnosed(effects: &[&str], trajectory: Trajectory, seed: u64) -> Diagnosis {
-    diagnosed_with(&truth(), 0.02, effects, trajectory, seed)
+    diagnosed_with((&truth(), &truth()), 0.02, effects, trajectory, seed)
 }
 
-/// The same for a joint like `model`, with so much noise.
-fn diagnosed_with(
-    model: &Model,
+/// The same for a joint like the first model, diagnosed with the second, with so much noise.
+pub fn diagnosed_with(
+    (like, model): (&Model, &Model),
     torque_noise_nm: f64,
     effects: &[&str],
     trajectory: Trajectory,
     seed: u64,
 ) -> Diagnosis {
-    let mut joint = model.clone();
+    let mut joint = like.clone();
     joint.effects.extend(effects.iter().map(|text| Added::parse(text).unwrap()));
     let sensors = Sensors { torque_noise_nm, encoder_counts: 0.0 };
     let signal = Signal { torque_sign: -1.0, lowpass_hz: 3.0, lowpass_order: 4 };
@@ -128,9 +128,9 @@ fn a_verdict_that_rests_on_being_simplest_says_what_would_settle_it() {
     let segments = [(1.2, 0.4), (0.2, 0.4), (1.2, 0.8), (0.2, 0.8)].into_iter().map(sweep).collect();
     let few = Trajectory { own: Path { start_rad: 0.2, segments }, repeats: Some(3), ..narrow() };
     let passes = "reversal_transition:backlash_m=0.0016,p=2,n=1";
-    let open = diagnosed_with(&jumps, 0.1, &[passes], few, 7);
+    let open = diagnosed_with((&jumps, &jumps), 0.1, &[passes], few, 7);
     let next = open.next.as_ref().unwrap();
     assert_eq!((named(&open).1, &next.separates[..]), (vec!["presliding"], &["presliding", "reversal_transition"][..]));
-    let settled = diagnosed_with(&jumps, 0.1, &[passes], proposed(&open), 8);
+    let settled = diagnosed_with((&jumps, &jumps), 0.1, &[passes], proposed(&open), 8);
     assert_eq!(named(&settled), (Kind::Effect, vec!["reversal_transition"]));
 }

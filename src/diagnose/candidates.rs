@@ -185,7 +185,7 @@ impl Begun {
     fn fit(self, bench: &Bench<'_>, ground: &Ground) -> Option<Tried> {
         let (cause, how) = self.cause();
         let fits = self.starts.into_par_iter().map(|(_, model, moves)| bench.fit(ground, model, moves));
-        let fits: Vec<Fit> = fits.filter(Fit::is_sound).collect();
+        let fits: Vec<Fit> = fits.filter(|fit| fit.is_sound(&bench.extent)).collect();
         let best = fits.iter().min_by(|a, b| score(bench, a).total_cmp(&score(bench, b)))?;
         // A form with more numbers must do better by them.
         let equal = |fit: &&Fit| is_tie(bench, best, fit, score(bench, best));

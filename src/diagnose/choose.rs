@@ -134,7 +134,7 @@ impl Search<'_> {
         let fitted = likely
             .into_iter()
             .map(|pair| self.together(&pair))
-            .filter(|(_, fit)| fit.is_sound() && self.is_material(fit, &way.fit, false));
+            .filter(|(_, fit)| fit.is_sound(&self.bench.extent) && self.is_material(fit, &way.fit, false));
         let all: Vec<(Vec<Sketch>, Fit)> = fitted.chain(next).collect();
         let best = all.iter().min_by(|a, b| score(self.bench, &a.1).total_cmp(&score(self.bench, &b.1)))?.1.clone();
         let equals = all.into_iter().filter(|(_, fit)| is_tie(self.bench, &best, fit, self.start));

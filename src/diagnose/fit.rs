@@ -89,9 +89,9 @@ pub struct Cost {
 }
 
 impl Fit {
-    /// Whether each of its effects is what it is called.
-    pub fn is_sound(&self) -> bool {
-        self.model.effects.iter().all(|added| added.effect.is_itself(&added.parameters))
+    /// Whether each of its effects is what it is called, by all that can be seen over `extent`.
+    pub fn is_sound(&self, extent: &Extent) -> bool {
+        self.model.effects.iter().all(|added| added.effect.is_itself(&added.parameters, extent))
     }
 }
 

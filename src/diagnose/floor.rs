@@ -170,16 +170,24 @@ fn without_slow(values: &[f64], slow: usize) -> Vec<f64> {
 ///
 /// The noise is taken for a first-order process, white at best: its density's fall over the bands beyond the low-pass is carried on
 /// below. In each band the median over stretches counts, for a reversal is no noise.
-pub(super) fn spectral_nm(trial: &Trial, signal: &Signal) -> f64 {
-    let (rate_hz, order) = (trial.log.rate_hz, signal.lowpass_order);
+///
+/// What a motion makes of the torque beyond the low-pass is no noise either, and a short one reverses in every stretch: the torque
+/// less `predicted_nm` is looked at too, and the lower of both counts.
+pub(super) fn spectral_nm(trial: &Trial, predicted_nm: &[f64], signal: &Signal) -> f64 {
+    let raw_nm = &trial.log.torque_nm;
+    let left_nm: Vec<f64> = raw_nm.iter().zip(predicted_nm).map(|(y, predicted)| y - predicted).collect();
+    carried_below_nm(raw_nm, trial.log.rate_hz, signal).min(carried_below_nm(&left_nm, trial.log.rate_hz, signal))
+}
+
+/// The noise in `series_nm` beyond the low-pass, carried on below, N m.
+fn carried_below_nm(series_nm: &[f64], rate_hz: f64, signal: &Signal) -> f64 {
+    let order = signal.lowpass_order;
     let edges: Vec<f64> =
         BANDS.iter().map(|factor| factor * signal.lowpass_hz).filter(|edge_hz| *edge_hz < BELOW * rate_hz).collect();
-    let levels: Option<Vec<Vec<f64>>> = edges
-        .iter()
-        .map(|edge_hz| Some(LowPass::new(order, *edge_hz, rate_hz)?.zero_phase(&trial.log.torque_nm)))
-        .collect();
+    let levels: Option<Vec<Vec<f64>>> =
+        edges.iter().map(|edge_hz| Some(LowPass::new(order, *edge_hz, rate_hz)?.zero_phase(series_nm))).collect();
     let Some(mut levels) = levels.filter(|levels| !levels.is_empty()) else { return f64::NAN };
-    levels.push(trial.log.torque_nm.clone());
+    levels.push(series_nm.to_vec());
     let stretch = ((STRETCH_S * rate_hz) as usize).max(8);
     let band = |pair: &[Vec<f64>]| {
         let parts = pair[0].chunks_exact(stretch).zip(pair[1].chunks_exact(stretch));

@@ -6,7 +6,7 @@ use crate::effects::{Added, Carried, Family, Sample};
 use crate::log::{Campaign, clock_s, read_trial, span_s};
 use crate::model::{AT_REST_RAD_S, Asked, Model, Passage, settle};
 use crate::numerics::filter::LowPass;
-use crate::predict::forgotten;
+use crate::predict::{Prediction, forgotten};
 use crate::prepare::{Trial, prepare};
 use crate::problem::{Problem, Problems, Result};
 use rayon::prelude::*;
@@ -219,7 +219,8 @@ impl Record {
         let in_range = trial.in_range(lowpass_hz);
         let levels = |range: &Range<usize>| trial.log.torque_nm[range.start];
         let clips: Vec<f64> = trial.log.clipped.iter().map(levels).collect();
-        let spectral_floor_nm = super::floor::spectral_nm(trial, &campaign.signal);
+        let spectral_floor_nm =
+            super::floor::spectral_nm(trial, &Prediction::new(model, trial).torque_nm, &campaign.signal);
         Ok(Self {
             file: entry.file.clone(),
             repeats: named.then(|| format!("{:?} {:?}", entry.protocol, entry.trajectory)),

@@ -39,7 +39,7 @@ impl Effect for ElasticSpring {
     }
 
     /// One that softens is another thing.
-    fn is_itself(&self, p: &[f64]) -> bool {
+    fn is_itself(&self, p: &[f64], _extent: &Extent) -> bool {
         p[2] <= 0.5 || p[0] * p[3] >= 0.0
     }
 

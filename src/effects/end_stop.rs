@@ -43,7 +43,7 @@ impl Effect for EndStop {
     }
 
     /// It pushes back, and gives back less than it took.
-    fn is_itself(&self, p: &[f64]) -> bool {
+    fn is_itself(&self, p: &[f64], _extent: &Extent) -> bool {
         p[1] >= p[4].abs()
     }
 

@@ -1,6 +1,6 @@
 //! Friction that varies periodically with position and changes sign with the direction.
 
-use super::ripple::{parameters, ripple_nm, starts};
+use super::ripple::{parameters, repeats, ripple_nm, starts};
 use super::{About, Carried, Effect, Extent, Family, Region, Sample};
 use crate::dynamics::Both;
 
@@ -26,6 +26,10 @@ impl Effect for FrictionRipple {
 
     fn starts(&self, extent: &Extent) -> Vec<Vec<f64>> {
         starts(extent)
+    }
+
+    fn is_itself(&self, p: &[f64], extent: &Extent) -> bool {
+        repeats(p, extent)
     }
 
     fn friction_nm(&self, p: &[f64], sample: &Sample<'_>, carried: Carried) -> Both<f64> {

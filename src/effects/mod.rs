@@ -279,8 +279,8 @@ pub trait Effect: Sync + std::fmt::Debug {
         true
     }
 
-    /// Whether strengths found are what the effect is called by.
-    fn is_itself(&self, _p: &[f64]) -> bool {
+    /// Whether what was found over `extent` is what the effect is called by.
+    fn is_itself(&self, _p: &[f64], _extent: &Extent) -> bool {
         true
     }
 

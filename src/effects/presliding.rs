@@ -33,7 +33,7 @@ impl Effect for Bristles {
     }
 
     /// Where friction arrives as abruptly as an exponent at its bound says, no bristle bends.
-    fn is_itself(&self, p: &[f64]) -> bool {
+    fn is_itself(&self, p: &[f64], _extent: &Extent) -> bool {
         p[1] > EXPONENT_MIN + 0.01
     }
 

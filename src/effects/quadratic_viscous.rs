@@ -33,7 +33,7 @@ impl Effect for QuadraticViscous {
     }
 
     /// Drag that levels off with speed is another thing.
-    fn is_itself(&self, p: &[f64]) -> bool {
+    fn is_itself(&self, p: &[f64], _extent: &Extent) -> bool {
         p[0] + p[1] >= 0.0
     }
 

@@ -46,6 +46,11 @@ pub(super) fn ripple_nm(p: &[f64], sample: &Sample<'_>) -> (f64, f64) {
     (sum, by_load[0] * sin + by_load[1] * cos)
 }
 
+/// Whether the range shows enough of its periods for them to be told from any other function of position.
+pub(super) fn repeats(p: &[f64], extent: &Extent) -> bool {
+    p[0] * (extent.position_rad.1 - extent.position_rad.0) >= PERIODS_MIN
+}
+
 /// Wave numbers so dense that the search meets every line's slope.
 pub(super) fn starts(extent: &Extent) -> Vec<Vec<f64>> {
     let range_rad = extent.position_rad.1 - extent.position_rad.0;

@@ -1,6 +1,6 @@
 //! Torque that varies periodically with position whatever the direction: cogging, an eccentric pulley.
 
-use super::ripple::{parameters, ripple_nm, starts};
+use super::ripple::{parameters, repeats, ripple_nm, starts};
 use super::{About, Effect, Extent, Family, Region, Sample};
 
 static ABOUT: About = About {
@@ -24,6 +24,10 @@ impl Effect for TorqueRipple {
 
     fn starts(&self, extent: &Extent) -> Vec<Vec<f64>> {
         starts(extent)
+    }
+
+    fn is_itself(&self, p: &[f64], extent: &Extent) -> bool {
+        repeats(p, extent)
     }
 
     fn winch_torque_nm(&self, p: &[f64], sample: &Sample<'_>, load_nm: f64) -> f64 {
