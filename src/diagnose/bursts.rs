@@ -33,6 +33,10 @@ const FASTER: f64 = 1.6;
 const SLOW: f64 = 0.02;
 const ROWS_MIN: usize = 12;
 
+/// What swings so often, each time by this share of the largest area at least, rings.
+const SWINGS: usize = 4;
+const SWING_SHARE: f64 = 0.25;
+
 /// One burst: rows of the series over all records.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Burst {
@@ -67,6 +71,33 @@ pub fn find(bench: &Bench<'_>, columns: &[Vec<f64>], target_nm: &[f64]) -> (Vec<
     };
     let bursts = bursts.iter().filter(|burst| once(burst)).cloned().collect();
     (bursts, fitted)
+}
+
+/// Whether most of the squares in `bursts` swing to and fro: what rings is no contact.
+pub fn ring(bursts: &[Burst], residual_nm: &[f64]) -> bool {
+    let square = |burst: &Burst| residual_nm[burst.rows.clone()].iter().map(|r| r * r).sum::<f64>();
+    let (mut all, mut ringing) = (0.0, 0.0);
+    for burst in bursts {
+        all += square(burst);
+        if swings(&residual_nm[burst.rows.clone()]) >= SWINGS {
+            ringing += square(burst);
+        }
+    }
+    2.0 * ringing > all
+}
+
+/// How many lobes of like size follow one another with signs that alternate.
+fn swings(residual_nm: &[f64]) -> usize {
+    let mut areas: Vec<f64> = Vec::new();
+    for r in residual_nm {
+        match areas.last_mut() {
+            Some(area) if *area * r > 0.0 => *area += r,
+            _ => areas.push(*r),
+        }
+    }
+    let largest = areas.iter().fold(0.0, |most: f64, area| most.max(area.abs()));
+    let large: Vec<f64> = areas.into_iter().filter(|area| area.abs() > SWING_SHARE * largest).collect();
+    1 + large.windows(2).filter(|pair| pair[0] * pair[1] < 0.0).count()
 }
 
 /// The row of a burst's peak.

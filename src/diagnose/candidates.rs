@@ -4,7 +4,7 @@ use super::fit::{Bench, Fit, Ground};
 use super::moves::{Knob, Move, Stale, of_effect, stale};
 use super::ripple;
 use super::weigh::is_tie;
-use crate::effects::{Added, Effect, LIBRARY};
+use crate::effects::{Added, Effect, LIBRARY, find};
 use crate::model::{Combination, Model};
 use rayon::prelude::*;
 
@@ -48,9 +48,14 @@ impl Tried {
         Sketch::of((self.cause, self.how), &self.fit.model, &self.fit.moves)
     }
 
-    /// Numbers that were fitted.
-    pub fn count(&self) -> usize {
-        self.fit.moves.len()
+    /// Numbers that were fitted, less what it counts for that the joint confirms some.
+    pub fn count(&self, bench: &Bench<'_>) -> usize {
+        let effect = match self.cause {
+            Cause::Effect(id) => self.fit.model.effects.iter().rev().find(|added| added.id() == id),
+            Cause::Stale(_) => None,
+        };
+        let confirmed = effect.map_or(0, |added| added.effect.confirmed(&added.parameters, &bench.extent));
+        self.fit.moves.len().saturating_sub(confirmed)
     }
 
     /// Mean square left on units that were held out, with what the base's moves cost, (N m)^2.
@@ -137,16 +142,29 @@ pub fn try_all(bench: &Bench<'_>, ground: &Ground, known: &[Cause]) -> Round {
     begun.retain(|begun| place.next() < Some(FITTED) || begun.is_shape());
     let groups: Vec<Stale> =
         stale(&ground.model).into_iter().filter(|group| !known.contains(&Cause::Stale(group.name))).collect();
-    let of_groups = groups.into_par_iter().map(|group| Tried {
-        cause: Cause::Stale(group.name),
-        how: group.how,
-        fit: bench.fit(ground, ground.model.clone(), group.moves),
-    });
+    let of_groups = groups.into_par_iter().map(|group| of_group(bench, ground, group));
     let of_effects = begun.into_par_iter().filter_map(|begun| begun.fit(bench, ground));
     let mut tried: Vec<Tried> = of_effects.chain(of_groups).collect();
     tried.sort_by(|a, b| a.score(bench).total_cmp(&b.score(bench)));
     sketches.extend(tried.iter().filter_map(Tried::sketch));
     Round { tried, sketches }
+}
+
+/// `cause` alone beside `ground`, from every start; none where it cannot be what it is called.
+pub fn try_one(bench: &Bench<'_>, ground: &Ground, cause: Cause) -> Option<Tried> {
+    match cause {
+        Cause::Effect(id) => begin(bench, ground, find(id)?, &bench.rest_residual_nm(ground))?.fit(bench, ground),
+        Cause::Stale(name) => {
+            let groups = stale(&ground.model).into_par_iter().filter(|group| group.name == name);
+            let tried = groups.map(|group| of_group(bench, ground, group));
+            tried.min_by(|a, b| a.score(bench).total_cmp(&b.score(bench)))
+        }
+    }
+}
+
+fn of_group(bench: &Bench<'_>, ground: &Ground, group: Stale) -> Tried {
+    let fit = bench.fit(ground, ground.model.clone(), group.moves);
+    Tried { cause: Cause::Stale(group.name), how: group.how, fit }
 }
 
 /// Whether `effect` is one that `model` could lack.

@@ -1,10 +1,10 @@
 //! Which causes explain a gap: one after the other, each held against all rivals, earlier ones tried again once later ones are in.
 
-use super::candidates::{Cause, Round, Sketch, Tried, score, try_all};
+use super::candidates::{Cause, Round, Sketch, Tried, score, try_all, try_one};
 use super::fit::{Bench, Fit, Ground};
 use super::moves::{Move, within_confidence};
 use super::pairs;
-use super::weigh::{FLOOR_SHARE, is_change_over, is_makeshift, is_material, is_tie, rivals, seconds, simplest};
+use super::weigh::{FLOOR_SHARE, is_makeshift, is_material, is_tie, rivals, seconds, simplest};
 use crate::model::Model;
 
 /// Most causes that are looked for.
@@ -133,7 +133,7 @@ impl Search<'_> {
         let likely = pairs::promising(self.bench, &self.first, &way.opening.sketches);
         let fitted = likely
             .into_iter()
-            .map(|pair| self.together(&pair))
+            .map(|pair| self.refined(self.together(&pair)))
             .filter(|(_, fit)| fit.is_sound(&self.bench.extent) && self.is_material(fit, &way.fit, false));
         let all: Vec<(Vec<Sketch>, Fit)> = fitted.chain(next).collect();
         let best = all.iter().min_by(|a, b| score(self.bench, &a.1).total_cmp(&score(self.bench, &b.1)))?.1.clone();
@@ -142,6 +142,22 @@ impl Search<'_> {
         let has_one = |pair: &[Sketch]| pair.iter().any(|sketch| sketch.cause == one.cause);
         equals
             .min_by_key(|(pair, fit)| (fit.moves.len() + usize::from(!has_one(pair)), makeshifts(pair), !has_one(pair)))
+    }
+
+    /// Each of `pair` tried anew beside the other as it stands: alone it may have taken a form that is not its own.
+    fn refined(&self, mut pair: (Vec<Sketch>, Fit)) -> (Vec<Sketch>, Fit) {
+        for at in 0..pair.0.len() {
+            let ground = self.ground_beside(&all_but(&pair.0, at));
+            let anew = try_one(self.bench, &ground, pair.0[at].cause).and_then(|tried| tried.sketch());
+            let Some(anew) = anew else { continue };
+            let mut chosen = pair.0.clone();
+            chosen[at] = anew;
+            let other = self.together(&chosen);
+            if score(self.bench, &other.1) < score(self.bench, &pair.1) {
+                pair = other;
+            }
+        }
+        pair
     }
 
     /// Tries each cause again with the others in, until all stay: an early compromise gives way to what it stood for. Leaves out
@@ -166,7 +182,7 @@ impl Search<'_> {
     }
 
     /// The best in the place of number `at`. What stands there stays unless something does better, or as well by fewer numbers
-    /// and still enough to be named; of two curves by which friction changes over the one that fits better stays.
+    /// and still enough to be named.
     fn again(&self, chosen: &[Sketch], at: usize) -> Step {
         let others = all_but(chosen, at);
         let (others, without) = self.together(&others);
@@ -175,7 +191,7 @@ impl Search<'_> {
         let mut step = self.place(&chosen[at], round.tried, without, &self.ground_beside(&all_but(chosen, at)));
         let Some(best) = simplest(self.bench, &step.tried, self.start) else { return step };
         let (own, best, first) = (&step.taken, &step.tried[best], &step.tried[0]);
-        let is_simple = own.count() <= best.count() || [own, best].iter().all(|t| is_change_over(t.cause));
+        let is_simple = own.count(self.bench) <= best.count(self.bench);
         let stays = is_simple && is_tie(self.bench, &first.fit, &own.fit, self.start);
         let order = if stays { [own, best, first] } else { [best, own, first] };
         let enough = |tried: &&Tried| self.is_material(&tried.fit, &step.without, false);

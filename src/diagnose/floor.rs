@@ -14,6 +14,15 @@ use crate::prepare::Trial;
 const BLOCK: f64 = 10.0;
 /// Independent samples over which slow differences are taken out; that share of white noise goes with them.
 const SLOW: f64 = 20.0;
+/// The same once the causes are known, and a drift is explained: noise that is not white has its slow part, too.
+const BLOCK_LATER: f64 = 40.0;
+const SLOW_LATER: f64 = 80.0;
+/// Blocks above this multiple of their median hold more than noise.
+const STRIKING: f64 = 3.0;
+/// However much slow noise there seems to be, the floor rises by no more than this factor: the rest may have a cause.
+const RISE_MAX: f64 = 1.25;
+/// So much of the rise of its square is uncertain.
+const RISE_ERROR: f64 = 0.5;
 /// Repeats are aligned within so many independent samples.
 const LAG_MAX: f64 = 10.0;
 /// Repeats that are further apart than this share of the range are not at the same place.
@@ -40,6 +49,8 @@ const STRETCH_S: f64 = 0.5;
 pub struct Floor {
     /// RMS, N m, at the declared low-pass.
     pub rms_nm: f64,
+    /// RMS of its quick part, N m: slow noise may come on top.
+    pub quick_nm: f64,
     /// Its source.
     pub source: FloorSource,
     /// Standard error of the floor's square as a share of it.
@@ -50,6 +61,11 @@ impl Floor {
     /// The floor's square with its standard error, (N m)^2: what lies above is a gap for all that the floor is not known better.
     pub fn upper_square(&self) -> f64 {
         self.rms_nm * self.rms_nm * (1.0 + self.relative_error)
+    }
+
+    /// The same of its quick part.
+    pub fn quick_upper_square(&self) -> f64 {
+        self.quick_nm * self.quick_nm * (1.0 + self.relative_error)
     }
 }
 
@@ -74,8 +90,38 @@ impl FloorSource {
 
 /// The floor under `residual_nm`, given at all rows.
 pub fn floor(records: &Records, residual_nm: &[f64]) -> Floor {
+    let mut blocks = repeats_blocks(records, residual_nm, BLOCK, SLOW);
+    if blocks.len() >= BLOCKS_MIN {
+        let rms_nm = (median_square(&mut blocks) / 2.0 / (1.0 - 1.0 / SLOW)).sqrt();
+        let chance = (std::f64::consts::PI / (BLOCK * blocks.len() as f64)).sqrt();
+        let relative_error = chance.hypot(SYSTEMATIC);
+        return Floor { rms_nm, quick_nm: rms_nm, source: FloorSource::Repeats, relative_error };
+    }
+    let mut spectral: Vec<f64> =
+        records.all.iter().map(|record| record.spectral_floor_nm).filter(|floor| floor.is_finite()).collect();
+    let rms_nm = Some(quantile(&mut spectral, 0.5)).filter(|rms_nm| rms_nm.is_finite()).unwrap_or_default();
+    Floor { rms_nm, quick_nm: rms_nm, source: FloorSource::Spectrum, relative_error: 0.1 }
+}
+
+/// The floor under `left_nm`, what the causes that were found leave at all rows: slow noise is in it. Without long repeats nothing
+/// tells that from a cause but that no fit finds it again on units it never saw: `unforeseen_square` is what a flexible one leaves
+/// there, (N m)^2.
+pub fn settled(records: &Records, left_nm: &[f64], unforeseen_square: f64) -> Floor {
+    let fast = floor(records, left_nm);
+    let blocks = repeats_blocks(records, left_nm, BLOCK_LATER, SLOW_LATER);
+    let whole_square = match blocks.len() >= BLOCKS_MIN {
+        true => usual_mean(blocks) / 2.0 / (1.0 - 1.0 / SLOW_LATER),
+        false => unforeseen_square,
+    };
+    let rms_nm = whole_square.sqrt().min(RISE_MAX * fast.rms_nm).max(fast.rms_nm);
+    let rise = (rms_nm / fast.rms_nm.max(f64::MIN_POSITIVE)).powi(2) - 1.0;
+    Floor { rms_nm, relative_error: fast.relative_error.hypot(RISE_ERROR * rise), ..fast }
+}
+
+/// Mean squares of what repeats differ by, in blocks, slow differences taken out.
+fn repeats_blocks(records: &Records, residual_nm: &[f64], block: f64, slow: f64) -> Vec<f64> {
     let rows = |independent: f64| (independent * records.rows_per_independent).round() as usize;
-    let spans = Spans { block: rows(BLOCK), slow: rows(SLOW), lag: rows(LAG_MAX) as isize };
+    let spans = Spans { block: rows(block), slow: rows(slow), lag: rows(LAG_MAX) as isize };
     let mut blocks = Vec::new();
     for (a, first) in records.all.iter().enumerate() {
         for (b, second) in records.all.iter().enumerate().skip(a + 1) {
@@ -85,16 +131,14 @@ pub fn floor(records: &Records, residual_nm: &[f64]) -> Floor {
             }
         }
     }
-    if blocks.len() >= BLOCKS_MIN {
-        let rms_nm = (median_square(&mut blocks) / 2.0 / (1.0 - 1.0 / SLOW)).sqrt();
-        let chance = (std::f64::consts::PI / (BLOCK * blocks.len() as f64)).sqrt();
-        let relative_error = chance.hypot(SYSTEMATIC);
-        return Floor { rms_nm, source: FloorSource::Repeats, relative_error };
-    }
-    let mut spectral: Vec<f64> =
-        records.all.iter().map(|record| record.spectral_floor_nm).filter(|floor| floor.is_finite()).collect();
-    let rms_nm = quantile(&mut spectral, 0.5);
-    Floor { rms_nm: if rms_nm.is_finite() { rms_nm } else { 0.0 }, source: FloorSource::Spectrum, relative_error: 0.1 }
+    blocks
+}
+
+/// The mean over blocks but for those that stand out: a contact in one repeat.
+fn usual_mean(mut blocks: Vec<f64>) -> f64 {
+    let most = STRIKING * quantile(&mut blocks, 0.5);
+    blocks.retain(|square| *square <= most);
+    blocks.iter().sum::<f64>() / blocks.len().max(1) as f64
 }
 
 /// The median of mean squares over blocks, corrected to their mean: that of chi-square with k degrees lies at (1 - 2/(9 k))^3.

@@ -214,13 +214,17 @@ pub fn run(campaign: &Campaign, model: &Model, progress: &(dyn Fn() + Sync)) -> 
         }
         is_second = true;
     };
-    let floor = floor::floor(&records, &bench.residual_nm(&after_nm));
+    let left_nm = bench.residual_nm(&after_nm);
+    let unforeseen_square = flexible::fit(&bench, &columns, &left_nm, &bench.used).held_out;
+    let left_square = choice.last.held_out.iter().sum::<f64>() / bench.rows().max(1) as f64;
+    let floor = floor::settled(&records, &left_nm, unforeseen_square.min(left_square));
     let draws = Draws::new(&parts, &floor);
     let scene = Scene {
         bench: &bench,
         choice: &choice,
         ground: &ground,
         delivered_nm: &delivered_nm,
+        left_nm: &left_nm,
         judged: &judged,
         bursts: &bursts,
     };
@@ -295,6 +299,7 @@ struct Scene<'s> {
     choice: &'s Choice,
     ground: &'s Ground,
     delivered_nm: &'s [f64],
+    left_nm: &'s [f64],
     judged: &'s [bool],
     bursts: &'s [Burst],
 }
@@ -315,7 +320,8 @@ impl Scene<'_> {
         let burst_rows = of_units(&in_burst);
         let whole = |squares: &[f64]| squares.iter().sum::<f64>();
         let excess = whole(&of_bursts) - whole(&burst_rows) * floor_nm * floor_nm;
-        let contact = excess > whole(&rows) * (CONTACT_FLOORS * floor_nm).powi(2);
+        let much = excess > whole(&rows) * (CONTACT_FLOORS * floor_nm).powi(2);
+        let contact = much && !bursts::ring(self.bursts, self.left_nm);
         let add = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a + b).collect::<Vec<f64>>();
         let explained: Vec<f64> = burst_rows.iter().map(|n| n * floor_nm * floor_nm).collect();
         Evidence {
@@ -326,6 +332,7 @@ impl Scene<'_> {
             contact,
             draws,
             floor_square: floor.upper_square(),
+            quick_square: floor.quick_upper_square(),
             numbers: self.bench.numbers(&self.choice.last),
         }
     }

@@ -12,8 +12,6 @@ use rayon::prelude::*;
 
 /// Pairs that are fitted in full.
 const FOLLOWED: usize = 6;
-/// Ways of one pair (starts, groups) among them.
-const WAYS: usize = 2;
 /// Rows looked at: every so-manieth where there are more.
 const ROWS: usize = 30_000;
 
@@ -74,8 +72,8 @@ pub fn promising(bench: &Bench<'_>, ground: &Ground, sketches: &[Sketch]) -> Vec
     let mut found: Vec<[Sketch; 2]> = Vec::new();
     for (_, j, i) in ranked {
         let pair = [parts[j].sketch, parts[i].sketch];
-        let same = |known: &&[Sketch; 2]| causes(&[&known[0], &known[1]]) == causes(&pair);
-        if found.iter().filter(same).count() < WAYS {
+        let same = |known: &[Sketch; 2]| causes(&[&known[0], &known[1]]) == causes(&pair);
+        if !found.iter().any(same) {
             found.push(pair.map(Sketch::clone));
         }
         if found.len() == FOLLOWED {

@@ -75,6 +75,8 @@ pub struct Evidence<'e> {
     pub draws: &'e Draws,
     /// The floor's square with its error, (N m)^2.
     pub floor_square: f64,
+    /// That of its quick part alone: what is open is judged by it, lest slow noise hide a cause.
+    pub quick_square: f64,
     /// What the numbers of the causes that were found, and of the base, cost on unseen units.
     pub numbers: Numbers,
 }
@@ -95,12 +97,13 @@ pub fn verdict(bench: &Bench<'_>, choice: &Choice, evidence: &Evidence<'_>) -> V
     if evidence.contact {
         effects.push(Cause::Effect("contact"));
     }
-    let is_open = |rest: f64, last: f64, floor_square: f64| {
-        let left = above(last, floor_square);
-        left > UNKNOWN_FLOORS * floor_square.sqrt() && left > UNKNOWN_SHARE * above(rest, floor_square)
+    let is_open = |rest: f64, last: f64| {
+        let left = above(last, evidence.quick_square);
+        left > UNKNOWN_FLOORS * evidence.quick_square.sqrt()
+            && left > UNKNOWN_SHARE * above(rest, evidence.quick_square)
     };
     let (rest, last) = (mean(&evidence.rest), mean(&evidence.last));
-    let kind = if is_open(rest, last, floor_square) {
+    let kind = if is_open(rest, last) {
         Kind::Unknown
     } else {
         match (&choice.found[..], evidence.contact) {
@@ -116,7 +119,7 @@ pub fn verdict(bench: &Bench<'_>, choice: &Choice, evidence: &Evidence<'_>) -> V
         evidence.draws.mean_squares(&evidence.rest, &evidence.rows),
         evidence.draws.mean_squares(&evidence.last, &evidence.rows),
     );
-    let open = |i: usize| is_open(rests[i], lasts[i], floor_square);
+    let open = |i: usize| is_open(rests[i], lasts[i]);
     let confidence = match kind {
         Kind::Unknown => evidence.draws.share(open),
         Kind::None => evidence.draws.share(|i| !open(i)),

@@ -39,11 +39,6 @@ const SURPRISE_APART: f64 = 10.0;
 /// ... and each number that it has less is worth as much as finding one within a hundredth of its range: 2 ln 100.
 const SURPRISE_A_NUMBER: f64 = 9.0;
 
-/// Whether friction changes over by it after reversals.
-pub fn is_change_over(cause: Cause) -> bool {
-    matches!(cause, Cause::Effect("reversal_transition" | "presliding"))
-}
-
 /// Whether friction would have to grow in one direction by just as much as it falls in the other: of equals no likely cause.
 pub fn is_makeshift((cause, how): (Cause, &str)) -> bool {
     cause == Cause::Stale("coulomb") && how == SAME_TORQUE
@@ -53,7 +48,7 @@ pub fn is_makeshift((cause, how): (Cause, &str)) -> bool {
 pub fn simplest(bench: &Bench<'_>, tried: &[Tried], start: f64) -> Option<usize> {
     let best = tried.first()?;
     let equals = tried.iter().enumerate().filter(|(_, t)| is_tie(bench, &best.fit, &t.fit, start));
-    equals.min_by_key(|(_, t)| (t.count(), is_makeshift((t.cause, t.how)))).map(|(at, _)| at)
+    equals.min_by_key(|(_, t)| (t.count(bench), is_makeshift((t.cause, t.how)))).map(|(at, _)| at)
 }
 
 /// Whether `other` does as well as `best` on held-out units, as far as they can tell.
@@ -120,7 +115,7 @@ pub fn rivals(bench: &Bench<'_>, taken: &Tried, tried: &[Tried], start: f64) -> 
     };
     let is_rival = |other: &&Tried| {
         other.cause != taken.cause
-            && other.count() <= taken.count() + spare(other.cause)
+            && other.count(bench) <= taken.count(bench) + spare(other.cause)
             && is_tie(bench, &taken.fit, &other.fit, start)
     };
     let mut found: Vec<Cause> = Vec::new();

@@ -4,6 +4,8 @@ use super::{About, Effect, Extent, Family, Parameter, RESTING_RAD_S, Region, Rol
 
 /// Where a stop may begin, as shares of the range from its end.
 const REACHES: [f64; 5] = [0.03, 0.07, 0.13, 0.22, 0.35];
+/// What acts over more of the range is no stop.
+const REACH_MAX: f64 = 0.5;
 
 static ABOUT: About = About {
     id: "end_stop",
@@ -42,9 +44,11 @@ impl Effect for EndStop {
         REACHES.into_iter().flat_map(at).collect()
     }
 
-    /// It pushes back, and gives back less than it took.
-    fn is_itself(&self, p: &[f64], _extent: &Extent) -> bool {
-        p[1] >= p[4].abs()
+    /// It pushes back near one end, and gives back less than it took.
+    fn is_itself(&self, p: &[f64], extent: &Extent) -> bool {
+        let (low, high) = extent.position_rad;
+        let reach_rad = if p[0] > 0.0 { high - p[2] } else { p[2] - low };
+        p[1] >= p[4].abs() && reach_rad <= REACH_MAX * (high - low)
     }
 
     fn joint_torque_nm(&self, p: &[f64], sample: &Sample<'_>) -> f64 {

@@ -6,6 +6,9 @@ use crate::dynamics::Both;
 /// Pretensions, and torques at which it levels off, that are tried, as shares of the reading's range.
 const FORMS: [(f64, f64); 6] = [(0.0, 0.0), (0.05, 0.0), (0.1, 0.0), (0.2, 0.0), (0.0, 0.25), (0.0, 0.7)];
 
+/// One direction's share may be below zero by so much of the other's: it is not known better.
+const OPPOSED_MAX: f64 = 0.3;
+
 static ABOUT: About = About {
     id: "load_dependent_friction",
     family: Family::Physics,
@@ -39,6 +42,11 @@ impl Effect for LoadDependentFriction {
             FORMS.map(|(before, above)| vec![0.0, 0.0, of_tension, before * span_nm, above * span_nm])
         };
         [of(0.0), of(1.0)].concat()
+    }
+
+    /// What grows in one direction and falls in the other is no friction.
+    fn is_itself(&self, p: &[f64], _extent: &Extent) -> bool {
+        p[0].min(p[1]) >= -OPPOSED_MAX * p[0].abs().max(p[1].abs())
     }
 
     fn friction_nm(&self, p: &[f64], _sample: &Sample<'_>, carried: Carried) -> Both<f64> {

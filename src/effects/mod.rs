@@ -284,6 +284,11 @@ pub trait Effect: Sync + std::fmt::Debug {
         true
     }
 
+    /// What it counts for that numbers found are those that the joint of `extent` has: so many numbers less.
+    fn confirmed(&self, _p: &[f64], _extent: &Extent) -> usize {
+        0
+    }
+
     /// The most that parameter number `at` may be for a campaign to show it.
     fn most(&self, _at: usize, _extent: &Extent) -> f64 {
         f64::INFINITY

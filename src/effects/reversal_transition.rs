@@ -4,7 +4,10 @@ use super::{About, Curve, Effect, Extent, Family, Parameter, Region, spaced};
 
 /// Clearances tried, as shares of the range moved through.
 const WIDTHS: (f64, f64) = (0.004, 0.4);
-
+/// A clearance found within this share of the joint's own is that clearance; by chance one of many sizes is there seldom ...
+const OWN: f64 = 0.15;
+/// ... which counts for so many numbers: it is itself none, and what goes by another travel needs one to be there.
+const OWN_COUNTS: usize = 2;
 /// Widest clearance, as a share of the stroke that crosses it.
 const CROSSED: f64 = 0.8;
 
@@ -39,6 +42,10 @@ impl Effect for ReversalTransition {
             .filter(|width_m| *width_m <= self.most(0, extent))
             .flat_map(|width_m| [(0.3, 0.2), (0.3, 1.0), (3.0, 1.0), (0.3, 2.0)].map(|(p, n)| vec![width_m, p, n]))
             .collect()
+    }
+
+    fn confirmed(&self, p: &[f64], extent: &Extent) -> usize {
+        if (p[0] - extent.backlash_m).abs() <= OWN * extent.backlash_m { OWN_COUNTS } else { 0 }
     }
 
     /// A clearance that some trial never crosses would leave that trial without a state to begin from.
