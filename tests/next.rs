@@ -4,7 +4,7 @@ use crate::campaigns::{plan, record, truth};
 use tautline::diagnose::{Diagnosis, Kind, run};
 use tautline::effects::Added;
 use tautline::log::{Campaign, Signal};
-use tautline::model::{Combination, Model};
+use tautline::model::{Combination, Joint, Model};
 use tautline::report::diagnosis::{next_toml, sentences, to_json};
 use tautline::simulate::{Plan, Sensors};
 use tautline::trajectory::{Path, Protocol, Segment, Trajectory};
@@ -120,14 +120,22 @@ fn what_no_motion_tells_apart_is_left_to_a_hand() {
     assert!(instruction.contains("take the cable off"), "{instruction}");
 }
 
-/// A few sweeps leave open how friction changes over, and the form with fewer numbers is named, wrongly.
+/// A few sweeps leave open how friction changes over. Where nothing is known of the clearance the form with fewer numbers is
+/// named, wrongly; one that comes out as the joint's own speaks for the transition.
 #[test]
 fn a_verdict_that_rests_on_being_simplest_says_what_would_settle_it() {
-    let jumps = Model { combination: Combination::Sign, ..truth() };
+    let with_clearance = |backlash_m: f64| {
+        let joint = Joint { backlash_m, ..truth().joint };
+        Model { joint, combination: Combination::Sign, ..truth() }
+    };
+    let (jumps, measured) = (with_clearance(0.0), with_clearance(0.0016));
     let sweep = |(to_rad, speed_rad_s)| Segment::Sweep { to_rad, speed_rad_s, acceleration_rad_s2: 4.0 };
     let segments = [(1.2, 0.4), (0.2, 0.4), (1.2, 0.8), (0.2, 0.8)].into_iter().map(sweep).collect();
     let few = Trajectory { own: Path { start_rad: 0.2, segments }, repeats: Some(3), ..narrow() };
     let passes = "reversal_transition:backlash_m=0.0016,p=2,n=1";
+    let confirmed =
+        diagnosed_with((&measured, &measured), 0.1, &["reversal_transition:backlash_m=0.0016,p=1,n=1"], few.clone(), 7);
+    assert_eq!(named(&confirmed), (Kind::Effect, vec!["reversal_transition"]));
     let open = diagnosed_with((&jumps, &jumps), 0.1, &[passes], few, 7);
     let next = open.next.as_ref().unwrap();
     assert_eq!((named(&open).1, &next.separates[..]), (vec!["presliding"], &["presliding", "reversal_transition"][..]));

@@ -51,8 +51,11 @@ impl Tried {
     /// Numbers that were fitted, less what it counts for that the joint confirms some.
     pub fn count(&self, bench: &Bench<'_>) -> usize {
         let effect = match self.cause {
-            Cause::Effect(id) => self.fit.model.effects.iter().rev().find(|added| added.id() == id),
-            Cause::Stale(_) => None,
+            // To a model that passes over its clearance already, how wide that is would be no news.
+            Cause::Effect(id) if self.fit.model.combination == Combination::Sign => {
+                self.fit.model.effects.iter().rev().find(|added| added.id() == id)
+            }
+            _ => None,
         };
         let confirmed = effect.map_or(0, |added| added.effect.confirmed(&added.parameters, &bench.extent));
         self.fit.moves.len().saturating_sub(confirmed)
