@@ -10,6 +10,9 @@ use crate::effects::Region;
 const UNKNOWN_FLOORS: f64 = 1.0;
 /// ... if more than this share of what the base leaves is still there after the causes that were found.
 const UNKNOWN_SHARE: f64 = 0.4;
+/// Where no contact is among them a form that is right leaves less: not so many floors, slow noise in them, and not this share.
+const FORM_FLOORS: f64 = 0.75;
+const FORM_SHARE: f64 = 0.2;
 
 /// What kind of answer it is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -98,9 +101,12 @@ pub fn verdict(bench: &Bench<'_>, choice: &Choice, evidence: &Evidence<'_>) -> V
         effects.push(Cause::Effect("contact"));
     }
     let is_open = |rest: f64, last: f64| {
-        let left = above(last, evidence.quick_square);
-        left > UNKNOWN_FLOORS * evidence.quick_square.sqrt()
-            && left > UNKNOWN_SHARE * above(rest, evidence.quick_square)
+        let exceeds = |floor_square: f64, floors: f64, share: f64| {
+            let left = above(last, floor_square);
+            left > floors * floor_square.sqrt() && left > share * above(rest, floor_square)
+        };
+        let misses_form = !evidence.contact && exceeds(floor_square, FORM_FLOORS, FORM_SHARE);
+        misses_form || exceeds(evidence.quick_square, UNKNOWN_FLOORS, UNKNOWN_SHARE)
     };
     let (rest, last) = (mean(&evidence.rest), mean(&evidence.last));
     let kind = if is_open(rest, last) {
