@@ -1,10 +1,11 @@
 //! Contacts: stretches in which the torque leaves all that depends on the recorded motion, and that are not there again when the
 //! motion is.
 
-use super::fit::Bench;
+use super::fit::{Bench, Ground};
 use super::flexible::{self, Flexible};
 use super::record::Record;
-use crate::numerics::statistics::quantile;
+use crate::model::Combination;
+use crate::numerics::statistics::{extent, quantile};
 use std::ops::Range;
 
 /// Rounds of fitting without what the last round found.
@@ -33,6 +34,8 @@ const FASTER: f64 = 1.6;
 const SLOW: f64 = 0.02;
 const ROWS_MIN: usize = 12;
 
+/// Where a reversal was is not known better than to so many times the travel that counts as none.
+const OPEN_STEPS: f64 = 3.0;
 /// What swings so often, each time by this share of the largest area at least, rings.
 const SWINGS: usize = 4;
 const SWING_SHARE: f64 = 0.25;
@@ -48,8 +51,8 @@ pub struct Burst {
     pub peak_nm: f64,
 }
 
-/// The bursts in `target_nm`, and the flexible fit without them.
-pub fn find(bench: &Bench<'_>, columns: &[Vec<f64>], target_nm: &[f64]) -> (Vec<Burst>, Flexible) {
+/// The bursts in `target_nm`, what `ground` leaves, and the flexible fit without them.
+pub fn find(bench: &Bench<'_>, ground: &Ground, columns: &[Vec<f64>], target_nm: &[f64]) -> (Vec<Burst>, Flexible) {
     let mut used = bench.used.clone();
     let mut fitted = flexible::fit(bench, columns, target_nm, &used);
     let mut bursts = Vec::new();
@@ -68,6 +71,7 @@ pub fn find(bench: &Bench<'_>, columns: &[Vec<f64>], target_nm: &[f64]) -> (Vec<
     let once = |burst: &Burst| {
         !is_repeated(bench, &states, &fitted.residual_nm, burst)
             && !recurs(bench, &states, &fitted.residual_nm, &bursts, burst)
+            && !is_of_encoder(bench, ground, burst)
     };
     let bursts = bursts.iter().filter(|burst| once(burst)).cloned().collect();
     (bursts, fitted)
@@ -184,6 +188,20 @@ fn is_repeated(bench: &Bench<'_>, states: &[[f64; 3]], residual_nm: &[f64], burs
     let far = |i: &usize| *i + 10 < burst.rows.start || *i > burst.rows.end + 10;
     let mut others: Vec<f64> = (0..states.len()).filter(far).filter(same).map(|i| residual_nm[i].abs()).collect();
     others.len() >= ROWS_MIN && quantile(&mut others, OFTEN) > REPEATED * burst.peak_nm.abs()
+}
+
+/// Whether it is no more than what the encoder leaves open: just after a reversal friction passes within a travel of few steps.
+fn is_of_encoder(bench: &Bench<'_>, ground: &Ground, burst: &Burst) -> bool {
+    let backlash_rad = ground.model.backlash_m() / ground.model.joint.pulley_radius_m;
+    let open_rad = OPEN_STEPS * bench.records.all[burst.record].deadband_rad;
+    let (low_nm, high_nm) = extent(&ground.predicted_nm[burst.rows.clone()]);
+    let passed = match ground.model.combination {
+        // Where friction jumps, so does the prediction, at the sample at which the joint turns.
+        Combination::Sign => 0.0,
+        curve if backlash_rad > 0.0 => curve.share((open_rad / backlash_rad).min(1.0)),
+        _ => 0.0,
+    };
+    burst.peak_nm.abs() <= passed * (high_nm - low_nm)
 }
 
 /// Whether most other repeats of the burst's trial have a burst of the same sign and the like size at the same place, in the

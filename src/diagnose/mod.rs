@@ -191,7 +191,7 @@ pub fn run(campaign: &Campaign, model: &Model, progress: &(dyn Fn() + Sync)) -> 
     let rest_nm = bench.rest_residual_nm(&ground);
     let lines = [false, true].map(|by_direction| ripple::starts(&bench, &ground, &rest_nm, by_direction));
     let columns = flexible::columns(&bench, &ground, &lines.concat());
-    let (mut bursts, flexible) = bursts::find(&bench, &columns, &rest_nm);
+    let (mut bursts, flexible) = bursts::find(&bench, &ground, &columns, &rest_nm);
     progress();
     let mut is_second = false;
     let (choice, after, after_nm) = loop {

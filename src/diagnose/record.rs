@@ -57,7 +57,7 @@ pub struct Record {
     followed_rad: Vec<f64>,
     /// Sign of the speed at the log's full rate; 0 at rest.
     moving: Vec<i8>,
-    deadband_rad: f64,
+    pub deadband_rad: f64,
     lowpass: LowPass,
 }
 
