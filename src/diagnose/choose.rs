@@ -139,7 +139,7 @@ impl Search<'_> {
         let best = all.iter().min_by(|a, b| score(self.bench, &a.1).total_cmp(&score(self.bench, &b.1)))?.1.clone();
         let equals = all.into_iter().filter(|(_, fit)| is_tie(self.bench, &best, fit, self.start));
         // Of pairs that do as well the simplest; to have what does best alone is worth a number.
-        let has_one = |pair: &[Sketch]| pair.iter().any(|sketch| sketch.cause == one.cause);
+        let has_one = |pair: &[Sketch]| pair.iter().any(|sketch| (sketch.cause, sketch.how) == (one.cause, one.how));
         equals
             .min_by_key(|(pair, fit)| (fit.moves.len() + usize::from(!has_one(pair)), makeshifts(pair), !has_one(pair)))
     }

@@ -40,7 +40,7 @@ impl Effect for ElasticSpring {
 
     /// One that softens is another thing.
     fn is_itself(&self, p: &[f64], _extent: &Extent) -> bool {
-        p[2] <= 0.5 || p[0] * p[3] >= 0.0
+        p[2] <= 0.5 || p[0].min(p[3]) >= 0.0
     }
 
     fn joint_torque_nm(&self, p: &[f64], sample: &Sample<'_>) -> f64 {
