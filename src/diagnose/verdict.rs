@@ -12,7 +12,7 @@ const UNKNOWN_FLOORS: f64 = 1.0;
 const UNKNOWN_SHARE: f64 = 0.4;
 /// Where no contact is among them a form that is right leaves less: not so many floors, slow noise in them, and not this share.
 const FORM_FLOORS: f64 = 0.75;
-const FORM_SHARE: f64 = 0.2;
+const FORM_SHARE: f64 = 0.25;
 
 /// What kind of answer it is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
