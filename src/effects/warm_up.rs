@@ -9,6 +9,9 @@ fn cold(p: &[f64], sample: &Sample<'_>) -> f64 {
     if p[6] > 0.5 { (1.0 + share).powf(-p[5]) } else { (-share.powf(p[5])).exp() }
 }
 
+/// How much less of all friction there may seem to be when cold, beside more of its constant and viscous part.
+const LESS_MAX: f64 = 0.1;
+
 static ABOUT: About = About {
     id: "warm_up",
     family: Family::Physics,
@@ -54,6 +57,11 @@ impl Effect for WarmUp {
             })
         };
         clocks.into_iter().flat_map(of).collect()
+    }
+
+    /// Friction that is less when cold is another thing; where only a part of it warms up the share may come out a little below zero.
+    fn is_itself(&self, p: &[f64], _extent: &Extent) -> bool {
+        p[1] >= -LESS_MAX
     }
 
     fn friction_factor(&self, p: &[f64], sample: &Sample<'_>) -> f64 {
