@@ -220,3 +220,21 @@ fn recurs(bench: &Bench<'_>, states: &[[f64; 3]], residual_nm: &[f64], bursts: &
     let has_like = |record: &&usize| bursts.iter().filter(|other| other.record == **record).any(|other| like(&other));
     name.is_some() && !repeats.is_empty() && 2 * repeats.iter().filter(has_like).count() >= repeats.len()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::{Burst, ring};
+    use std::f64::consts::PI;
+
+    #[test]
+    fn what_swings_to_and_fro_rings_and_a_push_does_not() {
+        let series = |of: fn(f64) -> f64| (0..60).map(|i| of(f64::from(i) / 60.0)).collect::<Vec<f64>>();
+        let bursts = [Burst { rows: 0..60, record: 0, peak_nm: 1.0 }];
+        let rings = |of: fn(f64) -> f64| ring(&bursts, &series(of));
+        assert!(rings(|t| (-t).exp() * (8.0 * PI * t).sin()));
+        assert!(!rings(|t| (PI * t).sin()), "a push");
+        assert!(!rings(|t| (2.0 * PI * t).sin()), "there and back");
+        assert!(!rings(|t| (-4.0 * t).exp() + 0.02 * (40.0 * PI * t).sin()), "a blow in noise");
+        assert!(!ring(&[], &[]));
+    }
+}

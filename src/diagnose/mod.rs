@@ -193,27 +193,7 @@ pub fn run(campaign: &Campaign, model: &Model, progress: &(dyn Fn() + Sync)) -> 
     let columns = flexible::columns(&bench, &ground, &lines.concat());
     let (mut bursts, flexible) = bursts::find(&bench, &ground, &columns, &rest_nm);
     progress();
-    let mut is_second = false;
-    let (choice, after, after_nm) = loop {
-        let (choice, after, after_nm) = without(&mut bench, &bursts, &judged, &model, &ground, progress);
-        let suspected = bursts.len();
-        let left_nm = bench.residual_nm(&after_nm);
-        bursts::keep_unexplained(&bench, &mut bursts, &rest_nm, &left_nm);
-        if bursts.len() == suspected && !is_second && !bursts.is_empty() && choice.found.is_empty() {
-            // With all that is striking set aside nothing was left to find: perhaps it was no contact at all.
-            let whole = without(&mut bench, &[], &judged, &model, &ground, progress);
-            bursts::keep_unexplained(&bench, &mut bursts, &rest_nm, &bench.residual_nm(&whole.2));
-            if 2 * bursts.len() <= suspected {
-                bursts.clear();
-                break whole;
-            }
-            bench.count(aside(&judged, &bursts));
-            break (choice, after, after_nm);
-        } else if bursts.len() == suspected || is_second {
-            break (choice, after, after_nm);
-        }
-        is_second = true;
-    };
+    let (choice, after, after_nm) = told_apart(&mut bench, &mut bursts, &judged, &model, &ground, &rest_nm, progress);
     let left_nm = bench.residual_nm(&after_nm);
     let unforeseen_square = flexible::fit(&bench, &columns, &left_nm, &bench.used).held_out;
     let left_square = choice.last.held_out.iter().sum::<f64>() / bench.rows().max(1) as f64;
@@ -270,6 +250,40 @@ fn aside(judged: &[bool], bursts: &[Burst]) -> Vec<bool> {
     let mut used = judged.to_vec();
     bursts.iter().for_each(|burst| used[burst.rows.clone()].fill(false));
     used
+}
+
+/// The causes found with what is contact set aside, the model that they make, and what it predicts, N m; of `bursts` those stay that
+/// no model foretells.
+fn told_apart(
+    bench: &mut Bench<'_>,
+    bursts: &mut Vec<Burst>,
+    judged: &[bool],
+    model: &Model,
+    ground: &Ground,
+    rest_nm: &[f64],
+    progress: &(dyn Fn() + Sync),
+) -> (Choice, Model, Vec<f64>) {
+    let mut is_second = false;
+    loop {
+        let found = without(bench, bursts, judged, model, ground, progress);
+        let suspected = bursts.len();
+        let left_nm = bench.residual_nm(&found.2);
+        bursts::keep_unexplained(bench, bursts, rest_nm, &left_nm);
+        if bursts.len() == suspected && !is_second && !bursts.is_empty() && found.0.found.is_empty() {
+            // With all that is striking set aside nothing was left to find: perhaps it was no contact at all.
+            let whole = without(bench, &[], judged, model, ground, progress);
+            bursts::keep_unexplained(bench, bursts, rest_nm, &bench.residual_nm(&whole.2));
+            if 2 * bursts.len() <= suspected {
+                bursts.clear();
+                return whole;
+            }
+            bench.count(aside(judged, bursts));
+            return found;
+        } else if bursts.len() == suspected || is_second {
+            return found;
+        }
+        is_second = true;
+    }
 }
 
 /// The causes found with `bursts` set aside, the model that they make, and what it predicts, N m.

@@ -57,6 +57,7 @@ pub struct Record {
     followed_rad: Vec<f64>,
     /// Sign of the speed at the log's full rate; 0 at rest.
     moving: Vec<i8>,
+    /// Travel back below which nothing counts as a reversal, rad.
     pub deadband_rad: f64,
     lowpass: LowPass,
 }

@@ -38,7 +38,7 @@ impl Effect for ElasticSpring {
         at < 3 || p[2] > 0.5
     }
 
-    /// One that softens is another thing.
+    /// One that softens, or stiffens the wrong way, is another thing.
     fn is_itself(&self, p: &[f64], _extent: &Extent) -> bool {
         p[2] <= 0.5 || p[0].min(p[3]) >= 0.0
     }
