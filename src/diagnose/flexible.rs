@@ -4,8 +4,10 @@
 //! of the motion, low-passed like the torque. What it leaves on held-out units depends on nothing that was recorded, or on too
 //! much of it at once.
 
-use super::fit::{Bench, Ground};
-use super::gram::{Gram, Prior};
+use super::base::BaseModel;
+use super::data::DataSet;
+use super::gram::Gram;
+use super::mask::Mask;
 use super::record::Record;
 use crate::numerics::statistics::{extent, root_mean_square};
 use rayon::prelude::*;
@@ -46,12 +48,12 @@ struct State {
 }
 
 /// Columns of the flexible fit at all rows, low-passed.
-pub fn columns(bench: &Bench<'_>, ground: &Ground, lines: &[Vec<f64>]) -> Vec<Vec<f64>> {
-    let states = states(bench, ground);
+pub fn columns(base: &BaseModel<'_>, lines: &[Vec<f64>]) -> Vec<Vec<f64>> {
+    let states = states(base);
     let at = |of: &dyn Fn(&State) -> f64| extent(&states.iter().flatten().map(of).collect::<Vec<f64>>());
     let (low, high) = at(&|s| s.position);
     let range = high - low;
-    let speed = bench.extent.speed_rad_s;
+    let speed = base.data().extent.speed_rad_s;
     let log_speed = |s: &State| (s.velocity.abs().max(speed.0)).ln();
     let speeds = (speed.0.ln(), speed.1.ln());
     type Feature<'f> = Box<dyn Fn(&State) -> f64 + Send + Sync + 'f>;
@@ -65,15 +67,15 @@ pub fn columns(bench: &Bench<'_>, ground: &Ground, lines: &[Vec<f64>]) -> Vec<Ve
     for k in 0..CORNERS {
         both(Box::new(move |s| hat(s.position, (low, high), k, CORNERS)));
     }
-    let load = |record: &Record, i: usize| record.load_nm(i, &ground.model);
-    let loads = extent(&bench.records.rows(load));
+    let load = |record: &Record, i: usize| record.load_nm(i, &base.model);
+    let loads = extent(&base.data().records.rows(load));
     for k in 0..CORNERS_FEW {
         both(Box::new(move |s| hat(s.load, loads, k, CORNERS_FEW)));
     }
     for travel in TRAVELS {
         both(Box::new(move |s| (-s.travel / (travel * range)).exp()));
     }
-    let (trial_s, campaign_s) = (bench.extent.trial_s, bench.extent.campaign_s);
+    let (trial_s, campaign_s) = (base.data().extent.trial_s, base.data().extent.campaign_s);
     for k in 1..CORNERS_FEW {
         both(Box::new(move |s| hat(s.time_s, (0.0, trial_s), k, CORNERS_FEW)));
         both(Box::new(move |s| hat(s.elapsed_s, (0.0, campaign_s), k, CORNERS_FEW)));
@@ -93,48 +95,48 @@ pub fn columns(bench: &Bench<'_>, ground: &Ground, lines: &[Vec<f64>]) -> Vec<Ve
             features.push(Box::new(move |s| s.sign * angle(s).cos()));
         }
     }
-    let column = |feature: &Feature<'_>| bench.records.low_passed(|at, _, i| feature(&states[at][i]));
+    let column = |feature: &Feature<'_>| base.data().records.low_passed(|at, _, i| feature(&states[at][i]));
     let mut columns: Vec<Vec<f64>> = features.par_iter().map(column).collect();
-    columns.extend(of_others(bench));
-    columns.extend(of_torque(bench, ground));
+    columns.extend(of_others(base.data()));
+    columns.extend(of_torque(base));
     columns
 }
 
 /// Other joints: position, speed, acceleration, direction.
-fn of_others(bench: &Bench<'_>) -> Vec<Vec<f64>> {
+fn of_others(data: &DataSet) -> Vec<Vec<f64>> {
     let joint = |joint: usize| {
         let reach = |of: &dyn Fn(crate::dynamics::Motion) -> f64| {
-            extent(&bench.records.rows(|record, i| record.other(joint, i)).into_iter().map(of).collect::<Vec<f64>>())
+            extent(&data.records.rows(|record, i| record.other(joint, i)).into_iter().map(of).collect::<Vec<f64>>())
         };
         let span = reach(&|m| m.position);
         let soft = 0.1 * reach(&|m| m.velocity).1.max(1e-9);
         let hats = (1..CORNERS_FEW)
-            .map(|k| bench.records.low_passed(move |_, r, i| hat(r.other(joint, i).position, span, k, CORNERS_FEW)));
+            .map(|k| data.records.low_passed(move |_, r, i| hat(r.other(joint, i).position, span, k, CORNERS_FEW)));
         let mut columns: Vec<Vec<f64>> = hats.collect();
-        columns.push(bench.records.low_passed(|_, r, i| r.other(joint, i).velocity));
-        columns.push(bench.records.low_passed(|_, r, i| (r.other(joint, i).velocity / soft).tanh()));
-        columns.push(bench.records.low_passed(|_, r, i| r.other(joint, i).acceleration));
-        columns.push(bench.records.low_passed(|_, r, i| r.other(joint, i).acceleration * r.own[i].position.cos()));
-        columns.push(bench.records.low_passed(|_, r, i| r.other(joint, i).position * r.own[i].position));
+        columns.push(data.records.low_passed(|_, r, i| r.other(joint, i).velocity));
+        columns.push(data.records.low_passed(|_, r, i| (r.other(joint, i).velocity / soft).tanh()));
+        columns.push(data.records.low_passed(|_, r, i| r.other(joint, i).acceleration));
+        columns.push(data.records.low_passed(|_, r, i| r.other(joint, i).acceleration * r.own[i].position.cos()));
+        columns.push(data.records.low_passed(|_, r, i| r.other(joint, i).position * r.own[i].position));
         columns
     };
-    (0..bench.extent.others.min(OTHERS)).flat_map(joint).collect()
+    (0..data.extent.others.min(OTHERS)).flat_map(joint).collect()
 }
 
 /// The predicted torque itself, its slope in time, and its ends.
-fn of_torque(bench: &Bench<'_>, ground: &Ground) -> Vec<Vec<f64>> {
-    let predicted_nm = &ground.predicted_nm;
+fn of_torque(base: &BaseModel<'_>) -> Vec<Vec<f64>> {
+    let predicted_nm = &base.predicted_nm;
     let span = extent(predicted_nm);
     let slope = |i: usize| match (i.checked_sub(1), predicted_nm.get(i + 1)) {
         (Some(before), Some(after)) => after - predicted_nm[before],
         _ => 0.0,
     };
     let hats = (0..CORNERS_FEW).map(|k| predicted_nm.iter().map(|y| hat(*y, span, k, CORNERS_FEW)).collect());
-    hats.chain([(0..bench.measured_nm.len()).map(slope).collect()]).collect()
+    hats.chain([(0..base.data().measured_nm.len()).map(slope).collect()]).collect()
 }
 
 /// The states of every record's thinned samples.
-fn states(bench: &Bench<'_>, ground: &Ground) -> Vec<Vec<State>> {
+fn states(base: &BaseModel<'_>) -> Vec<Vec<State>> {
     let of = |(record, k_tilde): (&super::record::Record, &Vec<f64>)| {
         let travel = record.travel_rad();
         (0..record.own.len())
@@ -146,11 +148,11 @@ fn states(bench: &Bench<'_>, ground: &Ground) -> Vec<Vec<State>> {
                 travel: travel[i],
                 time_s: record.time_s[i],
                 elapsed_s: record.elapsed_s(i),
-                load: record.load_nm(i, &ground.model),
+                load: record.load_nm(i, &base.model),
             })
             .collect()
     };
-    bench.records.all.iter().zip(&ground.passages).map(of).collect()
+    base.data().records.all.iter().zip(&base.passages).map(of).collect()
 }
 
 /// The `k`th of `count` tents that stand side by side over a range: 1 at its own corner, 0 at the next ones.
@@ -160,28 +162,19 @@ fn hat(x: f64, (low, high): (f64, f64), k: usize, count: usize) -> f64 {
 }
 
 /// Fits `columns` to `target_nm` over the rows that count.
-pub fn fit(bench: &Bench<'_>, columns: &[Vec<f64>], target_nm: &[f64], used: &[bool]) -> Flexible {
+pub fn fit(mask: &Mask<'_>, columns: &[Vec<f64>], target_nm: &[f64]) -> Flexible {
     let size = root_mean_square(target_nm);
-    let counted = |values: &[f64]| -> Vec<f64> {
-        values.iter().zip(used).map(|(x, used)| if *used { *x } else { 0.0 }).collect()
-    };
+    let counted = |values: &[f64]| mask.apply(values.iter().copied());
     let masked: Vec<Vec<f64>> = columns.par_iter().map(|column| counted(column)).collect();
     let all: Vec<&[f64]> = masked.iter().map(Vec::as_slice).collect();
     let deviations: Vec<f64> =
         columns.iter().map(|column| WIDE * size / root_mean_square(column).max(f64::MIN_POSITIVE)).collect();
-    let unit_rows = bench.parts.rows(used);
-    let prior = Prior {
-        deviations: &deviations,
-        rows: &unit_rows,
-        floor_square: bench.floor_nm * bench.floor_nm,
-        rows_per_independent: bench.records.rows_per_independent,
-    };
-    let gram = Gram::new(bench.parts, &all, &counted(target_nm));
+    let (prior, folds) = (mask.prior(&deviations), &mask.data.folds);
+    let gram = Gram::new(folds, &all, &counted(target_nm));
     let x = gram.solve(prior).x;
     let mut residual_nm = target_nm.to_vec();
     for (column, x) in columns.iter().zip(x.iter()) {
         residual_nm.iter_mut().zip(column).for_each(|(r, c)| *r -= x * c);
     }
-    let rows = unit_rows.iter().sum::<usize>().max(1) as f64;
-    Flexible { held_out: gram.held_out(bench.parts, prior).iter().sum::<f64>() / rows, residual_nm }
+    Flexible { held_out: gram.held_out(folds, prior).iter().sum::<f64>() / mask.rows().max(1) as f64, residual_nm }
 }

@@ -234,9 +234,9 @@ fn carried_below_nm(series_nm: &[f64], rate_hz: f64, signal: &Signal) -> f64 {
     levels.push(series_nm.to_vec());
     let stretch = ((STRETCH_S * rate_hz) as usize).max(8);
     let band = |pair: &[Vec<f64>]| {
-        let parts = pair[0].chunks_exact(stretch).zip(pair[1].chunks_exact(stretch));
+        let folds = pair[0].chunks_exact(stretch).zip(pair[1].chunks_exact(stretch));
         let square = |(a, b): (&[f64], &[f64])| a.iter().zip(b).map(|(a, b)| (b - a) * (b - a)).sum::<f64>();
-        quantile(&mut parts.map(|part| square(part) / stretch as f64).collect::<Vec<f64>>(), 0.5)
+        quantile(&mut folds.map(|part| square(part) / stretch as f64).collect::<Vec<f64>>(), 0.5)
     };
     let squares: Vec<f64> = levels.windows(2).map(band).collect();
     let gain = |edge_hz: f64, hz: f64| passed(order, edge_hz, hz, rate_hz);

@@ -1,7 +1,7 @@
 //! Least squares on sums of products: once the products of all columns are summed unit by unit, fitting on any choice of units
 //! and judging on the others is a matter of small matrices.
 
-use super::parts::{FOLDS, Parts};
+use super::folds::{FOLDS, Folds};
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 
@@ -46,17 +46,17 @@ pub struct Solution {
     /// Sum of squares left, (N m)^2.
     pub square: f64,
     /// Sum of (x / deviation)^2 over the columns that have a prior.
-    pub surprise: f64,
+    pub prior_penalty: f64,
 }
 
 impl Gram {
     /// Of `columns` and `residual`, both 0 in rows that do not count.
-    pub fn new(parts: &Parts, columns: &[&[f64]], residual: &[f64]) -> Self {
-        Self::default().beside(parts, &[], columns, residual)
+    pub fn new(folds: &Folds, columns: &[&[f64]], residual: &[f64]) -> Self {
+        Self::default().beside(folds, &[], columns, residual)
     }
 
     /// Of `known` columns, whose products with each other this holds, with `added` ones and another `residual`.
-    pub fn beside(&self, parts: &Parts, known: &[&[f64]], added: &[&[f64]], residual: &[f64]) -> Self {
+    pub fn beside(&self, folds: &Folds, known: &[&[f64]], added: &[&[f64]], residual: &[f64]) -> Self {
         let all: Vec<&[f64]> = known.iter().chain(added).copied().chain([residual]).collect();
         let n = all.len();
         let one = |(at, range): (usize, &std::ops::Range<usize>)| {
@@ -73,7 +73,7 @@ impl Gram {
             }
             sums
         };
-        Self { units: parts.units.par_iter().enumerate().map(one).collect(), columns: n - 1 }
+        Self { units: folds.units.par_iter().enumerate().map(one).collect(), columns: n - 1 }
     }
 
     /// Sum over the units that `wanted` chooses.
@@ -89,7 +89,7 @@ impl Gram {
     }
 
     /// How many coefficients the data decide: 1 for each that has no prior, next to 0 where the prior holds it.
-    pub fn decided(&self, prior: Prior<'_>) -> f64 {
+    pub fn effective_dof(&self, prior: Prior<'_>) -> f64 {
         let sum = self.total(|_| true);
         let noise_square = prior.floor_square.max(f64::MIN_POSITIVE) * prior.rows_per_independent;
         let square = |a: usize| if sum[(a, a)] > 0.0 { sum[(a, a)] } else { 1.0 };
@@ -101,13 +101,13 @@ impl Gram {
     }
 
     /// Sum of squares left in each unit by coefficients that were fitted without its fold.
-    pub fn held_out(&self, parts: &Parts, prior: Prior<'_>) -> Vec<f64> {
+    pub fn held_out(&self, folds: &Folds, prior: Prior<'_>) -> Vec<f64> {
         let mut left = vec![0.0; self.units.len()];
         for fold in 0..FOLDS {
-            let kept = |at: usize| parts.fold[at] != fold;
+            let kept = |at: usize| folds.fold[at] != fold;
             let rows = prior.rows.iter().enumerate().filter(|(at, _)| kept(*at)).map(|(_, rows)| rows).sum();
             let x = solve(&self.total(kept), rows, prior).x;
-            for (at, unit) in self.units.iter().enumerate().filter(|(at, _)| parts.fold[*at] == fold) {
+            for (at, unit) in self.units.iter().enumerate().filter(|(at, _)| folds.fold[*at] == fold) {
                 left[at] = square_left(unit, &x);
             }
         }
@@ -149,11 +149,12 @@ pub fn solve(sum: &DMatrix<f64>, rows: usize, prior: Prior<'_>) -> Solution {
     let per_row = |square: f64| square / rows.max(1) as f64;
     let known = prior.deviations.iter().filter(|d| d.is_finite()).count() as f64;
     let limit = known + SURPRISE_ERRORS * (2.0 * known).sqrt();
-    let mut found = Solution { x: DVector::zeros(n), square: sum[(n, n)], surprise: 0.0 };
+    let mut found = Solution { x: DVector::zeros(n), square: sum[(n, n)], prior_penalty: 0.0 };
     let mut firmness = vec![1.0; n];
     for round in 0..ROUNDS + FIRMER_MAX {
         if round >= ROUNDS {
-            let is_beyond = |a: usize| found.surprise > limit || found.x[a].abs() > MOVE_ERRORS * prior.deviations[a];
+            let is_beyond =
+                |a: usize| found.prior_penalty > limit || found.x[a].abs() > MOVE_ERRORS * prior.deviations[a];
             let beyond: Vec<usize> = (0..n).filter(|a| is_beyond(*a)).collect();
             if beyond.is_empty() {
                 break;
@@ -171,8 +172,8 @@ pub fn solve(sum: &DMatrix<f64>, rows: usize, prior: Prior<'_>) -> Solution {
         let Some(cholesky) = normal.cholesky() else { break };
         let scaled = cholesky.solve(&right);
         let x = DVector::from_fn(n, |a, _| scaled[a] / scales[a]);
-        let surprise = (0..n).map(|a| (x[a] / prior.deviations[a]).powi(2)).sum();
-        found = Solution { square: square_left(sum, &x), x, surprise };
+        let prior_penalty = (0..n).map(|a| (x[a] / prior.deviations[a]).powi(2)).sum();
+        found = Solution { square: square_left(sum, &x), x, prior_penalty };
     }
     found
 }

@@ -2,10 +2,11 @@
 //!
 //! The share of a region is the part of the gap's energy above the floor that a function of that quantity alone accounts for
 //! (means over bins, with and without the sign of the motion, corrected for how many bins could chase noise); for regions that
-//! are a set of samples (rest, bursts, clipped) it is their energy.
+//! are a set of samples (rest, events, clipped) it is their energy.
 
-use super::bursts::Burst;
-use super::fit::{Bench, Ground};
+use super::base::BaseModel;
+use super::contact_events::ContactEvent;
+use super::data::DataSet;
 use super::record::Record;
 use crate::effects::Region;
 use crate::numerics::statistics::quantile;
@@ -45,22 +46,22 @@ pub(super) struct Quantity {
 }
 
 /// The regions of `residual_nm`, by share.
-pub fn locate(bench: &Bench<'_>, ground: &Ground, residual_nm: &[f64], bursts: &[Burst]) -> Vec<Place> {
-    let floor_square = bench.floor_nm * bench.floor_nm;
+pub fn locate(base: &BaseModel<'_>, residual_nm: &[f64], events: &[ContactEvent]) -> Vec<Place> {
+    let floor_square = base.mask.floor_nm * base.mask.floor_nm;
     let excess = |rows: &mut dyn Iterator<Item = usize>| -> f64 {
         rows.map(|i| residual_nm[i] * residual_nm[i] - floor_square).sum::<f64>()
     };
     let whole = excess(&mut (0..residual_nm.len())).max(f64::MIN_POSITIVE);
-    let sign = signs(bench, ground);
-    let rows_per_independent = bench.records.rows_per_independent;
+    let sign = signs(base);
+    let rows_per_independent = base.data().records.rows_per_independent;
     let survey = Survey { rows_per_independent, residual: residual_nm, sign: &sign, whole, floor_square };
-    let mut in_burst = vec![false; residual_nm.len()];
-    bursts.iter().for_each(|burst| in_burst[burst.rows.clone()].fill(true));
-    let mut found: Vec<Place> = quantities(bench).iter().filter_map(|quantity| survey.place(quantity)).collect();
+    let mut in_event = vec![false; residual_nm.len()];
+    events.iter().for_each(|event| in_event[event.rows.clone()].fill(true));
+    let mut found: Vec<Place> = quantities(base.data()).iter().filter_map(|quantity| survey.place(quantity)).collect();
     let sets: [(Region, &str, Vec<bool>); 3] = [
-        (Region::Rest, "the joint rests", bench.records.rows(|r, i| r.rests[i])),
-        (Region::Clipped, "the sensor clips, or is about to", bench.records.rows(|r, i| r.clipped[i])),
-        (Region::Bursts, "bursts that are not repeated", in_burst),
+        (Region::Rest, "the joint rests", base.data().records.rows(|r, i| r.rests[i])),
+        (Region::Clipped, "the sensor clips, or is about to", base.data().records.rows(|r, i| r.clipped[i])),
+        (Region::Bursts, "contact events, not repeated", in_event),
     ];
     for (region, detail, is_in) in sets {
         let rows: Vec<usize> = (0..is_in.len()).filter(|i| is_in[*i]).collect();
@@ -89,19 +90,19 @@ pub fn locate(bench: &Bench<'_>, ground: &Ground, residual_nm: &[f64], bursts: &
 }
 
 /// The sign of the motion at each row, -1 to 1 in a transition.
-fn signs(bench: &Bench<'_>, ground: &Ground) -> Vec<f64> {
+fn signs(base: &BaseModel<'_>) -> Vec<f64> {
     let of = |(record, passage): (&Record, &Vec<f64>)| {
         record.rows.iter().map(|i| 2.0 * passage[*i] - 1.0).collect::<Vec<f64>>()
     };
-    bench.records.all.iter().zip(&ground.passages).flat_map(of).collect()
+    base.data().records.all.iter().zip(&base.passages).flat_map(of).collect()
 }
 
-fn quantities(bench: &Bench<'_>) -> Vec<Quantity> {
-    let (angle, rate) = match bench.extent.turns {
+fn quantities(data: &DataSet) -> Vec<Quantity> {
+    let (angle, rate) = match data.extent.turns {
         true => (("deg", 180.0 / std::f64::consts::PI), ("rad/s", 1.0)),
         false => (("mm", 1e3), ("mm/s", 1e3)),
     };
-    let rows = &bench.records;
+    let rows = &data.records;
     let travel: Vec<f64> = rows
         .all
         .iter()
@@ -122,9 +123,9 @@ fn quantities(bench: &Bench<'_>) -> Vec<Quantity> {
         quantity(Region::Time, rows.rows(Record::elapsed_s), "time", ("s", 1.0)),
         quantity(Region::Time, rows.rows(|r, i| r.time_s[i]), "time in the trial", ("s", 1.0)),
         quantity(Region::Acceleration, rows.rows(|r, i| r.own[i].acceleration), "acceleration", ("rad/s^2", 1.0)),
-        quantity(Region::Load, bench.measured_nm.clone(), "torque", ("N m", 1.0)),
+        quantity(Region::Load, data.measured_nm.clone(), "torque", ("N m", 1.0)),
     ];
-    for joint in 0..bench.extent.others {
+    for joint in 0..data.extent.others {
         let at = move |r: &Record, i: usize| r.other(joint, i);
         all.push(quantity(
             Region::OtherJoint,

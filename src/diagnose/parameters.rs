@@ -1,12 +1,11 @@
 //! What a fit says of parameters: their values, intervals by resampling, and whether the data pin them down.
 
+use super::bootstrap::Resamples;
 use super::candidates::Cause;
 use super::choose::Choice;
-use super::fit::{Bench, Fit, Ground};
-use super::interval::Draws;
-use super::moves::{self, Knob};
+use super::fit::Fit;
+use super::perturbation::{self, ParameterRef};
 use crate::model::Model;
-use crate::numerics::statistics::standard_deviation;
 
 /// Resamplings for a parameter's error.
 const DRAWS: usize = 100;
@@ -29,41 +28,41 @@ pub struct Fitted {
 }
 
 /// The model with all causes at their best, and its base where the last fit left it.
-pub fn settled(choice: &Choice, ground: &Ground) -> Model {
+pub fn settled(choice: &Choice<'_>) -> Model {
     let mut model = choice.last.model.clone();
-    for (way, x) in ground.moves.iter().zip(&choice.last.ground_x) {
+    for (way, x) in choice.base.moves.iter().zip(&choice.last.base_x) {
         way.apply(&mut model, *x);
     }
     model
 }
 
 /// The parameters of `cause` in `fit`, whose last effect it is if it is one alone.
-pub fn of_cause(bench: &Bench<'_>, draws: &Draws, fit: &Fit, (cause, how): (Cause, &str)) -> Vec<Fitted> {
-    let deviations = bench.deviations(draws, fit, DRAWS);
+pub fn of_cause(resamples: &Resamples, fit: &Fit<'_>, (cause, how): (Cause, &str)) -> Vec<Fitted> {
+    let deviations = fit.deviations(resamples, DRAWS);
     let mut found = Vec::new();
     for (way, deviation) in fit.moves.iter().zip(&deviations) {
-        for knob in way.knobs() {
-            let belongs = match (knob, cause) {
-                (Knob::Effect(at, _), Cause::Effect(id)) => fit.model.effects[at].id() == id,
-                (Knob::Effect(..), Cause::Stale(_)) | (_, Cause::Effect(_)) => false,
+        for parameter in way.parameters() {
+            let belongs = match (parameter, cause) {
+                (ParameterRef::Effect(at, _), Cause::Effect(id)) => fit.model.effects[at].id() == id,
+                (ParameterRef::Effect(..), Cause::Stale(_)) | (_, Cause::Effect(_)) => false,
                 (_, Cause::Stale(name)) => {
-                    let group = moves::group_of(knob);
-                    group == name || how == moves::WHOLE_LINE && group == "coulomb"
+                    let group = perturbation::group_of(parameter);
+                    group == name || how == perturbation::WHOLE_LINE && group == "coulomb"
                 }
             };
             if belongs && deviation.is_finite() {
                 let at = |x: f64| {
                     let mut model = fit.model.clone();
                     way.apply(&mut model, x);
-                    knob.value(&model)
+                    parameter.value(&model)
                 };
                 let (a, b) = (at(-HALF_WIDTH * deviation), at(HALF_WIDTH * deviation));
-                let value = knob.value(&fit.model);
+                let value = parameter.value(&fit.model);
                 found.push(Fitted {
-                    name: knob.own_name(&fit.model),
+                    name: parameter.own_name(&fit.model),
                     value,
                     interval: Some((a.min(b), a.max(b))),
-                    doubt: doubt(knob, &fit.model, way.most),
+                    doubt: doubt(parameter, &fit.model, way.most),
                 });
             }
         }
@@ -80,31 +79,19 @@ pub fn of_cause(bench: &Bench<'_>, draws: &Draws, fit: &Fit, (cause, how): (Caus
 }
 
 /// Viscous friction below zero would help the motion. A positive range is compared in its logarithm, for it spans decades.
-fn doubt(knob: Knob, model: &Model, most: f64) -> Option<&'static str> {
-    if matches!(knob, Knob::Friction(..)) && moves::group_of(knob) == "viscous" && knob.value(model) < 0.0 {
+fn doubt(parameter: ParameterRef, model: &Model, most: f64) -> Option<&'static str> {
+    if matches!(parameter, ParameterRef::Friction(..))
+        && perturbation::group_of(parameter) == "viscous"
+        && parameter.value(model) < 0.0
+    {
         return Some("below zero: it makes up for something else");
     }
-    let (low, high) = knob.bounds(model);
+    let (low, high) = parameter.bounds(model);
     let high = high.min(most);
     if !low.is_finite() || !high.is_finite() {
         return None;
     }
-    let value = knob.value(model);
+    let value = parameter.value(model);
     let share = if low > 0.0 { (value / low).ln() / (high / low).ln() } else { (value - low) / (high - low) };
     (!(AT_BOUND..=1.0 - AT_BOUND).contains(&share)).then_some("at its bound")
-}
-
-impl Bench<'_> {
-    /// Standard deviations of the causes' numbers over resamplings.
-    fn deviations(&self, draws: &Draws, fit: &Fit, count: usize) -> Vec<f64> {
-        let from = fit.ground_x.len();
-        let mut numbers: Vec<Vec<f64>> = vec![Vec::with_capacity(count); fit.moves.len()];
-        for i in 0..count {
-            let solution = fit.gram.solve_weighted(&draws.of_units(i), self.prior(&fit.deviations));
-            for (at, slot) in numbers.iter_mut().enumerate() {
-                slot.push(solution.x[from + at]);
-            }
-        }
-        numbers.iter().map(|x| standard_deviation(x)).collect()
-    }
 }

@@ -1,6 +1,6 @@
 //! Lines in the spectrum over position: where a ripple's search begins.
 
-use super::fit::{Bench, Ground};
+use super::base::BaseModel;
 use crate::effects::RIPPLE_NUMBERS;
 use rayon::prelude::*;
 use std::f64::consts::TAU;
@@ -17,23 +17,24 @@ const PASSED: f64 = 0.8;
 const LINES: usize = 2;
 
 /// Parameter sets to begin from: the strongest lines of `residual_nm`, taken with the sign of the motion if `by_direction`.
-pub fn starts(bench: &Bench<'_>, ground: &Ground, residual_nm: &[f64], by_direction: bool) -> Vec<Vec<f64>> {
-    let range_rad = bench.extent.position_rad.1 - bench.extent.position_rad.0;
+pub fn starts(base: &BaseModel<'_>, residual_nm: &[f64], by_direction: bool) -> Vec<Vec<f64>> {
+    let range_rad = base.data().extent.position_rad.1 - base.data().extent.position_rad.0;
     if range_rad <= 0.0 {
         return Vec::new();
     }
-    let motion = bench.records.rows(|record, i| record.own[i]);
-    let k_tilde: Vec<f64> = bench
+    let motion = base.data().records.rows(|record, i| record.own[i]);
+    let k_tilde: Vec<f64> = base
+        .data()
         .records
         .all
         .iter()
-        .zip(&ground.passages)
+        .zip(&base.passages)
         .flat_map(|(record, passage)| record.rows.iter().map(|i| passage[*i]).collect::<Vec<f64>>())
         .collect();
     let stride = residual_nm.len().div_ceil(ROWS).max(1);
     let rows: Vec<(f64, f64, f64)> = (0..residual_nm.len())
         .step_by(stride)
-        .filter(|i| bench.used[*i])
+        .filter(|i| base.mask.counts(*i))
         .map(|i| {
             let sign = if by_direction { 2.0 * k_tilde[i] - 1.0 } else { 1.0 };
             (motion[i].position, motion[i].velocity.abs(), sign * residual_nm[i])
@@ -42,7 +43,7 @@ pub fn starts(bench: &Bench<'_>, ground: &Ground, residual_nm: &[f64], by_direct
     let count = ((PERIODS.1 - PERIODS.0) / SPACING) as usize;
     let power = |n: usize| {
         let periods_per_rad = (PERIODS.0 + n as f64 * SPACING) / range_rad;
-        let fastest_rad_s = PASSED * bench.records.lowpass_hz / periods_per_rad;
+        let fastest_rad_s = PASSED * base.data().records.lowpass_hz / periods_per_rad;
         (periods_per_rad, line_power(&rows, periods_per_rad, fastest_rad_s))
     };
     let spectrum: Vec<(f64, f64)> = (0..count).into_par_iter().map(power).collect();

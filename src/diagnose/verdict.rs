@@ -1,9 +1,8 @@
 //! What is said in the end, and how sure that is.
 
+use super::bootstrap::{Numbers, Resamples, Shrink, above};
 use super::candidates::Cause;
 use super::choose::{Choice, Found};
-use super::fit::Bench;
-use super::interval::{Draws, Numbers, Shrink, above};
 use crate::effects::Region;
 
 /// A gap above this many floors that no cause closes is one from outside the library ...
@@ -64,18 +63,18 @@ pub struct Verdict {
 
 /// What the verdict is drawn from: squares left in each unit over its rows.
 pub struct Evidence<'e> {
-    /// Rows that count in each unit, bursts and all.
+    /// Rows that count in each unit, events and all.
     pub rows: Vec<f64>,
     /// By the model as delivered.
     pub delivered: Vec<f64>,
-    /// By the base within its confidence, held out; bursts and all.
+    /// By the base within its confidence, held out; events and all.
     pub rest: Vec<f64>,
-    /// By the causes that were found, held out, bursts explained.
+    /// By the causes that were found, held out, events explained.
     pub last: Vec<f64>,
-    /// Whether bursts are among the causes.
+    /// Whether events are among the causes.
     pub contact: bool,
     /// How to resample.
-    pub draws: &'e Draws,
+    pub resamples: &'e Resamples,
     /// The floor's square with its error, (N m)^2.
     pub floor_square: f64,
     /// That of its quick part alone: what is open is judged by it, lest slow noise hide a cause.
@@ -87,12 +86,12 @@ pub struct Evidence<'e> {
 impl Evidence<'_> {
     /// How far the gap shrinks where `left` squares are left in each unit by a fit of so many `numbers`.
     pub fn shrink(&self, left: &[f64], numbers: Numbers) -> Shrink {
-        self.draws.shrink(&self.delivered, left, &self.rows, self.floor_square, numbers)
+        self.resamples.shrink(&self.delivered, left, &self.rows, self.floor_square, numbers)
     }
 }
 
-/// Draws the verdict.
-pub fn verdict(bench: &Bench<'_>, choice: &Choice, evidence: &Evidence<'_>) -> Verdict {
+/// Resamples the verdict.
+pub fn verdict(choice: &Choice<'_>, evidence: &Evidence<'_>) -> Verdict {
     let floor_square = evidence.floor_square;
     let rows: f64 = evidence.rows.iter().sum::<f64>().max(1.0);
     let mean = |squares: &[f64]| squares.iter().sum::<f64>() / rows;
@@ -122,14 +121,14 @@ pub fn verdict(bench: &Bench<'_>, choice: &Choice, evidence: &Evidence<'_>) -> V
         }
     };
     let (rests, lasts) = (
-        evidence.draws.mean_squares(&evidence.rest, &evidence.rows),
-        evidence.draws.mean_squares(&evidence.last, &evidence.rows),
+        evidence.resamples.mean_squares(&evidence.rest, &evidence.rows),
+        evidence.resamples.mean_squares(&evidence.last, &evidence.rows),
     );
     let open = |i: usize| is_open(rests[i], lasts[i]);
     let confidence = match kind {
-        Kind::Unknown => evidence.draws.share(open),
-        Kind::None => evidence.draws.share(|i| !open(i)),
-        _ => stands(bench, &choice.found, evidence).min(evidence.draws.share(|i| !open(i))),
+        Kind::Unknown => evidence.resamples.share(open),
+        Kind::None => evidence.resamples.share(|i| !open(i)),
+        _ => stands(&choice.found, evidence).min(evidence.resamples.share(|i| !open(i))),
     };
     match kind {
         Kind::None => effects.clear(),
@@ -155,20 +154,20 @@ fn kind_of(cause: Cause) -> Kind {
 }
 
 /// Share of the resamplings in which every cause that was taken, or a rival that the verdict names with it, still does best.
-fn stands(bench: &Bench<'_>, found: &[Found], evidence: &Evidence<'_>) -> f64 {
-    let holds = |found: &Found| {
+fn stands(found: &[Found<'_>], evidence: &Evidence<'_>) -> f64 {
+    let holds = |found: &Found<'_>| {
         let named = |cause: Cause| cause == found.cause || found.rivals.contains(&cause);
         let squares = |wanted: bool| -> Vec<Vec<f64>> {
             let of = found.tried.iter().filter(|t| named(t.cause) == wanted);
             of.map(|t| {
-                let factor = bench.surprise_factor(&t.fit);
-                evidence.draws.mean_squares(&t.fit.held_out, &evidence.rows).iter().map(|s| factor * s).collect()
+                let factor = t.fit.prior_factor();
+                evidence.resamples.mean_squares(&t.fit.held_out, &evidence.rows).iter().map(|s| factor * s).collect()
             })
             .collect()
         };
         let (ours, theirs) = (squares(true), squares(false));
         let least = |all: &[Vec<f64>], i: usize| all.iter().map(|s| s[i]).fold(f64::INFINITY, f64::min);
-        evidence.draws.share(|i| least(&ours, i) <= least(&theirs, i))
+        evidence.resamples.share(|i| least(&ours, i) <= least(&theirs, i))
     };
     found.iter().map(holds).fold(1.0, f64::min)
 }

@@ -2,7 +2,8 @@
 
 use super::motions::Motion;
 use super::words;
-use crate::diagnose::fit::{Bench, Ground};
+use crate::diagnose::base::BaseModel;
+use crate::diagnose::data::DataSet;
 use crate::numerics::statistics::{extent, quantile, root_mean_square};
 use crate::trajectory::Trajectory;
 
@@ -37,9 +38,9 @@ pub struct BlindSpot {
     pub trajectory: Option<Trajectory>,
 }
 
-/// What `bench`'s recordings hide, of all `motions` the one that shows it.
-pub fn blind_spots(bench: &Bench<'_>, ground: &Ground, motions: &[Motion]) -> Vec<BlindSpot> {
-    let sight = Sight { bench, ground, motions };
+/// What the recordings hide, of all `motions` the one that shows it.
+pub fn blind_spots(base: &BaseModel<'_>, motions: &[Motion]) -> Vec<BlindSpot> {
+    let sight = Sight { base, motions };
     [sight.load(), sight.reversal(), sight.speed(), sight.way(), sight.pace(), sight.time(), sight.other()]
         .into_iter()
         .flatten()
@@ -47,8 +48,7 @@ pub fn blind_spots(bench: &Bench<'_>, ground: &Ground, motions: &[Motion]) -> Ve
 }
 
 struct Sight<'s> {
-    bench: &'s Bench<'s>,
-    ground: &'s Ground,
+    base: &'s BaseModel<'s>,
     motions: &'s [Motion],
 }
 
@@ -57,7 +57,7 @@ impl Sight<'_> {
     fn spot(&self, what: String, hides: &[&'static str], motion: &str, otherwise: &str) -> Option<BlindSpot> {
         let found = self.motions.iter().find(|m| m.trajectory.name == motion);
         let advice = match found {
-            Some(motion) => words::record(motion, super::REPEATS_MIN, &self.bench.extent),
+            Some(motion) => words::record(motion, super::REPEATS_MIN, &self.base.data().extent),
             None => otherwise.to_string(),
         };
         let trajectory = found.map(|m| Trajectory { repeats: Some(super::REPEATS_MIN), ..m.trajectory.clone() });
@@ -65,16 +65,16 @@ impl Sight<'_> {
     }
 
     fn load(&self) -> Option<BlindSpot> {
-        let model = &self.ground.model;
-        let mut loads = self.bench.records.rows(|record, i| record.load_nm(i, model));
+        let model = &self.base.model;
+        let mut loads = self.base.data().records.rows(|record, i| record.load_nm(i, model));
         let (low, high) = (quantile(&mut loads, 0.02), quantile(&mut loads, 0.98));
         let limit = (LOAD_SHARE * low.abs().max(high.abs()))
-            .max(LOAD_FLOORS * self.bench.floor_nm / model.joint.transmission());
+            .max(LOAD_FLOORS * self.base.mask.floor_nm / model.joint.transmission());
         if high - low > limit {
             return None;
         }
-        let unit = if self.bench.extent.turns { "N m" } else { "N" };
-        let weighs = model.chain.is_some() || (self.bench.extent.turns && model.dynamics.gravity_nm != 0.0);
+        let unit = if self.base.data().extent.turns { "N m" } else { "N" };
+        let weighs = model.chain.is_some() || (self.base.data().extent.turns && model.dynamics.gravity_nm != 0.0);
         self.spot(
             format!("one load only ({low:.3} to {high:.3} {unit} at the joint): load dependence cannot be shown"),
             &["load_dependent_friction", "load_coefficient", "sensor_gain", "cable_elasticity", "gravity"],
@@ -84,13 +84,13 @@ impl Sight<'_> {
     }
 
     fn reversal(&self) -> Option<BlindSpot> {
-        let (low, high) = self.bench.extent.position_rad;
+        let (low, high) = self.base.data().extent.position_rad;
         let limit = REVERSAL_SHARE * (high - low);
         let turns = |record: &super::super::record::Record| {
             let travel = record.travel_rad();
             record.rows.windows(2).any(|pair| travel[pair[0]] - travel[pair[1]] > limit)
         };
-        if self.bench.records.all.iter().any(turns) {
+        if self.base.data().records.all.iter().any(turns) {
             return None;
         }
         self.spot(
@@ -102,8 +102,8 @@ impl Sight<'_> {
     }
 
     fn speed(&self) -> Option<BlindSpot> {
-        let (_, fastest) = self.bench.extent.speed_rad_s;
-        let speeds = self.bench.records.rows(|record, i| record.own[i].velocity.abs());
+        let (_, fastest) = self.base.data().extent.speed_rad_s;
+        let speeds = self.base.data().records.rows(|record, i| record.own[i].velocity.abs());
         let mut moving: Vec<f64> = speeds.into_iter().filter(|v| *v > 0.05 * fastest).collect();
         let (slow, fast) = (quantile(&mut moving, 0.1), quantile(&mut moving, 0.9));
         if fast > SPEED_RATIO * slow {
@@ -112,7 +112,7 @@ impl Sight<'_> {
         self.spot(
             format!(
                 "one speed only ({fast:.3} {}): dependence on speed cannot be shown",
-                words::speed(&self.bench.extent)
+                words::speed(&self.base.data().extent)
             ),
             &["stribeck", "quadratic_viscous", "viscous", "stribeck_level"],
             "sweeps",
@@ -121,11 +121,11 @@ impl Sight<'_> {
     }
 
     fn way(&self) -> Option<BlindSpot> {
-        let (low, high) = self.bench.extent.position_rad;
-        if !self.bench.extent.turns || high - low > WAY_RAD {
+        let (low, high) = self.base.data().extent.position_rad;
+        if !self.base.data().extent.turns || high - low > WAY_RAD {
             return None;
         }
-        let range = words::range(&self.bench.extent, (low, high));
+        let range = words::range(&self.base.data().extent, (low, high));
         self.spot(
             format!("a short way only ({range}): functions of position look like straight lines"),
             &["gravity_phase", "elastic_spring", "gravity", "end_stop", "torque_ripple", "friction_ripple"],
@@ -136,21 +136,21 @@ impl Sight<'_> {
 
     /// Neither inertia nor a delay changes the torque by the floor.
     fn pace(&self) -> Option<BlindSpot> {
-        let (bench, model) = (self.bench, &self.ground.model);
+        let (data, model) = (self.base.data(), &self.base.model);
         let inertia = match model.dynamics.inertia_kg_m2 {
             known if known > 0.0 => known,
             _ => model.dynamics.gravity_nm.abs() * ARM_M / crate::dynamics::GRAVITY_M_S2,
         };
-        let asks = bench.records.rows(|record, i| model.joint.transmission() * inertia * record.own[i].acceleration);
-        let steps = bench.records.all.iter().zip(&bench.records.ranges).flat_map(|(record, range)| {
+        let asks = data.records.rows(|record, i| model.joint.transmission() * inertia * record.own[i].acceleration);
+        let steps = data.records.all.iter().zip(&data.records.ranges).flat_map(|(record, range)| {
             let row_s = record.rows.get(1).map_or(1.0, |next| (next - record.rows[0]) as f64 / record.rate_hz);
-            let of_record = &bench.measured_nm[range.clone()];
+            let of_record = &data.measured_nm[range.clone()];
             of_record.windows(2).map(move |y| (y[1] - y[0]) / row_s).collect::<Vec<f64>>()
         });
         let late = DELAY_S * root_mean_square(&steps.collect::<Vec<f64>>());
         let (blind_inertia, blind_delay) = (
-            model.chain.is_none() && inertia > 0.0 && root_mean_square(&asks) < bench.floor_nm / 2.0,
-            late < bench.floor_nm / 2.0,
+            model.chain.is_none() && inertia > 0.0 && root_mean_square(&asks) < self.base.mask.floor_nm / 2.0,
+            late < self.base.mask.floor_nm / 2.0,
         );
         let hides: Vec<&'static str> =
             [("inertia", blind_inertia), ("time_delay", blind_delay)].iter().filter(|x| x.1).map(|x| x.0).collect();
@@ -162,7 +162,7 @@ impl Sight<'_> {
     }
 
     fn time(&self) -> Option<BlindSpot> {
-        let whole_s = self.bench.extent.campaign_s;
+        let whole_s = self.base.data().extent.campaign_s;
         if whole_s > CAMPAIGN_S {
             return None;
         }
@@ -175,7 +175,7 @@ impl Sight<'_> {
     }
 
     fn other(&self) -> Option<BlindSpot> {
-        let others = others_rad(self.bench);
+        let others = others_rad(self.base.data());
         let what = match others.is_empty() {
             true => "no other joint is recorded",
             false if others.iter().all(|(low, high)| high - low < STILL_RAD) => "no other joint moves",
@@ -191,7 +191,7 @@ impl Sight<'_> {
 }
 
 /// Lowest and highest position of every other joint, rad.
-pub fn others_rad(bench: &Bench<'_>) -> Vec<(f64, f64)> {
-    let of = |joint: usize| extent(&bench.records.rows(|record, i| record.other(joint, i).position));
-    (0..bench.records.others()).map(of).collect()
+pub fn others_rad(data: &DataSet) -> Vec<(f64, f64)> {
+    let of = |joint: usize| extent(&data.records.rows(|record, i| record.other(joint, i).position));
+    (0..data.records.others()).map(of).collect()
 }

@@ -7,9 +7,9 @@ mod words;
 
 pub use blind::BlindSpot;
 
+use super::base::BaseModel;
 use super::candidates::Cause;
 use super::choose::Found;
-use super::fit::{Bench, Ground};
 use super::verdict::{Kind, Verdict};
 use crate::log::Campaign;
 use crate::numerics::filter::LowPass;
@@ -50,11 +50,10 @@ pub struct NextExperiment {
 
 /// What a proposal is drawn from.
 pub struct Situation<'s> {
-    pub bench: &'s Bench<'s>,
     pub campaign: &'s Campaign,
     /// The base within its confidence, on which the rivals were fitted.
-    pub ground: &'s Ground,
-    pub found: &'s [Found],
+    pub base: &'s BaseModel<'s>,
+    pub found: &'s [Found<'s>],
     pub verdict: &'s Verdict,
     pub floor_nm: f64,
 }
@@ -62,9 +61,9 @@ pub struct Situation<'s> {
 impl Situation<'_> {
     /// The next experiment, if one would say more, and what the recordings hide.
     pub fn propose(&self) -> (Option<NextExperiment>, Vec<BlindSpot>) {
-        let reach = Reach::of(&self.bench.extent, blind::others_rad(self.bench));
-        let motions = reach.map_or_else(Vec::new, |reach| reach.motions(self.bench.extent.turns));
-        let spots = blind::blind_spots(self.bench, self.ground, &motions);
+        let reach = Reach::of(&self.base.data().extent, blind::others_rad(self.base.data()));
+        let motions = reach.map_or_else(Vec::new, |reach| reach.motions(self.base.data().extent.turns));
+        let spots = blind::blind_spots(self.base, &motions);
         let next = match (self.verdict.kind, self.found) {
             (Kind::Ambiguous, [found]) => {
                 let rivals = self.rivals(found, &found.rivals);
@@ -80,11 +79,11 @@ impl Situation<'_> {
     }
 
     /// The cause that was taken and `others` that do as well, each in its best way.
-    fn rivals(&self, found: &Found, others: &[Cause]) -> Vec<Rival> {
+    fn rivals(&self, found: &Found<'_>, others: &[Cause]) -> Vec<Rival> {
         let is_taken = |cause: Cause, how: &str| cause == found.cause && how == found.how;
         let taken = found.tried.iter().find(|t| is_taken(t.cause, t.how));
         let others = others.iter().filter_map(|rival| found.tried.iter().find(|t| t.cause == *rival));
-        taken.into_iter().chain(others).map(|tried| Rival::new(tried, self.ground)).collect()
+        taken.into_iter().chain(others).map(|tried| Rival::new(tried, self.base)).collect()
     }
 
     /// The motion that tells `rivals` apart, if one does.
@@ -114,17 +113,17 @@ impl Situation<'_> {
     fn apart_nm(&self, rivals: &[Rival], pairs: &[(usize, usize)], motions: &[Motion]) -> Vec<Vec<f64>> {
         let Some(stage) = self.stage() else { return vec![vec![0.0; pairs.len()]; motions.len()] };
         let along = |motion: &Motion| {
-            let foretold: Vec<_> = rivals.iter().map(|rival| stage.foretold(rival, &motion.trajectory)).collect();
-            pairs.iter().map(|(a, b)| stage.apart_nm(&foretold[*a], &foretold[*b])).collect()
+            let predicted: Vec<_> = rivals.iter().map(|rival| stage.predicted(rival, &motion.trajectory)).collect();
+            pairs.iter().map(|(a, b)| stage.apart_nm(&predicted[*a], &predicted[*b])).collect()
         };
         motions.par_iter().with_max_len(1).map(along).collect()
     }
 
     fn stage(&self) -> Option<Stage<'_>> {
         let signal = &self.campaign.signal;
-        let records = self.bench.records;
+        let records = &self.base.data().records;
         let rate_hz = records.all.first()?.rate_hz;
-        let model = &self.ground.model;
+        let model = &self.base.model;
         let gravity = |own: f64| model.dynamics.gravity_nm(model.joint.kind, own);
         let loads = records.rows(|record, i| {
             let inertia = model.dynamics.inertia_kg_m2 * record.own[i].acceleration;
@@ -154,7 +153,7 @@ impl Situation<'_> {
             motion.means,
             1e3 * apart_nm
         );
-        let mut instruction = words::record(motion, repeats, &self.bench.extent);
+        let mut instruction = words::record(motion, repeats, &self.base.data().extent);
         if !tied.is_empty() {
             reason.push_str(&format!("; no motion tells {} apart", words::listed(tied)));
             instruction = format!("{instruction}. {}", words::checks(tied));

@@ -5,11 +5,11 @@
 //! T-optimal design of Atkinson & Fedorov, Biometrika 62:57, 1975, after Hunter & Reiner, Technometrics 7:307, 1965). An exact
 //! tie then shows as next to nothing along every motion.
 
-use super::super::candidates::Tried;
-use super::super::fit::Ground;
+use super::super::base::BaseModel;
+use super::super::candidates::FittedCause;
+use super::super::folds::Folds;
 use super::super::gram::{Gram, Prior};
-use super::super::moves::Move;
-use super::super::parts::Parts;
+use super::super::perturbation::Perturbation;
 use crate::dynamics::Chain;
 use crate::effects::{Added, find};
 use crate::model::{Model, settle};
@@ -25,20 +25,20 @@ pub struct Rival {
     pub name: &'static str,
     model: Model,
     /// What of it moves: the base's numbers, within their deviations, then the cause's own.
-    moves: Vec<(Move, f64)>,
+    moves: Vec<(Perturbation, f64)>,
 }
 
 impl Rival {
-    pub fn new(tried: &Tried, ground: &Ground) -> Self {
+    pub fn new(tried: &FittedCause<'_>, base: &BaseModel<'_>) -> Self {
         let mut model = tried.fit.model.clone();
-        ground.moves.iter().zip(&tried.fit.ground_x).for_each(|(way, x)| way.apply(&mut model, *x));
-        let base = ground.moves.iter().map(|way| (way.clone(), way.prior));
+        base.moves.iter().zip(&tried.fit.base_x).for_each(|(way, x)| way.apply(&mut model, *x));
+        let base = base.moves.iter().map(|way| (way.clone(), way.prior));
         let own = tried.fit.moves.iter().map(|way| (way.clone(), way.stride));
         Self { name: tried.cause.name(), model, moves: base.chain(own).collect() }
     }
 }
 
-/// What a motion is foretold with.
+/// What a motion is predicted with.
 pub struct Stage<'c> {
     pub chain: Option<&'c Chain>,
     pub rate_hz: f64,
@@ -63,7 +63,7 @@ impl Stage<'_> {
     }
 
     /// `rival` along `trajectory`.
-    pub fn foretold(&self, rival: &Rival, trajectory: &Trajectory) -> Foretold {
+    pub fn predicted(&self, rival: &Rival, trajectory: &Trajectory) -> Foretold {
         let position_rad = trajectory.positions_rad(self.rate_hz);
         let samples = position_rad.len();
         let other = |path: &crate::trajectory::Path| {
@@ -76,7 +76,7 @@ impl Stage<'_> {
         let joint = &rival.model.joint;
         let (_, known_from) = settle(&course.position_rad, rival.model.backlash_m() / joint.pulley_radius_m, 0.0);
         let reading_nm = self.reading_nm(&rival.model, &course, known_from);
-        let column = |(way, _): &(Move, f64)| {
+        let column = |(way, _): &(Perturbation, f64)| {
             let mut moved = rival.model.clone();
             way.apply(&mut moved, way.probe);
             let ahead = self.reading_nm(&moved, &course, known_from);
@@ -118,7 +118,7 @@ impl Stage<'_> {
         let target: Vec<f64> = end(&a.reading_nm).iter().zip(end(&b.reading_nm)).map(|(x, y)| x - y).collect();
         let columns: Vec<Vec<f64>> = b.columns.iter().map(|column| end(column)).collect();
         let columns: Vec<&[f64]> = columns.iter().map(Vec::as_slice).collect();
-        let gram = Gram::new(&Parts::whole(rows), &columns, &target);
+        let gram = Gram::new(&Folds::whole(rows), &columns, &target);
         let prior = Prior {
             rows: &[rows],
             deviations: &b.deviations,

@@ -1,7 +1,7 @@
 //! Intervals by resampling whole clusters: what another campaign like this one might have said.
 
 use super::floor::Floor;
-use super::parts::Parts;
+use super::folds::Folds;
 use crate::numerics::statistics::quantile;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -14,7 +14,7 @@ const SEED: u64 = 0x5155_4152;
 
 /// How often each cluster is drawn, resampling by resampling, and the floor's square that goes with it, (N m)^2.
 #[derive(Debug)]
-pub struct Draws {
+pub struct Resamples {
     weights: Vec<Vec<f64>>,
     floor_square: Vec<f64>,
     cluster: Vec<usize>,
@@ -35,7 +35,7 @@ pub struct Shrink {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Numbers {
     /// How many of them the data decide.
-    pub decided: f64,
+    pub effective_dof: f64,
     /// What one costs in mean square, (N m)^2.
     pub each_square: f64,
 }
@@ -43,15 +43,15 @@ pub struct Numbers {
 impl Numbers {
     /// What all of them cost, (N m)^2.
     pub fn square(&self) -> f64 {
-        self.decided * self.each_square
+        self.effective_dof * self.each_square
     }
 }
 
-impl Draws {
-    /// For the clusters of `parts`.
-    pub fn new(parts: &Parts, floor: &Floor) -> Self {
+impl Resamples {
+    /// For the clusters of `folds`.
+    pub fn new(folds: &Folds, floor: &Floor) -> Self {
         let mut random = ChaCha8Rng::seed_from_u64(SEED);
-        let count = parts.cluster.iter().max().map_or(0, |last| last + 1);
+        let count = folds.cluster.iter().max().map_or(0, |last| last + 1);
         let normal = Normal::new(1.0, floor.relative_error).ok();
         let mut weights = Vec::with_capacity(DRAWS);
         let mut floor_square = Vec::with_capacity(DRAWS);
@@ -62,7 +62,7 @@ impl Draws {
             let factor = normal.map_or(1.0, |normal| normal.sample(&mut random)).max(0.0);
             floor_square.push(factor * floor.rms_nm * floor.rms_nm);
         }
-        Self { weights, floor_square, cluster: parts.cluster.clone() }
+        Self { weights, floor_square, cluster: folds.cluster.clone() }
     }
 
     /// Mean square in each resampling of what has `squares` in each unit, over `rows` of them.
@@ -90,9 +90,9 @@ impl Draws {
         };
         let (b, a) = (self.mean_squares(before, rows), self.mean_squares(after, rows));
         let mut random = ChaCha8Rng::seed_from_u64(SEED);
-        let luck = ChiSquared::new(numbers.decided.max(1.0)).ok();
+        let luck = ChiSquared::new(numbers.effective_dof.max(1.0)).ok();
         let mut least =
-            || luck.map_or(1.0, |luck| luck.sample(&mut random) / numbers.decided.max(1.0)) * numbers.square();
+            || luck.map_or(1.0, |luck| luck.sample(&mut random) / numbers.effective_dof.max(1.0)) * numbers.square();
         let mut lows: Vec<f64> = (0..b.len()).map(|i| share(b[i], a[i], self.floor_square[i], least())).collect();
         let mut highs: Vec<f64> = (0..b.len()).map(|i| share(b[i], a[i], self.floor_square[i], 0.0)).collect();
         let value = share(all(before), all(after), floor_square, numbers.square());

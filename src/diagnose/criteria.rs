@@ -2,9 +2,10 @@
 //!
 //! Samples are strongly correlated: what is counted are clusters, whole trials or cycles.
 
-use super::candidates::{Cause, Tried, score};
-use super::fit::{Bench, Fit};
-use super::moves::SAME_TORQUE;
+use super::candidates::{Cause, FittedCause};
+use super::fit::Fit;
+use super::folds::Folds;
+use super::perturbation::SAME_TORQUE;
 use crate::effects::find;
 use crate::numerics::statistics::standard_deviation;
 
@@ -45,32 +46,33 @@ pub fn is_makeshift((cause, how): (Cause, &str)) -> bool {
 }
 
 /// The simplest of those that do as well as the best.
-pub fn simplest(bench: &Bench<'_>, tried: &[Tried], start: f64) -> Option<usize> {
+pub fn simplest(tried: &[FittedCause], start: f64) -> Option<usize> {
     let best = tried.first()?;
-    let equals = tried.iter().enumerate().filter(|(_, t)| is_tie(bench, &best.fit, &t.fit, start));
-    equals.min_by_key(|(_, t)| (t.count(bench), is_makeshift((t.cause, t.how)))).map(|(at, _)| at)
+    let equals = tried.iter().enumerate().filter(|(_, t)| is_tie(&best.fit, &t.fit, start));
+    equals.min_by_key(|(_, t)| (t.count(), is_makeshift((t.cause, t.how)))).map(|(at, _)| at)
 }
 
 /// Whether `other` does as well as `best` on held-out units, as far as they can tell.
-pub fn is_tie(bench: &Bench<'_>, best: &Fit, other: &Fit, start: f64) -> bool {
-    let floor_square = bench.floor_nm * bench.floor_nm;
-    let behind = score(bench, other) - score(bench, best);
-    let left = TIE_LEFT_SHARE * (score(bench, best) - floor_square);
+pub fn is_tie(best: &Fit, other: &Fit, start: f64) -> bool {
+    let floor_square = best.mask.floor_square();
+    let behind = other.score() - best.score();
+    let left = TIE_LEFT_SHARE * (best.score() - floor_square);
     let negligible = left.max(TIE_SHARE * (start - floor_square)).max(TIE_FLOOR_SHARE * floor_square);
-    let (a, b) = (bench.surprise_factor(best), bench.surprise_factor(other));
+    let (a, b) = (best.prior_factor(), other.prior_factor());
     let spared = best.moves.len().saturating_sub(other.moves.len()) as f64;
-    if other.cost.surprise > best.cost.surprise + SURPRISE_APART + SURPRISE_A_NUMBER * spared {
+    if other.prior_penalty > best.prior_penalty + SURPRISE_APART + SURPRISE_A_NUMBER * spared {
         return false;
     }
-    let differences = clusters(bench, best.held_out.iter().zip(&other.held_out).map(|(x, y)| b * y - a * x));
-    let uncertain = behind * bench.rows() as f64 <= TIE_ERRORS * error_of_sum(&differences);
+    let differences =
+        clusters(&best.mask.data.folds, best.held_out.iter().zip(&other.held_out).map(|(x, y)| b * y - a * x));
+    let uncertain = behind * best.mask.rows() as f64 <= TIE_ERRORS * error_of_sum(&differences);
     behind <= negligible || (uncertain && behind <= TIE_SHARE_MAX * (start - floor_square).max(floor_square))
 }
 
 /// Sums of `of_units` over each cluster.
-fn clusters(bench: &Bench<'_>, of_units: impl Iterator<Item = f64>) -> Vec<f64> {
-    let mut sums = vec![0.0; bench.parts.cluster.iter().max().map_or(0, |last| last + 1)];
-    bench.parts.cluster.iter().zip(of_units).for_each(|(cluster, x)| sums[*cluster] += x);
+fn clusters(folds: &Folds, of_units: impl Iterator<Item = f64>) -> Vec<f64> {
+    let mut sums = vec![0.0; folds.cluster.iter().max().map_or(0, |last| last + 1)];
+    folds.cluster.iter().zip(of_units).for_each(|(cluster, x)| sums[*cluster] += x);
     sums
 }
 
@@ -81,10 +83,10 @@ fn error_of_sum(values: &[f64]) -> f64 {
 }
 
 /// Whether a fit with one cause more changes enough, and surely enough, for it to be named.
-pub fn is_material(bench: &Bench<'_>, with: &Fit, without: &Fit, start: f64, is_first: bool) -> bool {
-    let floor_square = bench.floor_nm * bench.floor_nm;
-    let now = score(bench, without);
-    let gain = now - score(bench, with);
+pub fn is_material(with: &Fit, without: &Fit, start: f64, is_first: bool) -> bool {
+    let floor_square = with.mask.floor_square();
+    let now = without.score();
+    let gain = now - with.score();
     let gap = (now - floor_square).max(0.0);
     let whole = start - floor_square;
     let enough = match is_first {
@@ -95,13 +97,15 @@ pub fn is_material(bench: &Bench<'_>, with: &Fit, without: &Fit, start: f64, is_
             nearly || much || gain >= WHOLE_SHARE_ALONE * whole
         }
     };
-    enough && gain >= FLOOR_SHARE * FLOOR_SHARE * floor_square && is_sure(bench, &without.held_out, &with.held_out)
+    enough
+        && gain >= FLOOR_SHARE * FLOOR_SHARE * floor_square
+        && is_sure(&with.mask.data.folds, &without.held_out, &with.held_out)
 }
 
 /// Whether the squares left fall from `before` to `after` by more than chance between clusters: by several standard errors, or,
 /// where only a few clusters show the cause, with hardly any that it harms.
-fn is_sure(bench: &Bench<'_>, before: &[f64], after: &[f64]) -> bool {
-    let gains = clusters(bench, before.iter().zip(after).map(|(b, a)| b - a));
+fn is_sure(folds: &Folds, before: &[f64], after: &[f64]) -> bool {
+    let gains = clusters(folds, before.iter().zip(after).map(|(b, a)| b - a));
     let won: f64 = gains.iter().filter(|g| **g > 0.0).sum();
     let lost: f64 = -gains.iter().filter(|g| **g < 0.0).sum::<f64>();
     won - lost > ERRORS * error_of_sum(&gains) || lost < LOST_SHARE * won
@@ -109,14 +113,14 @@ fn is_sure(bench: &Bench<'_>, before: &[f64], after: &[f64]) -> bool {
 
 /// Causes other than `taken` that do as well with no more numbers; one that a spring over a short way is mistaken for may have
 /// one less.
-pub fn rivals(bench: &Bench<'_>, taken: &Tried, tried: &[Tried], start: f64) -> Vec<Cause> {
+pub fn rivals(taken: &FittedCause, tried: &[FittedCause], start: f64) -> Vec<Cause> {
     let spare = |cause: Cause| {
         usize::from(taken.cause == Cause::Effect("gravity_phase") && cause == Cause::Effect("elastic_spring"))
     };
-    let is_rival = |other: &&Tried| {
+    let is_rival = |other: &&FittedCause| {
         other.cause != taken.cause
-            && other.count(bench) <= taken.count(bench) + spare(other.cause)
-            && is_tie(bench, &taken.fit, &other.fit, start)
+            && other.count() <= taken.count() + spare(other.cause)
+            && is_tie(&taken.fit, &other.fit, start)
     };
     let mut found: Vec<Cause> = Vec::new();
     for other in tried.iter().filter(is_rival) {
@@ -128,11 +132,10 @@ pub fn rivals(bench: &Bench<'_>, taken: &Tried, tried: &[Tried], start: f64) -> 
 }
 
 /// Causes that `taken` is known to be mistaken for and that do as well: only their numbers speak against them.
-pub fn seconds(bench: &Bench<'_>, taken: &Tried, tried: &[Tried], start: f64) -> Vec<Cause> {
-    let known = rivals(bench, taken, tried, start);
+pub fn seconds(taken: &FittedCause, tried: &[FittedCause], start: f64) -> Vec<Cause> {
+    let known = rivals(taken, tried, start);
     let mut found: Vec<Cause> = Vec::new();
-    for other in tried.iter().filter(|other| other.cause != taken.cause && is_tie(bench, &taken.fit, &other.fit, start))
-    {
+    for other in tried.iter().filter(|other| other.cause != taken.cause && is_tie(&taken.fit, &other.fit, start)) {
         let is_new = !known.contains(&other.cause) && !found.contains(&other.cause);
         if is_new && (names(taken.cause, other.cause) || names(other.cause, taken.cause)) {
             found.push(other.cause);

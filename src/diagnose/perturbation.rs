@@ -14,7 +14,7 @@ const HALF_WIDTH: f64 = 1.96;
 
 /// One number of a model.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Knob {
+pub enum ParameterRef {
     Gravity,
     Inertia,
     Backlash,
@@ -23,7 +23,7 @@ pub enum Knob {
     Effect(usize, usize),
 }
 
-impl Knob {
+impl ParameterRef {
     fn slot(self, model: &mut Model) -> Option<&mut f64> {
         match self {
             Self::Gravity => Some(&mut model.dynamics.gravity_nm),
@@ -75,33 +75,33 @@ impl Knob {
     }
 }
 
-/// How a knob turns with its move's number.
+/// How a parameter turns with its move's number.
 #[derive(Debug, Clone, Copy, PartialEq)]
-enum Turn {
+enum Mode {
     /// value + x step
     Add(f64),
     /// value exp(x)
     Scale,
 }
 
-/// One way to change a model: knobs that turn together.
+/// One way to change a model: parameters that turn together.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Move {
-    turns: Vec<(Knob, Turn)>,
+pub struct Perturbation {
+    turns: Vec<(ParameterRef, Mode)>,
     /// Standard deviation of the number before any data are seen; infinite where only data decide.
     pub prior: f64,
     /// The number's size for a difference quotient.
     pub probe: f64,
     /// The largest step of the number that is believed at once.
     pub stride: f64,
-    /// The most that its knobs may come to.
+    /// The most that its parameters may come to.
     pub most: f64,
     /// Whether the prediction is in proportion to it, or nearly so.
     pub is_linear: bool,
 }
 
-impl Move {
-    fn of(turns: Vec<(Knob, Turn)>, prior: f64, probe: f64) -> Self {
+impl Perturbation {
+    fn of(turns: Vec<(ParameterRef, Mode)>, prior: f64, probe: f64) -> Self {
         Self { turns, prior, probe, stride: f64::INFINITY, most: f64::INFINITY, is_linear: true }
     }
 
@@ -112,31 +112,31 @@ impl Move {
 
     /// Changes `model` by `x`.
     pub fn apply(&self, model: &mut Model, x: f64) {
-        for (knob, turn) in &self.turns {
-            let bounds = knob.bounds(model);
-            if let Some(slot) = knob.slot(model) {
+        for (parameter, turn) in &self.turns {
+            let bounds = parameter.bounds(model);
+            if let Some(slot) = parameter.slot(model) {
                 *slot = match turn {
-                    Turn::Add(step) => *slot + x * step,
-                    Turn::Scale => *slot * x.exp(),
+                    Mode::Add(step) => *slot + x * step,
+                    Mode::Scale => *slot * x.exp(),
                 }
                 .clamp(bounds.0, bounds.1.min(self.most).max(bounds.0));
             }
         }
     }
 
-    /// The knobs that it turns.
-    pub fn knobs(&self) -> impl Iterator<Item = Knob> {
-        self.turns.iter().map(|(knob, _)| *knob)
+    /// The parameters that it turns.
+    pub fn parameters(&self) -> impl Iterator<Item = ParameterRef> {
+        self.turns.iter().map(|(parameter, _)| *parameter)
     }
 
     /// Whether it turns the model's own parameters.
     pub fn is_own(&self) -> bool {
-        self.knobs().all(|knob| !matches!(knob, Knob::Effect(..)))
+        self.parameters().all(|parameter| !matches!(parameter, ParameterRef::Effect(..)))
     }
 
     /// What it adds per unit, where that is one strength of an effect that only adds torque: the effect with that strength alone.
     pub fn added(&self, model: &Model) -> Option<Added> {
-        let [(Knob::Effect(at, index), Turn::Add(unit))] = self.turns[..] else { return None };
+        let [(ParameterRef::Effect(at, index), Mode::Add(unit))] = self.turns[..] else { return None };
         let Added { effect, parameters } = &model.effects[at];
         if !self.is_linear || !effect.only_adds() {
             return None;
@@ -152,9 +152,9 @@ impl Move {
 
     /// Whether it changes where friction stands between its branches.
     pub fn changes_passage(&self, model: &Model) -> bool {
-        self.knobs().any(|knob| match knob {
-            Knob::Backlash | Knob::Curve => true,
-            Knob::Effect(at, _) => {
+        self.parameters().any(|parameter| match parameter {
+            ParameterRef::Backlash | ParameterRef::Curve => true,
+            ParameterRef::Effect(at, _) => {
                 let added = &model.effects[at];
                 added.effect.curve(&added.parameters).is_some() || added.effect.presliding(&added.parameters).is_some()
             }
@@ -163,7 +163,7 @@ impl Move {
     }
 }
 
-impl Knob {
+impl ParameterRef {
     /// Its name where its owner is known: an effect's parameter by itself.
     pub fn own_name(self, model: &Model) -> String {
         match self {
@@ -185,36 +185,36 @@ impl Knob {
 }
 
 /// Every base parameter that `model` has, free within its confidence: one move each, in standard deviations.
-pub fn within_confidence(model: &Model) -> Vec<Move> {
-    let friction = Direction::BOTH.into_iter().flat_map(|d| (0..7).map(move |at| Knob::Friction(d, at)));
-    [Knob::Gravity, Knob::Inertia, Knob::Backlash, Knob::Curve]
+pub fn within_confidence(model: &Model) -> Vec<Perturbation> {
+    let friction = Direction::BOTH.into_iter().flat_map(|d| (0..7).map(move |at| ParameterRef::Friction(d, at)));
+    [ParameterRef::Gravity, ParameterRef::Inertia, ParameterRef::Backlash, ParameterRef::Curve]
         .into_iter()
         .chain(friction)
-        .filter(|knob| matters(model, *knob))
-        .filter_map(|knob| {
-            let sd = deviation(model, knob);
-            (sd > 0.0).then(|| Move::of(vec![(knob, Turn::Add(sd))], 1.0, 0.1))
+        .filter(|parameter| matters(model, *parameter))
+        .filter_map(|parameter| {
+            let sd = deviation(model, parameter);
+            (sd > 0.0).then(|| Perturbation::of(vec![(parameter, Mode::Add(sd))], 1.0, 0.1))
         })
         .collect()
 }
 
-/// Whether `knob` is one that `model` has and that moves its prediction.
-fn matters(model: &Model, knob: Knob) -> bool {
-    match knob {
-        Knob::Gravity | Knob::Inertia => model.chain.is_none() && knob.value(model) != 0.0,
-        Knob::Backlash => model.combination != Combination::Sign && model.joint.backlash_m > 0.0,
+/// Whether `parameter` is one that `model` has and that moves its prediction.
+fn matters(model: &Model, parameter: ParameterRef) -> bool {
+    match parameter {
+        ParameterRef::Gravity | ParameterRef::Inertia => model.chain.is_none() && parameter.value(model) != 0.0,
+        ParameterRef::Backlash => model.combination != Combination::Sign && model.joint.backlash_m > 0.0,
         // A rate without its amplitude does nothing.
-        Knob::Friction(direction, 3) => model.friction.of(direction).b_c != 0.0,
-        Knob::Friction(direction, 5) => model.friction.of(direction).b_j != 0.0,
-        _ => knob.value(model) != 0.0,
+        ParameterRef::Friction(direction, 3) => model.friction.of(direction).b_c != 0.0,
+        ParameterRef::Friction(direction, 5) => model.friction.of(direction).b_j != 0.0,
+        _ => parameter.value(model) != 0.0,
     }
 }
 
 /// Standard deviation of a base parameter. Where only a combination with others is known, its own wide interval would let it
 /// wander with theirs held: it is then as if nobody had said.
-fn deviation(model: &Model, knob: Knob) -> f64 {
-    let unknown = UNKNOWN_SHARE * knob.value(model).abs() / HALF_WIDTH;
-    match model.confidence.get(&knob.name(model)) {
+fn deviation(model: &Model, parameter: ParameterRef) -> f64 {
+    let unknown = UNKNOWN_SHARE * parameter.value(model).abs() / HALF_WIDTH;
+    match model.confidence.get(&parameter.name(model)) {
         Some(c) if c.low.is_finite() && c.high.is_finite() => {
             let own = (c.high - c.low) / (2.0 * HALF_WIDTH);
             if c.status == crate::model::Status::Pinned { own } else { own.min(unknown) }
@@ -224,16 +224,16 @@ fn deviation(model: &Model, knob: Knob) -> f64 {
 }
 
 /// The group that a base parameter goes stale with.
-pub fn group_of(knob: Knob) -> &'static str {
-    match knob {
-        Knob::Gravity => "gravity",
-        Knob::Inertia => "inertia",
-        Knob::Backlash => "backlash_width",
-        Knob::Friction(_, 0) => "load_coefficient",
-        Knob::Friction(_, 1) => "coulomb",
-        Knob::Friction(_, 6) => "viscous",
-        Knob::Friction(..) => "stribeck_level",
-        Knob::Curve | Knob::Effect(..) => "",
+pub fn group_of(parameter: ParameterRef) -> &'static str {
+    match parameter {
+        ParameterRef::Gravity => "gravity",
+        ParameterRef::Inertia => "inertia",
+        ParameterRef::Backlash => "backlash_width",
+        ParameterRef::Friction(_, 0) => "load_coefficient",
+        ParameterRef::Friction(_, 1) => "coulomb",
+        ParameterRef::Friction(_, 6) => "viscous",
+        ParameterRef::Friction(..) => "stribeck_level",
+        ParameterRef::Curve | ParameterRef::Effect(..) => "",
     }
 }
 
@@ -251,63 +251,66 @@ pub struct Stale {
     /// How: "both directions alike", "up only" ...
     pub how: &'static str,
     /// What moves.
-    pub moves: Vec<Move>,
+    pub moves: Vec<Perturbation>,
 }
 
 /// The groups that `model` has.
 pub fn stale(model: &Model) -> Vec<Stale> {
     let mut found = Vec::new();
-    let mut add = |name, how, moves: Vec<Move>| found.push(Stale { name, how, moves });
-    let free = |turns: Vec<(Knob, Turn)>| Move { stride: 0.5, ..Move::of(turns, f64::INFINITY, 1e-3) };
-    let curved = |knob: Knob| Move { is_linear: false, ..free(vec![(knob, Turn::Scale)]) };
-    let scaled = |knob: Knob| free(vec![(knob, Turn::Add(knob.value(model)))]);
-    if matters(model, Knob::Gravity) {
-        add("gravity", "", vec![scaled(Knob::Gravity)]);
+    let mut add = |name, how, moves: Vec<Perturbation>| found.push(Stale { name, how, moves });
+    let free =
+        |turns: Vec<(ParameterRef, Mode)>| Perturbation { stride: 0.5, ..Perturbation::of(turns, f64::INFINITY, 1e-3) };
+    let curved = |parameter: ParameterRef| Perturbation { is_linear: false, ..free(vec![(parameter, Mode::Scale)]) };
+    let scaled = |parameter: ParameterRef| free(vec![(parameter, Mode::Add(parameter.value(model)))]);
+    if matters(model, ParameterRef::Gravity) {
+        add("gravity", "", vec![scaled(ParameterRef::Gravity)]);
     }
-    if matters(model, Knob::Inertia) {
-        add("inertia", "", vec![scaled(Knob::Inertia)]);
+    if matters(model, ParameterRef::Inertia) {
+        add("inertia", "", vec![scaled(ParameterRef::Inertia)]);
     }
-    if matters(model, Knob::Backlash) {
-        add("backlash_width", "", vec![curved(Knob::Backlash)]);
+    if matters(model, ParameterRef::Backlash) {
+        add("backlash_width", "", vec![curved(ParameterRef::Backlash)]);
     }
-    let both = |at: usize| Direction::BOTH.map(|d| Knob::Friction(d, at));
-    let size = |at: usize| both(at).iter().map(|knob| knob.value(model).abs()).sum::<f64>() / 2.0;
+    let both = |at: usize| Direction::BOTH.map(|d| ParameterRef::Friction(d, at));
+    let size = |at: usize| both(at).iter().map(|parameter| parameter.value(model).abs()).sum::<f64>() / 2.0;
     for (name, at) in [("coulomb", 1), ("viscous", 6), ("load_coefficient", 0)] {
         let [up, down] = both(at);
         let unit = if size(at) > 0.0 { size(at) } else { 0.1 };
-        let present = |knob: Knob| knob.value(model) != 0.0;
+        let present = |parameter: ParameterRef| parameter.value(model) != 0.0;
         if present(up) && present(down) {
-            let turn = |knob: Knob| (knob, Turn::Add(knob.value(model)));
+            let turn = |parameter: ParameterRef| (parameter, Mode::Add(parameter.value(model)));
             add(name, "both directions alike", vec![free(vec![turn(up), turn(down)])]);
         }
-        for (knob, how) in [(up, "up only"), (down, "down only")] {
-            if present(knob) {
-                add(name, how, vec![scaled(knob)]);
+        for (parameter, how) in [(up, "up only"), (down, "down only")] {
+            if present(parameter) {
+                add(name, how, vec![scaled(parameter)]);
             }
         }
         if name == "coulomb" && present(up) && present(down) {
-            add(name, SAME_TORQUE, vec![free(vec![(up, Turn::Add(unit)), (down, Turn::Add(unit))])]);
+            add(name, SAME_TORQUE, vec![free(vec![(up, Mode::Add(unit)), (down, Mode::Add(unit))])]);
         }
         if (present(up) || present(down)) && name != "load_coefficient" || name == "load_coefficient" && size(at) == 0.0
         {
             add(
                 name,
                 "each direction by itself",
-                vec![free(vec![(up, Turn::Add(unit))]), free(vec![(down, Turn::Add(unit))])],
+                vec![free(vec![(up, Mode::Add(unit))]), free(vec![(down, Mode::Add(unit))])],
             );
         }
     }
     // A model of Coulomb and viscous friction alone has a line per direction: its two numbers, fitted together, make up for each
     // other, so that neither is right where the other is not.
-    let is_line = |d: Direction| [2, 4].iter().all(|at| Knob::Friction(d, *at).value(model) == 0.0);
+    let is_line = |d: Direction| [2, 4].iter().all(|at| ParameterRef::Friction(d, *at).value(model) == 0.0);
     if Direction::BOTH.into_iter().all(is_line) && size(1) > 0.0 && size(6) > 0.0 {
-        let unit = |at: usize| both(at).map(|knob| free(vec![(knob, Turn::Add(size(at)))]));
+        let unit = |at: usize| both(at).map(|parameter| free(vec![(parameter, Mode::Add(size(at)))]));
         add("viscous", WHOLE_LINE, [unit(6), unit(1)].concat());
     }
-    let amplitudes: Vec<Vec<(Knob, Turn)>> = Direction::BOTH
-        .map(|d| [2, 4].map(|at| Knob::Friction(d, at)).into_iter().map(|k| (k, Turn::Add(k.value(model)))).collect())
+    let amplitudes: Vec<Vec<(ParameterRef, Mode)>> = Direction::BOTH
+        .map(|d| {
+            [2, 4].map(|at| ParameterRef::Friction(d, at)).into_iter().map(|k| (k, Mode::Add(k.value(model)))).collect()
+        })
         .to_vec();
-    if amplitudes.iter().flatten().any(|(knob, _)| knob.value(model) != 0.0) {
+    if amplitudes.iter().flatten().any(|(parameter, _)| parameter.value(model) != 0.0) {
         add("stribeck_level", "both directions alike", vec![free(amplitudes.concat())]);
         add("stribeck_level", "each direction by itself", amplitudes.into_iter().map(free).collect());
     }
@@ -315,23 +318,23 @@ pub fn stale(model: &Model) -> Vec<Stale> {
 }
 
 /// What may be fitted of effect number `at` of `model`: its strengths and shapes.
-pub fn of_effect(model: &Model, at: usize, extent: &Extent) -> Vec<Move> {
+pub fn of_effect(model: &Model, at: usize, extent: &Extent) -> Vec<Perturbation> {
     let span = |(low, high): (f64, f64)| (high - low).abs().max(f64::MIN_POSITIVE);
-    let one = |(index, parameter): (usize, &crate::effects::Parameter)| {
-        let knob = Knob::Effect(at, index);
+    let one = |(index, parameter): (usize, &Parameter)| {
+        let own = ParameterRef::Effect(at, index);
         let most = model.effects[at].effect.most(index, extent);
-        let move_of = |turn, is_linear, stride| Move {
+        let move_of = |turn, is_linear, stride| Perturbation {
             is_linear,
             most,
             stride,
-            ..Move::of(vec![(knob, turn)], f64::INFINITY, if is_linear { 1e-3 } else { 1e-4 })
+            ..Perturbation::of(vec![(own, turn)], f64::INFINITY, if is_linear { 1e-3 } else { 1e-4 })
         };
         match parameter.role {
             Role::Choice | Role::Form => None,
-            Role::Strength => Some(move_of(Turn::Add(1.0), true, parameter.share * span(extent.torque_nm))),
-            Role::Shape => Some(move_of(Turn::Scale, false, 0.7)),
-            Role::Position => Some(move_of(Turn::Add(span(extent.position_rad)), false, 0.1)),
-            Role::Level => Some(move_of(Turn::Add(span(extent.torque_nm)), false, 0.1)),
+            Role::Strength => Some(move_of(Mode::Add(1.0), true, parameter.share * span(extent.torque_nm))),
+            Role::Shape => Some(move_of(Mode::Scale, false, 0.7)),
+            Role::Position => Some(move_of(Mode::Add(span(extent.position_rad)), false, 0.1)),
+            Role::Level => Some(move_of(Mode::Add(span(extent.torque_nm)), false, 0.1)),
         }
     };
     let Added { effect, parameters } = &model.effects[at];

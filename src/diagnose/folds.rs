@@ -7,7 +7,7 @@ use super::record::{Record, Records};
 use crate::numerics::statistics::extent;
 use std::ops::Range;
 
-/// Parts held out in turn.
+/// Folds held out in turn.
 pub const FOLDS: usize = 4;
 /// From so many trials on, trials are held out and resampled; with fewer, cycles.
 const TRIALS_MIN: usize = 4;
@@ -20,7 +20,7 @@ const PIECES: usize = 8;
 
 /// The rows cut into units.
 #[derive(Debug)]
-pub struct Parts {
+pub struct Folds {
     /// Rows of each unit.
     pub units: Vec<Range<usize>>,
     /// The fold in which each unit is held out.
@@ -31,7 +31,7 @@ pub struct Parts {
     pub held_out: &'static str,
 }
 
-impl Parts {
+impl Folds {
     /// How many rows of each unit are `used`.
     pub fn rows(&self, used: &[bool]) -> Vec<usize> {
         self.units.iter().map(|unit| used[unit.clone()].iter().filter(|used| **used).count()).collect()

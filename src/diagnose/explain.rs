@@ -1,0 +1,77 @@
+//! The causes that explain the recordings, told apart from contact.
+//!
+//! A contact event that the model with its causes predicts was no contact: the search is then repeated with its samples back in.
+
+use super::base::BaseModel;
+use super::choose::{Choice, choose};
+use super::contact_events::{self, ContactEvent};
+use super::flexible;
+use super::floor::{self, Floor};
+use super::mask::Mask;
+use super::parameters;
+use crate::model::Model;
+use std::sync::Arc;
+
+/// Causes found, with what was set aside while they were sought.
+#[derive(Debug)]
+pub struct Explanation<'d> {
+    /// The causes, over the rows that its mask counts.
+    pub choice: Choice<'d>,
+    /// The model that they make.
+    pub after: Model,
+    /// What it predicts, N m.
+    pub after_nm: Vec<f64>,
+    /// What it leaves, N m.
+    pub left_nm: Vec<f64>,
+    /// The contact events: of those set aside, the ones that no model predicts.
+    pub events: Vec<ContactEvent>,
+}
+
+/// The causes of what `base` leaves (`rest_nm` at every row), `suspected` contact events set aside.
+pub fn explain<'d>(
+    base: &BaseModel<'d>,
+    suspected: Vec<ContactEvent>,
+    rest_nm: &[f64],
+    progress: &(dyn Fn() + Sync),
+) -> Explanation<'d> {
+    let count = suspected.len();
+    let first = Explanation::of(&base.mask.without(&suspected), &base.model, suspected, rest_nm, progress);
+    if first.events.len() < count {
+        return Explanation::of(&base.mask.without(&first.events), &base.model, first.events, rest_nm, progress);
+    }
+    if first.events.is_empty() || !first.choice.found.is_empty() {
+        return first;
+    }
+    // With all that is striking set aside nothing was left to find: perhaps it was no contact at all.
+    let whole = Explanation::of(&base.mask, &base.model, first.events.clone(), rest_nm, progress);
+    match 2 * whole.events.len() <= count {
+        true => Explanation { events: Vec::new(), ..whole },
+        false => first,
+    }
+}
+
+impl<'d> Explanation<'d> {
+    /// By a search over the rows of `mask`; of `events` those stay that it leaves unexplained.
+    pub(super) fn of(
+        mask: &Arc<Mask<'d>>,
+        model: &Model,
+        mut events: Vec<ContactEvent>,
+        rest_nm: &[f64],
+        progress: &(dyn Fn() + Sync),
+    ) -> Self {
+        let choice = choose(mask, model, progress);
+        let after = parameters::settled(&choice);
+        let records = &mask.data.records;
+        let after_nm = records.predicted_nm(&after, &records.passages(&after), &records.branches(&after));
+        let left_nm = mask.data.residual_nm(&after_nm);
+        contact_events::keep_unexplained(mask, &mut events, rest_nm, &left_nm);
+        Self { choice, after, after_nm, left_nm, events }
+    }
+
+    /// The floor now that the causes are known; `columns` are those of the flexible fit.
+    pub fn floor(&self, columns: &[Vec<f64>]) -> Floor {
+        let mask = &self.choice.last.mask;
+        let unpredicted_square = flexible::fit(mask, columns, &self.left_nm).held_out;
+        floor::settled(&mask.data.records, &self.left_nm, unpredicted_square.min(self.choice.last.held_out_square()))
+    }
+}
