@@ -5,6 +5,9 @@
 /// Ground: what is wrong with an input, and how to mend it.
 pub mod problem;
 
+/// Ground: how large an input may be, and how much it may make the program allocate.
+pub mod limits;
+
 /// Ground: TOML and JSON as one tree that remembers its rows and knows which keys were asked for.
 pub mod document;
 

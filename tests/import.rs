@@ -37,7 +37,7 @@ fn every_format_gives_what_was_written() {
     let truth = truth();
     for (name, columns, seconds) in FILES {
         let all = read(&file(name)).unwrap().unwrap();
-        let found = picked(&file(name), &all, columns).unwrap();
+        let found = picked(&file(name), &all, columns).unwrap().columns;
         for (at, (found, truth)) in found.iter().zip(&truth).enumerate() {
             let factor = match at {
                 0 => seconds,
@@ -55,7 +55,7 @@ fn every_format_gives_what_was_written() {
     assert!(read(&file("truth.csv")).unwrap().is_none());
 }
 
-const HEAD: &str = r#"format = "campaign/1"
+pub const HEAD: &str = r#"format = "campaign/1"
 [joint]
 name = "elbow"
 winch_radius_m = 0.012
@@ -176,8 +176,8 @@ fn clocks_of_their_own_are_not_mixed() {
     let text = "Name\tfast\tName\tslow\n0\t1\t0\t10\n1\t2\t2\t20\n2\t3\t4\t30\n3\t4\t\t\n";
     std::fs::write(&at, text).unwrap();
     let all = read(&at).unwrap().unwrap();
-    assert_eq!(picked(&at, &all, &["time", "slow"]).unwrap(), [vec![0.0, 2.0, 4.0], vec![10.0, 20.0, 30.0]]);
-    assert_eq!(picked(&at, &all, &["time", "fast"]).unwrap()[0], [0.0, 1.0, 2.0, 3.0]);
+    assert_eq!(picked(&at, &all, &["time", "slow"]).unwrap().columns, [vec![0.0, 2.0, 4.0], vec![10.0, 20.0, 30.0]]);
+    assert_eq!(picked(&at, &all, &["time", "fast"]).unwrap().columns[0], [0.0, 1.0, 2.0, 3.0]);
     assert!(picked(&at, &all, &["time", "fast", "slow"]).unwrap_err().to_string().contains("another clock"));
 }
 

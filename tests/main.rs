@@ -23,6 +23,7 @@ mod free;
 mod friction;
 mod golden;
 mod import;
+mod inputs;
 mod install;
 mod interaction;
 mod load;

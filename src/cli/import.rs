@@ -1,9 +1,9 @@
 //! `tautline import`.
 
 use super::interrupt;
-use super::outcome::Talk;
+use super::outcome::{Talk, complain};
 use super::progress;
-use crate::import::{self, Series, picked};
+use crate::import::{self, Picked, Series, picked};
 use crate::log::table::{Numbers, csv_bytes, parquet_bytes};
 use crate::log::{Campaign, TrialEntry};
 use crate::numerics::statistics::extent;
@@ -105,13 +105,14 @@ fn write(arguments: &Arguments, draft: &Path, folder: &Path, talk: &Talk) -> Res
     )?;
     let bar = progress::bar(talk, "importing", names.len());
     let one = |(entry, name): (&TrialEntry, &String)| {
-        let done = log(&campaign, entry, name).and_then(|bytes| output.write(name, bytes));
+        let done = log(&campaign, entry, name).and_then(|(bytes, told)| output.write(name, bytes).map(|_| told));
         bar.inc(1);
-        done.err().map_or_else(Vec::new, |Problems(found)| found)
+        done.unwrap_or_else(|Problems(found)| found)
     };
     let problems: Vec<Problem> = campaign.trials.par_iter().zip(&names).map(one).collect::<Vec<_>>().concat();
     bar.finish_and_clear();
-    Problems(problems).unless_errors(())?;
+    let warnings: Vec<String> = problems.iter().map(Problem::to_string).collect();
+    complain(&Problems(problems.clone()).unless_errors(Problems(problems))?);
     if let Some(arm) = &campaign.arm {
         let urdf = campaign.folder.join(&arm.urdf);
         let text =
@@ -125,6 +126,7 @@ fn write(arguments: &Arguments, draft: &Path, folder: &Path, talk: &Talk) -> Res
     let told = json!({
         "format": "import/1", "campaign": folder, "from": draft,
         "files": campaign.trials.iter().zip(&names).map(|(entry, name)| json!([entry.file, name])).collect::<Vec<_>>(),
+        "warnings": warnings,
         "provenance": { "tautline": env!("CARGO_PKG_VERSION") },
     });
     output.write("imported.json", json_text(&told))?;
@@ -156,15 +158,19 @@ fn logs(campaign: &Campaign, format: Format) -> Result<Vec<String>> {
     Ok(names)
 }
 
-/// The bytes of one trial's log, called `name`.
-fn log(campaign: &Campaign, entry: &TrialEntry, name: &str) -> Result<Vec<u8>> {
+/// The bytes of one trial's log, called `name`, and what was left out of it.
+fn log(campaign: &Campaign, entry: &TrialEntry, name: &str) -> Result<(Vec<u8>, Vec<Problem>)> {
     let file = campaign.folder.join(&entry.file);
     let Some(all) = import::read(&file)? else {
-        return std::fs::read(&file).or_else(|e| Problem::error(&file, format!("cannot be read: {e}"), "").alone());
+        let copied = std::fs::read(&file);
+        return copied
+            .map(|bytes| (bytes, Vec::new()))
+            .or_else(|e| Problem::error(&file, format!("cannot be read: {e}"), "").alone());
     };
     let wanted = campaign.columns.names();
-    let columns = picked(&file, &all, &wanted.iter().map(String::as_str).collect::<Vec<_>>())?;
+    let Picked { columns, warnings } = picked(&file, &all, &wanted.iter().map(String::as_str).collect::<Vec<_>>())?;
     let numbers: Vec<Numbers> =
         wanted.iter().zip(&columns).map(|(name, values)| Numbers { name, values, decimals: DECIMALS }).collect();
-    if name.ends_with("csv") { Ok(csv_bytes(&numbers)) } else { parquet_bytes(Path::new(name), &numbers) }
+    let bytes = if name.ends_with("csv") { csv_bytes(&numbers) } else { parquet_bytes(Path::new(name), &numbers)? };
+    Ok((bytes, warnings))
 }

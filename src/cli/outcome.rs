@@ -1,5 +1,6 @@
 //! How commands talk: results on standard output, everything else on standard error.
 
+use crate::limits::{PROBLEMS_PRINTED, listed};
 use crate::problem::{Problem, Problems, Result, Severity};
 use anstyle::{AnsiColor, Style};
 use clap::Args;
@@ -73,7 +74,11 @@ pub fn complain(problems: &Problems) {
             None => groups.push(vec![problem]),
         }
     }
-    for group in groups {
+    let unsaid = groups.len().saturating_sub(PROBLEMS_PRINTED);
+    if unsaid > 0 {
+        groups.sort_by_key(|group| group[0].severity != Severity::Error);
+    }
+    for group in groups.iter().take(PROBLEMS_PRINTED) {
         let problem = group[0];
         let (word, colour) = match problem.severity {
             Severity::Error => ("error", AnsiColor::Red),
@@ -82,8 +87,12 @@ pub fn complain(problems: &Problems) {
         let style = Style::new().bold().fg_color(Some(colour.into()));
         let places = group.windows(2).map(|pair| place(pair[1], pair[0]));
         let others: Vec<String> = places.filter(|place| !place.is_empty()).collect();
-        let more = if others.is_empty() { String::new() } else { format!(" (the same: {})", others.join(", ")) };
+        let others = listed(others.iter().map(String::as_str));
+        let more = if others.is_empty() { String::new() } else { format!(" (the same: {others})") };
         let _ = writeln!(out, "{style}{word}{style:#}: {problem}{more}");
+    }
+    if unsaid > 0 {
+        let _ = writeln!(out, "and {unsaid} more problems; `tautline validate --json` lists all of a campaign");
     }
 }
 

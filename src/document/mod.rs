@@ -20,9 +20,11 @@ mod write;
 pub use section::{Field, Section};
 pub use write::write_pairs;
 
+use crate::limits::{DOCUMENT_BYTES, NAME_CHARS, NAMES_COMPARED, listed, shown};
 use crate::problem::{Problem, Problems, Result};
 use std::cell::RefCell;
 use std::collections::BTreeMap;
+use std::io::Read;
 use std::path::{Path, PathBuf};
 
 /// Keys and what they hold.
@@ -66,7 +68,7 @@ impl Value {
             Self::Flag(flag) => flag.to_string(),
             Self::Whole(whole) => format!("the number {whole}"),
             Self::Number(number) => format!("the number {number:?}"),
-            Self::Text(text) => format!("the text `{text}`"),
+            Self::Text(text) => format!("the text `{}`", shown(text)),
             Self::Date(date) => format!("the date {date}"),
             Self::List(_) => "a list".to_string(),
             Self::Table(_) => "a table".to_string(),
@@ -86,11 +88,9 @@ pub struct Document {
 impl Document {
     /// Reads `file`, as JSON if its name ends so and as TOML otherwise.
     ///
-    /// Errors: the file cannot be read, is no UTF-8, or breaks the syntax (with the row).
+    /// Errors: the file cannot be read, is too large, is no UTF-8, or breaks the syntax (with the row).
     pub fn open(file: &Path) -> Result<Self> {
-        let bytes = std::fs::read(file).or_else(|error| {
-            Problem::error(file, format!("cannot be read: {error}"), "check the path and its permissions").alone()
-        })?;
+        let bytes = bytes(file, DOCUMENT_BYTES)?;
         let text = std::str::from_utf8(&bytes).or_else(|error| {
             let before = &bytes[..error.valid_up_to()];
             let row = 1 + before.iter().filter(|&&byte| byte == b'\n').count() as u64;
@@ -136,10 +136,35 @@ impl Document {
     }
 }
 
-/// The one of `known` that `asked` was most likely meant to be, if any comes near.
+/// The bytes of `file`, at most `most` of them.
+///
+/// Errors: it cannot be read, or is larger.
+pub fn bytes(file: &Path, most: u64) -> Result<Vec<u8>> {
+    let mut bytes = Vec::new();
+    // One more than allowed, so that a file that never ends (a device) is refused too.
+    let read = std::fs::File::open(file).and_then(|source| source.take(most + 1).read_to_end(&mut bytes));
+    match read {
+        Err(error) => {
+            Problem::error(file, format!("cannot be read: {error}"), "check the path and its permissions").alone()
+        }
+        Ok(length) if length as u64 > most => {
+            let what = format!("is larger than {} MB", most >> 20);
+            Problem::error(file, what, "name the file that was meant, or shorten it").alone()
+        }
+        Ok(_) => Ok(bytes),
+    }
+}
+
+/// The one of `known` that `asked` was most likely meant to be, if any comes near. Long names, and names after the first
+/// thousand, are not searched: a comparison takes the product of both lengths.
 pub fn nearest<'a>(asked: &str, known: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
     /// 1 is equal, 0 has nothing in common; at 0.6 `Nm` still finds `N m`, and unrelated words are left alone.
     const NEAR: f64 = 0.6;
+    let is_comparable = |name: &str| name.len() <= NAME_CHARS;
+    if !is_comparable(asked) {
+        return None;
+    }
+    let known = known.into_iter().take(NAMES_COMPARED).filter(|name| is_comparable(name) && *name != asked);
     let asked = asked.trim().to_lowercase();
     let likeness = |name: &str| {
         let name = name.to_lowercase();
@@ -148,14 +173,14 @@ pub fn nearest<'a>(asked: &str, known: impl IntoIterator<Item = &'a str>) -> Opt
         let beginning = if short.len() >= 3 && long.starts_with(short.as_str()) { NEAR } else { 0.0 };
         strsim::normalized_damerau_levenshtein(&asked, &name).max(strsim::sorensen_dice(&asked, &name)).max(beginning)
     };
-    let scored = known.into_iter().map(|name| (likeness(name), name)).filter(|(score, _)| *score >= NEAR);
+    let scored = known.map(|name| (likeness(name), name)).filter(|(score, _)| *score >= NEAR);
     scored.max_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, name)| name)
 }
 
-/// The cure for a name that does not exist: "did you mean ...?" or all that there are, as "`WHAT`: a, b, c".
+/// The cure for a name that does not exist: "did you mean ...?" or those that there are, as "`WHAT`: a, b, c".
 pub fn suggest<'a>(asked: &str, what: &str, known: impl IntoIterator<Item = &'a str> + Clone) -> String {
     match nearest(asked, known.clone()) {
         Some(name) => format!("did you mean `{name}`?"),
-        None => format!("{what}: {}", known.into_iter().collect::<Vec<_>>().join(", ")),
+        None => format!("{what}: {}", listed(known)),
     }
 }

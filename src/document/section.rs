@@ -1,6 +1,7 @@
 //! A reader over one table: typed values by key, and every fault on the way.
 
 use super::{Node, Table, Value, suggest};
+use crate::limits::{FAULTS_LISTED, shown};
 use crate::problem::Problem;
 use std::cell::RefCell;
 use std::collections::{BTreeMap, BTreeSet};
@@ -65,9 +66,14 @@ impl<'a> Section<'a> {
     pub(super) fn finish_with<T>(self, read: impl FnOnce(&Self) -> Option<T>) -> Option<T> {
         let value = read(&self);
         let asked = self.asked.borrow();
-        for (key, node) in self.table.iter().filter(|(key, _)| !asked.contains(*key)) {
+        let mut unknown = self.table.iter().filter(|(key, _)| !asked.contains(*key));
+        for (key, node) in unknown.by_ref().take(FAULTS_LISTED) {
             let cure = suggest(key, "known here", asked.iter().map(String::as_str));
-            self.report(self.name_of(key), node.row, format!("unknown key `{key}`"), cure);
+            self.report(self.name_of(&shown(key)), node.row, format!("unknown key `{}`", shown(key)), cure);
+        }
+        if let (Some((_, node)), more) = (unknown.next(), unknown.count()) {
+            let what = format!("and {} more unknown keys", more + 1);
+            self.problems.borrow_mut().push(Problem::error(self.file, what, "").at_row(node.row));
         }
         value
     }
@@ -160,7 +166,11 @@ impl<'a> Field<'_, 'a> {
         let found = choices.iter().find(|(name, _)| *name == text).map(|(_, choice)| choice.clone());
         if found.is_none() {
             let all = names.clone().collect::<Vec<_>>().join(", ");
-            section.reject(&key, format!("is `{text}`; expected one of {all}"), suggest(&text, "name one of", names));
+            section.reject(
+                &key,
+                format!("is `{}`; expected one of {all}", shown(&text)),
+                suggest(&text, "name one of", names),
+            );
         }
         found
     }

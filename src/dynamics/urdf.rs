@@ -6,9 +6,12 @@
 
 use super::JointKind;
 use super::chain::{Body, Chain, Freedom};
-use crate::document::suggest;
+use crate::document::{bytes, suggest};
+use crate::limits::{URDF_BYTES, URDF_DEPTH, URDF_ELEMENTS};
 use crate::problem::{Problem, Problems, Result};
 use nalgebra::{Matrix3, Rotation3, Unit, Vector3};
+use quick_xml::Reader;
+use quick_xml::events::Event;
 use std::path::Path;
 use urdf_rs::{JointType, Link, Pose, Robot};
 
@@ -21,12 +24,48 @@ impl Chain {
     /// Errors: the file cannot be read; it has no such joint; a joint that matters is of a kind not known here (floating,
     /// planar); a link's inertia is not physical; the joints form no tree.
     pub fn read(file: &Path, joint: &str) -> Result<Self> {
-        let text = std::fs::read_to_string(file).or_else(|error| {
-            Problem::error(file, format!("cannot be read: {error}"), "check the path of the URDF").alone()
+        let text = String::from_utf8(bytes(file, URDF_BYTES)?).or_else(|_| {
+            Problem::error(file, "holds bytes that are no UTF-8 text", "save the file as UTF-8").alone()
         })?;
+        check_size(file, &text)?;
         let robot = urdf_rs::read_from_string(&text)
             .or_else(|error| Problem::error(file, format!("is no URDF: {error}"), "correct the file").alone())?;
         Tree { file, robot: &robot }.chain(joint)
+    }
+}
+
+/// Errors: elements too many or too deep in each other for the parser, which recurses; a document type, whose entities could
+/// expand without bound; broken syntax.
+fn check_size(file: &Path, text: &str) -> Result<()> {
+    let mut reader = Reader::from_str(text);
+    let (mut depth, mut elements) = (0usize, 0usize);
+    loop {
+        let event = reader.read_event();
+        let row = || {
+            let before = text.as_bytes().iter().take(reader.buffer_position() as usize);
+            1 + before.filter(|byte| **byte == b'\n').count() as u64
+        };
+        match event {
+            Ok(Event::Eof) => return Ok(()),
+            Ok(Event::Start(_)) => (depth, elements) = (depth + 1, elements + 1),
+            Ok(Event::Empty(_)) => elements += 1,
+            Ok(Event::End(_)) => depth = depth.saturating_sub(1),
+            Ok(Event::DocType(_)) => {
+                let cure = "delete the line: a URDF needs none";
+                return Problem::error(file, "declares a document type", cure).at_row(row()).alone();
+            }
+            Ok(_) => {}
+            Err(error) => {
+                return Problem::error(file, format!("is no URDF: {error}"), "correct the file").at_row(row()).alone();
+            }
+        }
+        if depth > URDF_DEPTH || elements > URDF_ELEMENTS {
+            let (what, cure) = match depth > URDF_DEPTH {
+                true => (format!("nests more than {URDF_DEPTH} elements"), "close each element"),
+                false => (format!("has more than {URDF_ELEMENTS} elements"), "keep the links and joints of this robot"),
+            };
+            return Problem::error(file, what, cure).at_row(row()).alone();
+        }
     }
 }
 

@@ -1,20 +1,26 @@
 //! ROS 2 recordings in MCAP: messages of type `sensor_msgs/msg/JointState`, as DDS serialises them (CDR, OMG DDS-RTPS 2.2, 10.2).
 //!
 //! Columns are `time` (the header's stamp, s, from the first message on), `JOINT.position`, `JOINT.velocity`, `JOINT.effort`;
-//! where several topics carry joint states, each with its topic before: `/arm/joint_states:elbow.position`.
+//! where several topics carry joint states, each with its topic before: `/arm/joint_states:elbow.position`. A joint that is not
+//! in every message (a gripper that reports for itself) has the times of its own messages.
+//!
+//! The CRCs of the data section, of each chunk and of the summary are verified, where the recorder wrote them.
 
 use super::Series;
+use crate::limits::{Budget, MCAP_RECORD_BYTES, MESSAGE_JOINTS, PASSED_OVER_PER_KEPT, listed, shown};
 use crate::problem::{Problem, Result};
 use mcap::parse_record;
 use mcap::records::Record;
 use mcap::sans_io::linear_reader::{LinearReadEvent, LinearReader, LinearReaderOptions};
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::{BTreeMap, BTreeSet, HashMap};
 use std::path::Path;
 
 /// The message's type; older recordings name it without `msg`.
 const TYPES: [&str; 2] = ["sensor_msgs/msg/JointState", "sensor_msgs/JointState"];
-/// More joints in a message are damage.
-const JOINTS_MAX: usize = 4096;
+/// Bytes that one joint of one message is kept in: its message's number and three readings.
+const KEPT_BYTES: u64 = 28;
+/// Bytes that a joint itself is kept in, besides its name.
+const JOINT_BYTES: u64 = 256;
 
 /// One message.
 struct State {
@@ -24,32 +30,28 @@ struct State {
     values: [Vec<f64>; 3],
 }
 
-/// No record of joint states is longer, bytes; a length beyond is damage, and must not be allocated.
-const RECORD_MAX: usize = 256 << 20;
-
 pub(super) fn read(file: &Path, bytes: &[u8]) -> Result<Vec<Series>> {
     let mut found = Found::default();
-    found.read(bytes).map_err(|error| {
-        let cure = "mend it with `mcap recover`, or record again";
-        Problem::error(file, format!("is damaged as MCAP: {error}"), cure)
+    found.read(bytes, &mut Budget::of_file(bytes.len() as u64)).or_else(|error| {
+        let cure = "copy it again from where it was recorded, mend it with `mcap recover`, or record again";
+        Problem::error(file, format!("is damaged as MCAP: {error}"), cure).alone()
     })?;
-    let Found { states, channels, .. } = found;
-    if states.is_empty() {
-        let listed: BTreeSet<String> =
+    let Found { topics, channels, .. } = found;
+    if topics.is_empty() {
+        let held: BTreeSet<String> =
             channels.values().map(|of| format!("{}: {} ({})", of.topic, of.kind, of.encoding)).collect();
-        let listed: Vec<String> = listed.into_iter().collect();
-        let cure = if listed.is_empty() {
-            "nothing was recorded".to_string()
-        } else {
-            format!("it holds {}", listed.join(", "))
+        let cure = match held.is_empty() {
+            true => "nothing was recorded".to_string(),
+            false => format!("it holds {}", listed(held.iter().map(String::as_str))),
         };
         return Problem::error(file, format!("holds no {} as cdr", TYPES[0]), cure).alone();
     }
-    let several = states.len() > 1;
-    let columns = |(clock, (topic, states)): (usize, (String, Vec<State>))| {
-        columns(&states, clock, &if several { format!("{topic}:") } else { String::new() })
-    };
-    Ok(states.into_iter().enumerate().flat_map(columns).collect())
+    let several = topics.len() > 1;
+    let mut all = Vec::new();
+    for (name, topic) in topics {
+        topic.columns(if several { format!("{name}:") } else { String::new() }, &mut all);
+    }
+    Ok(all)
 }
 
 /// What a recording holds, as far as it was read.
@@ -57,8 +59,8 @@ pub(super) fn read(file: &Path, bytes: &[u8]) -> Result<Vec<Series>> {
 struct Found {
     schemas: BTreeMap<u16, String>,
     channels: BTreeMap<u16, Channel>,
-    /// By topic.
-    states: BTreeMap<String, Vec<State>>,
+    /// By name.
+    topics: BTreeMap<String, Topic>,
 }
 
 struct Channel {
@@ -67,10 +69,32 @@ struct Channel {
     encoding: String,
 }
 
+/// The joint states of one topic.
+#[derive(Default)]
+struct Topic {
+    stamps_s: Vec<f64>,
+    joints: Vec<Joint>,
+    /// Places in `joints`, by name.
+    places: HashMap<String, usize>,
+}
+
+/// What the messages say of one joint.
+struct Joint {
+    name: String,
+    /// The messages that it is in.
+    messages: Vec<u32>,
+    /// Position, velocity, effort, message by message; empty where none has it.
+    values: [Vec<f64>; 3],
+}
+
 impl Found {
     /// Reads record after record; what is wrong with them, where something is.
-    fn read(&mut self, bytes: &[u8]) -> std::result::Result<(), String> {
-        let options = LinearReaderOptions::default().with_record_length_limit(RECORD_MAX);
+    fn read(&mut self, bytes: &[u8], budget: &mut Budget) -> std::result::Result<(), String> {
+        let options = LinearReaderOptions::default()
+            .with_record_length_limit(MCAP_RECORD_BYTES)
+            .with_prevalidate_chunk_crcs(true)
+            .with_validate_data_section_crc(true)
+            .with_validate_summary_section_crc(true);
         let mut reader = LinearReader::new_with_options(options);
         let mut rest = bytes;
         while let Some(event) = reader.next_event() {
@@ -82,14 +106,15 @@ impl Found {
                     rest = later;
                 }
                 LinearReadEvent::Record { data, opcode } => {
-                    self.take(parse_record(opcode, data).map_err(|error| error.to_string())?)?;
+                    budget.take(data.len() as u64 / PASSED_OVER_PER_KEPT)?;
+                    self.take(parse_record(opcode, data).map_err(|error| error.to_string())?, budget)?;
                 }
             }
         }
         Ok(())
     }
 
-    fn take(&mut self, record: Record<'_>) -> std::result::Result<(), String> {
+    fn take(&mut self, record: Record<'_>, budget: &mut Budget) -> std::result::Result<(), String> {
         match record {
             Record::Schema { header, .. } => drop(self.schemas.insert(header.id, header.name)),
             Record::Channel(of) => {
@@ -100,14 +125,15 @@ impl Found {
             Record::Message { header, data } => {
                 let is_ours = |of: &&Channel| TYPES.contains(&of.kind.as_str()) && of.encoding == "cdr";
                 let Some(channel) = self.channels.get(&header.channel_id).filter(is_ours) else { return Ok(()) };
-                let seen = self.states.entry(channel.topic.clone()).or_default();
+                let topic = self.topics.entry(channel.topic.clone()).or_default();
+                let number = topic.stamps_s.len() + 1;
                 let mut state = State::parse(&data)
-                    .ok_or_else(|| format!("message {} of {} is no JointState", seen.len() + 1, channel.topic))?;
+                    .ok_or_else(|| format!("message {number} of {} is no JointState", channel.topic))?;
                 if state.stamp_s == 0.0 {
                     // Some drivers leave the stamp out.
                     state.stamp_s = header.log_time as f64 * 1e-9;
                 }
-                seen.push(state);
+                topic.take(state, budget).map_err(|what| format!("message {number} of {}: {what}", channel.topic))?;
             }
             _ => {}
         }
@@ -115,25 +141,60 @@ impl Found {
     }
 }
 
-/// A column for each joint's position, velocity and effort, as far as any message has them.
-fn columns(states: &[State], clock: usize, before: &str) -> Vec<Series> {
-    let start_s = states.iter().map(|state| state.stamp_s).fold(f64::INFINITY, f64::min);
-    let time = states.iter().map(|state| state.stamp_s - start_s).collect();
-    let mut all = vec![Series { name: format!("{before}time"), values: time, clock }];
-    let mut at: BTreeMap<(String, usize), usize> = BTreeMap::new();
-    for (row, state) in states.iter().enumerate() {
-        for (quantity, values) in state.values.iter().enumerate() {
-            for (name, value) in state.names.iter().zip(values) {
-                let column = *at.entry((name.clone(), quantity)).or_insert_with(|| {
-                    let name = format!("{before}{name}.{}", ["position", "velocity", "effort"][quantity]);
-                    all.push(Series { name, values: vec![f64::NAN; states.len()], clock });
-                    all.len() - 1
-                });
-                all[column].values[row] = *value;
+impl Topic {
+    fn take(&mut self, state: State, budget: &mut Budget) -> std::result::Result<(), String> {
+        let message = u32::try_from(self.stamps_s.len()).map_err(|_| "it is one of too many")?;
+        self.stamps_s.push(state.stamp_s);
+        budget.take(8 + KEPT_BYTES * state.names.len() as u64)?;
+        for (at, name) in state.names.into_iter().enumerate() {
+            let place = match self.places.get(&name) {
+                Some(place) => *place,
+                None => {
+                    budget.take(JOINT_BYTES + 2 * name.len() as u64)?;
+                    self.places.insert(name.clone(), self.joints.len());
+                    self.joints.push(Joint { name, messages: Vec::new(), values: Default::default() });
+                    self.joints.len() - 1
+                }
+            };
+            let joint = &mut self.joints[place];
+            if joint.messages.last() == Some(&message) {
+                return Err(format!("it names joint `{}` twice", shown(&joint.name)));
+            }
+            for (known, told) in joint.values.iter_mut().zip(&state.values).filter(|(_, told)| !told.is_empty()) {
+                known.resize(joint.messages.len(), f64::NAN);
+                known.push(told[at]);
+            }
+            joint.messages.push(message);
+        }
+        Ok(())
+    }
+
+    /// The columns, each called so and `before`: joints in the same messages share a clock.
+    fn columns(self, before: String, all: &mut Vec<Series>) {
+        let start_s = self.stamps_s.iter().copied().fold(f64::INFINITY, f64::min);
+        let mut clocks: HashMap<Vec<u32>, Vec<(String, [Vec<f64>; 3])>> = HashMap::new();
+        let mut order: Vec<Vec<u32>> = Vec::new();
+        for Joint { name, messages, values } in self.joints {
+            let joints = clocks.entry(messages.clone()).or_default();
+            if joints.is_empty() {
+                order.push(messages);
+            }
+            joints.push((name, values));
+        }
+        for messages in order {
+            let clock = all.last().map_or(0, |last| last.clock + 1);
+            let mut put = |name: String, values| all.push(Series { name, values, clock, first_row: 1 });
+            let time = messages.iter().map(|message| self.stamps_s[*message as usize] - start_s).collect();
+            put(format!("{before}time"), time);
+            for (joint, values) in clocks.remove(&messages).unwrap_or_default() {
+                let told = ["position", "velocity", "effort"].into_iter().zip(values);
+                for (quantity, mut values) in told.filter(|(_, values)| !values.is_empty()) {
+                    values.resize(messages.len(), f64::NAN);
+                    put(format!("{before}{joint}.{quantity}"), values);
+                }
             }
         }
     }
-    all
 }
 
 impl State {
@@ -177,7 +238,7 @@ impl Cdr<'_> {
 
     fn count(&mut self) -> Option<usize> {
         let count = self.word()? as usize;
-        (count <= JOINTS_MAX).then_some(count)
+        (count <= MESSAGE_JOINTS).then_some(count)
     }
 
     /// A text with its closing zero.

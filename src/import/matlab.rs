@@ -1,114 +1,100 @@
 //! MATLAB `.mat`: vectors and matrices of numbers; of v7.3 also those in structures.
 //!
 //! A vector is a column called like its variable; a matrix as long as it is wide or longer gives `name(:,1)`, `name(:,2)` and so
-//! on. Structures and cells of v5 to v7 are not read by the `matfile` crate: save their fields as variables.
+//! on. Structures and cells of v5 to v7 are not read: save their fields as variables. Of v7.3, HDF5's checksums of metadata and
+//! (where a variable has one) the Fletcher-32 of its data are verified.
 
-use super::Series;
+use super::{Series, mat5};
+use crate::limits::{Budget, HDF5_LINKS, MATRIX_COLUMNS, STRUCTURE_DEPTH, shown};
 use crate::problem::{Problem, Result};
-use hdf5_pure::{DType, File, Group};
-use matfile::{MatFile, NumericData};
+use hdf5_pure::{DType, Dataset, Error, File, FormatError, Group};
 use std::path::Path;
 
 /// What a v7.3 file begins with after MATLAB's own header of 512 bytes; tools that write plain HDF5 have none.
 const HDF5: &[u8] = b"\x89HDF\r\n\x1a\n";
-/// Numbers that a byte of the file can hold at most: deflate packs a thousand to one. More are damage, and must not be allocated.
-const NUMBERS_PER_BYTE: u64 = 1100;
-/// Structures within structures that are looked into.
-const DEPTH: usize = 4;
-/// More columns than this are a picture or a field, no log.
-const COLUMNS_MAX: usize = 512;
 
 pub(super) fn read(file: &Path, bytes: Vec<u8>) -> Result<Vec<Series>> {
     let is_hdf5 = [0, 512].iter().any(|at| bytes.get(*at..).is_some_and(|rest| rest.starts_with(HDF5)));
-    if is_hdf5 { read_hdf5(file, bytes) } else { read_v5(file, &bytes) }
-}
-
-fn damaged<T>(file: &Path, error: impl std::fmt::Display) -> Result<T> {
-    Problem::error(file, format!("cannot be read as MATLAB's: {error}"), "save it again from MATLAB with `save -v7`")
-        .alone()
-}
-
-fn read_v5(file: &Path, bytes: &[u8]) -> Result<Vec<Series>> {
-    if !bytes.starts_with(b"MATLAB 5.0") {
-        let cure = "save it from MATLAB with `save -v7`; v4 is not read";
-        return Problem::error(file, "does not begin as a .mat of version 5 or 7", cure).alone();
-    }
-    let read = match MatFile::parse(bytes) {
-        Ok(read) => read,
-        Err(error) => return damaged(file, error),
-    };
-    let mut all = Vec::new();
-    for array in read.arrays() {
-        let size: Vec<usize> = array.size().clone();
-        if let [rows, columns] = size[..] {
-            add(&mut all, array.name(), numbers(array.data()), rows, columns);
-        }
-    }
-    Ok(all)
-}
-
-/// Real parts as numbers.
-fn numbers(data: &NumericData) -> Vec<f64> {
-    match data {
-        NumericData::Int8 { real, .. } => real.iter().map(|x| f64::from(*x)).collect(),
-        NumericData::UInt8 { real, .. } => real.iter().map(|x| f64::from(*x)).collect(),
-        NumericData::Int16 { real, .. } => real.iter().map(|x| f64::from(*x)).collect(),
-        NumericData::UInt16 { real, .. } => real.iter().map(|x| f64::from(*x)).collect(),
-        NumericData::Int32 { real, .. } => real.iter().map(|x| f64::from(*x)).collect(),
-        NumericData::UInt32 { real, .. } => real.iter().map(|x| f64::from(*x)).collect(),
-        NumericData::Int64 { real, .. } => real.iter().map(|x| *x as f64).collect(),
-        NumericData::UInt64 { real, .. } => real.iter().map(|x| *x as f64).collect(),
-        NumericData::Single { real, .. } => real.iter().map(|x| f64::from(*x)).collect(),
-        NumericData::Double { real, .. } => real.clone(),
-    }
+    if is_hdf5 { read_hdf5(file, bytes) } else { mat5::read(file, &bytes) }
 }
 
 fn read_hdf5(file: &Path, bytes: Vec<u8>) -> Result<Vec<Series>> {
-    let most = NUMBERS_PER_BYTE * bytes.len() as u64;
-    let opened = match File::from_bytes(bytes) {
-        Ok(opened) => opened,
-        Err(error) => return damaged(file, error),
-    };
-    let mut all = Vec::new();
-    match fields(&opened.root(), "", DEPTH, most, &mut all) {
-        Ok(()) => Ok(all),
-        Err(error) => damaged(file, error),
+    let mut walk = Walk { budget: Budget::of_file(bytes.len() as u64), links: 0, all: Vec::new() };
+    let opened = File::from_bytes(bytes).map_err(|error| error.to_string());
+    match opened.and_then(|opened| walk.fields(&opened.root(), "", STRUCTURE_DEPTH)) {
+        Ok(()) => Ok(walk.all),
+        Err(error) => {
+            let cure = "save it again from MATLAB with `save -v7`, only what the campaign needs";
+            Problem::error(file, format!("cannot be read as MATLAB's: {error}"), cure).alone()
+        }
     }
 }
 
-/// The numbers of `group` and of the structures in it, their names beginning with `before`.
-fn fields(
-    group: &Group,
-    before: &str,
-    depth: usize,
-    most: u64,
-    all: &mut Vec<Series>,
-) -> std::result::Result<(), hdf5_pure::Error> {
-    let mut names = group.datasets()?;
-    names.sort();
-    for name in names {
-        let data = group.dataset(&name)?;
-        let (Ok(shape), Ok(kind)) = (data.shape(), data.dtype()) else { continue };
-        let count = shape.iter().try_fold(1u64, |count, side| count.checked_mul(*side)).unwrap_or(u64::MAX);
-        if !is_number(&kind) || count > most {
-            continue;
+/// Going through the structures of a file.
+struct Walk {
+    budget: Budget,
+    /// Names looked at so far: hard links can make a group a part of itself.
+    links: usize,
+    all: Vec<Series>,
+}
+
+impl Walk {
+    /// The numbers of `group` and of the structures in it, their names beginning with `before`.
+    fn fields(&mut self, group: &Group, before: &str, depth: usize) -> std::result::Result<(), String> {
+        let told = |error: Error| error.to_string();
+        let (mut names, mut groups) = (group.datasets().map_err(told)?, group.groups().map_err(told)?);
+        self.links += names.len() + groups.len();
+        if self.links > HDF5_LINKS {
+            return Err(format!("it links to more than {HDF5_LINKS} variables and structures"));
         }
+        names.sort();
+        for name in names {
+            let called = format!("{before}{name}");
+            let data = group.dataset(&name).map_err(|error| format!("`{}`: {error}", shown(&called)))?;
+            self.variable(&called, &data).map_err(|what| format!("`{}`: {what}", shown(&called)))?;
+        }
+        groups.sort();
+        // `#refs#` and `#subsystem#` are MATLAB's own.
+        for name in groups.iter().filter(|name| depth > 0 && !name.starts_with('#')) {
+            let inner = group.group(name).map_err(told)?;
+            self.fields(&inner, &format!("{before}{name}."), depth - 1)?;
+        }
+        Ok(())
+    }
+
+    fn variable(&mut self, name: &str, data: &Dataset) -> std::result::Result<(), String> {
+        let (Ok(shape), Ok(kind)) = (data.shape(), data.dtype()) else { return Ok(()) };
         // MATLAB's columns are HDF5's rows.
-        let Ok(values) = data.read_f64() else { continue };
-        if let [columns, rows] = shape[..] {
-            let (Ok(rows), Ok(columns)) = (usize::try_from(rows), usize::try_from(columns)) else { continue };
-            add(all, &format!("{before}{name}"), values, rows, columns);
-        } else if let [rows] = shape[..] {
-            add(all, &format!("{before}{name}"), values, usize::try_from(rows).unwrap_or(0), 1);
+        let (columns, rows) = match shape[..] {
+            [columns, rows] => (columns, rows),
+            [rows] => (1, rows),
+            _ => return Ok(()),
+        };
+        if !is_number(&kind) {
+            return Ok(());
+        }
+        self.budget.take_numbers(unpacked(data, &shape))?;
+        match data.read_f64() {
+            Ok(values) => {
+                let size = |side: u64| usize::try_from(side).unwrap_or(0);
+                add(&mut self.all, name, values, size(rows), size(columns));
+                Ok(())
+            }
+            // Packed as nobody but its writer can read: not of ours.
+            Err(Error::Format(FormatError::UnsupportedFilter(_) | FormatError::UnsupportedZfp(_))) => Ok(()),
+            Err(error) => Err(error.to_string()),
         }
     }
-    let mut groups = group.groups()?;
-    groups.sort();
-    // `#refs#` and `#subsystem#` are MATLAB's own.
-    for name in groups.iter().filter(|name| depth > 0 && !name.starts_with('#')) {
-        fields(&group.group(name)?, &format!("{before}{name}."), depth - 1, most, all)?;
-    }
-    Ok(())
+}
+
+/// Numbers that are unpacked on the way to those of a `shape`: of chunks at its edges more than it holds.
+fn unpacked(data: &Dataset, shape: &[u64]) -> u64 {
+    let chunk = data.chunk_shape().ok().flatten().unwrap_or_default();
+    let side = |(at, side): (usize, &u64)| match chunk.get(at) {
+        Some(step) if *step > 0 => side.div_ceil(*step).saturating_mul(*step),
+        _ => *side,
+    };
+    shape.iter().enumerate().map(side).fold(1, u64::saturating_mul)
 }
 
 fn is_number(kind: &DType) -> bool {
@@ -117,19 +103,20 @@ fn is_number(kind: &DType) -> bool {
 }
 
 /// A vector as a column, a matrix as columns; single numbers and pictures are left out.
-fn add(all: &mut Vec<Series>, name: &str, values: Vec<f64>, rows: usize, columns: usize) {
+pub(super) fn add(all: &mut Vec<Series>, name: &str, values: Vec<f64>, rows: usize, columns: usize) {
     let (rows, columns) = if rows == 1 { (columns, 1) } else { (rows, columns) };
-    if rows < 2 || columns == 0 || columns > COLUMNS_MAX || rows.checked_mul(columns) != Some(values.len()) {
+    if rows < 2 || columns == 0 || columns > MATRIX_COLUMNS || rows.checked_mul(columns) != Some(values.len()) {
         return;
     }
     // The length is all that a variable says of its clock.
     if columns == 1 {
-        return all.push(Series { name: name.to_string(), values, clock: rows });
+        return all.push(Series { name: name.to_string(), values, clock: rows, first_row: 1 });
     }
     let of = |(at, column): (usize, &[f64])| Series {
         name: format!("{name}(:,{})", at + 1),
         values: column.to_vec(),
         clock: rows,
+        first_row: 1,
     };
     all.extend(values.chunks_exact(rows).enumerate().map(of));
 }

@@ -2,17 +2,19 @@
 //!
 //! | file | format |
 //! |---|---|
-//! | `matlab` | MATLAB `.mat`: v5 to v7, and v7.3 (HDF5) |
+//! | `matlab` | MATLAB `.mat`: which version it is; v7.3 (HDF5) |
+//! | `mat5` | MATLAB `.mat` of v5 to v7 |
 //! | `joint_states` | ROS 2 recordings in MCAP: `sensor_msgs/msg/JointState` |
 //! | `scope` | TwinCAT Scope's text export |
 //! | `picked` | of the columns, those that a campaign names |
 
 mod joint_states;
+mod mat5;
 mod matlab;
 mod picked;
 mod scope;
 
-pub use picked::picked;
+pub use picked::{Picked, picked};
 
 use crate::problem::{Problem, Result};
 use std::io::Read;
@@ -27,6 +29,8 @@ pub struct Series {
     pub values: Vec<f64>,
     /// Columns of one clock are as long as each other, and have the same number here.
     pub clock: usize,
+    /// Where the first reading stands, for messages: its line in a text, its number (1) in a recording or an array.
+    pub first_row: u64,
 }
 
 /// Whether `file` is a table that a campaign can hold as it is: Parquet, or CSV that is no export of TwinCAT's Scope.

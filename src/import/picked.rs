@@ -2,22 +2,39 @@
 
 use super::Series;
 use crate::document::suggest;
+use crate::limits::{FAULTS_LISTED, listed, shown};
 use crate::problem::{Problem, Problems, Result};
 use std::path::Path;
 
 /// Two clocks are one where their stamps differ by less than this share of the last.
 const SAME_CLOCK: f64 = 1e-9;
 
-/// The columns of `names` among `all` of `file`, `names[0]` being the time; rows in which one of them is missing are left out.
+/// The columns that were asked for, all of one length, every reading finite.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Picked {
+    /// One for each name, in their order.
+    pub columns: Vec<Vec<f64>>,
+    /// What was left out, and why.
+    pub warnings: Vec<Problem>,
+}
+
+/// The columns of `names` among `all` of `file`, `names[0]` being the time. Rows at the end that hold no reading at all, as
+/// MATLAB and Scope fill up what was recorded more briefly, are left out, which is a warning.
 ///
-/// Errors: a column that the file does not have, or has twice; columns on different clocks; no row that has them all.
-pub fn picked(file: &Path, all: &[Series], names: &[&str]) -> Result<Vec<Vec<f64>>> {
+/// Errors: a column that the file does not have, or has twice; columns on different clocks; a reading that is missing or not
+/// finite, by row and column; no two rows.
+pub fn picked(file: &Path, all: &[Series], names: &[&str]) -> Result<Picked> {
     let mut problems = Vec::new();
     let mut found: Vec<&Series> = Vec::new();
     for name in names {
         // A name that several clocks share (`time`) is the one of the columns found with it.
         let mut of_name = all.iter().filter(|series| series.name == *name);
         match of_name.next() {
+            Some(series) if of_name.any(|other| other.clock == series.clock) => {
+                let what = "this column is there twice";
+                problems
+                    .push(Problem::error(file, what, "rename one of the two where it was recorded").in_column(*name));
+            }
             Some(series) => found.push(series),
             None => problems.push(lacking(file, name, all)),
         }
@@ -30,13 +47,41 @@ pub fn picked(file: &Path, all: &[Series], names: &[&str]) -> Result<Vec<Vec<f64
     }
     on_one_clock(file, all, &found)?;
     let rows = found[0].values.len();
-    let is_whole = |row: &usize| found.iter().all(|series| series.values[*row].is_finite());
-    let whole: Vec<usize> = (0..rows).filter(is_whole).collect();
-    if whole.len() < 2 {
-        let what = format!("{} of its {rows} rows hold all of {}", whole.len(), names.join(", "));
+    let holds_reading = |row: &usize| found[1..].iter().any(|series| !series.values[*row].is_nan());
+    let end = (0..rows).rev().find(holds_reading).map_or(0, |last| last + 1);
+    Problems(found.iter().flat_map(|series| holes(file, series, end)).collect()).unless_errors(())?;
+    if end < 2 {
+        let what = format!("{end} of its {rows} rows hold all of {}", listed(names.iter().copied()));
         return Problem::error(file, what, "name columns that were recorded together").alone();
     }
-    Ok(found.iter().map(|series| whole.iter().map(|row| series.values[*row]).collect()).collect())
+    let columns = found.iter().map(|series| series.values[..end].to_vec()).collect();
+    Ok(Picked { columns, warnings: (end < rows).then(|| left_out(file, found[0], end)).into_iter().collect() })
+}
+
+/// The readings before `end` that are missing or not finite, by row.
+fn holes(file: &Path, series: &Series, end: usize) -> Vec<Problem> {
+    let mut holes = series.values[..end].iter().enumerate().filter(|(_, value)| !value.is_finite());
+    let one = |(row, value): (usize, &f64)| {
+        let what = if value.is_nan() { "holds no number (empty or NaN)".to_string() } else { format!("holds {value}") };
+        let cure = "mend or cut the recording there: only rows without any reading, at its end, are left out";
+        Problem::error(file, what, cure).at_row(series.first_row + row as u64).in_column(shown(&series.name))
+    };
+    let mut problems: Vec<Problem> = holes.by_ref().take(FAULTS_LISTED).map(one).collect();
+    match holes.count() {
+        0 => {}
+        more => {
+            let what = format!("and {more} more rows with no number");
+            problems.push(Problem::error(file, what, "").in_column(shown(&series.name)));
+        }
+    }
+    problems
+}
+
+fn left_out(file: &Path, time: &Series, end: usize) -> Problem {
+    let rows = time.values.len();
+    let what = format!("the last {} of {rows} rows hold no reading", rows - end);
+    let cure = "they are left out; check that the recording was not cut short";
+    Problem::warning(file, what, cure).at_row(time.first_row + end as u64)
 }
 
 fn lacking(file: &Path, name: &str, all: &[Series]) -> Problem {
@@ -49,7 +94,7 @@ fn lacking(file: &Path, name: &str, all: &[Series]) -> Problem {
             None => format!("it has {} others; `tautline import --list` shows them", all.len()),
         },
     };
-    Problem::error(file, format!("has no column `{name}`"), cure)
+    Problem::error(file, format!("has no column `{}`", shown(name)), cure)
 }
 
 /// Errors: columns that were not sampled together.

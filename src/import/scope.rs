@@ -4,8 +4,13 @@
 //! times stand below. One group a channel (Timelines: All) or a sample time is alike. Columns are called as `Name` says, the time
 //! of each group `time`, in ms from the first row of the file. Tabulators or semicolons go with either point or comma in numbers.
 //! Values are taken as they stand: `Offset` and `ScaleFactor` of the header are the display's.
+//!
+//! There is no checksum. An export with a header tells its end (`Endtime of export`), and its last line is `EOF`: one that has
+//! neither its last line nor its last times was cut. A group that was sampled more slowly ends in empty cells, and there alone
+//! cells may be empty.
 
 use super::Series;
+use crate::limits::{COLUMNS, shown};
 use crate::problem::{Problem, Result};
 use std::borrow::Cow;
 use std::path::Path;
@@ -21,6 +26,8 @@ const HEADER_MAX: usize = 200;
 struct Header {
     /// The first line of numbers, from 0.
     data_from: usize,
+    /// How long the export says that it lasts, ms.
+    lasts_ms: Option<f64>,
     /// Whether each column is a time, and of which group it is.
     columns: Vec<Column>,
 }
@@ -63,30 +70,40 @@ pub(super) fn read(file: &Path, bytes: &[u8]) -> Result<Vec<Series>> {
     let Some(header) = Header::read(&lines, separator) else {
         return Err(refuse("begins as TwinCAT Scope's export, and no line of numbers follows a line of names").into());
     };
-    let mut all: Vec<Series> = header
-        .columns
-        .iter()
-        .map(|column| Series { name: column.name.clone(), values: Vec::new(), clock: column.group })
-        .collect();
+    if header.columns.len() > COLUMNS {
+        return Err(refuse(&format!("has {} columns, more than {COLUMNS}", header.columns.len())).into());
+    }
+    let mut all: Vec<Series> = header.columns.iter().map(|column| column.series(header.data_from)).collect();
+    let (mut is_whole, mut blank) = (false, None);
     for (row, line) in lines.iter().enumerate().skip(header.data_from) {
-        if line.trim().is_empty() || unquoted(line.trim_end_matches(separator)) == "EOF" {
+        let at = |problem: Problem| problem.at_row(row as u64 + 1);
+        if unquoted(line.trim_end_matches(separator)) == "EOF" {
+            is_whole = true;
             continue;
         }
-        let mut cells = line.split(separator);
+        if line.trim().is_empty() {
+            blank = Some(row as u64 + 1);
+            continue;
+        }
+        if is_whole || blank.is_some() {
+            let what = if is_whole { "goes on behind EOF" } else { "is blank, and numbers follow" };
+            return Err(refuse(what).at_row(blank.unwrap_or(row as u64 + 1)).into());
+        }
+        let mut cells = line.split(separator).map(unquoted);
         for (series, column) in all.iter_mut().zip(&header.columns) {
-            let cell = cells.next().map_or("", unquoted);
-            let value = number(cell, separator);
-            match value {
-                Some(value) => series.values.push(value),
-                None => {
-                    let what = format!("holds `{cell}`, no number");
-                    let problem = refuse(&what).at_row(row as u64 + 1).in_column(&column.name);
-                    return Err(problem.into());
-                }
-            }
+            let cell = cells.next().unwrap_or_default();
+            let value = number(cell, separator).ok_or_else(|| {
+                let what = format!("holds `{}`, no number", shown(cell));
+                at(refuse(&what)).in_column(&column.name)
+            })?;
+            series.values.push(value);
+        }
+        if cells.any(|cell| !cell.is_empty()) {
+            return Err(at(refuse("has more numbers than there are names")).into());
         }
     }
-    set_clocks(&mut all, &header.columns);
+    let lasts_ms = header.lasts_ms.filter(|_| !is_whole);
+    set_clocks(&mut all, &header.columns, lasts_ms).map_err(|what| refuse(&what))?;
     Ok(all)
 }
 
@@ -122,20 +139,55 @@ impl Header {
             let name = if is_time { "time".to_string() } else { name.clone() };
             columns.push(Column { name, is_time, group });
         }
-        (columns.iter().any(|column| !column.is_time)).then_some(Self { data_from, columns })
+        let stamp = |key: &str| -> Option<f64> {
+            let line = lines[..data_from].iter().map(|line| cells(line)).find(|cells| cells[0] == key)?;
+            number(line.get(1)?, separator)
+        };
+        let lasts = stamp("Endtime of export").zip(stamp("Starttime of export"));
+        let lasts_ms = lasts.map(|(end, start)| (end - start) / TICKS_PER_MS);
+        (columns.iter().any(|column| !column.is_time)).then_some(Self { data_from, lasts_ms, columns })
+    }
+}
+
+impl Column {
+    /// The column without its values, which stand below line `data_from`, counted from 0.
+    fn series(&self, data_from: usize) -> Series {
+        Series { name: self.name.clone(), values: Vec::new(), clock: self.group, first_row: data_from as u64 + 1 }
     }
 }
 
 /// Times in ms from the first of the file on, and each group as long as its times.
-fn set_clocks(all: &mut [Series], columns: &[Column]) {
+///
+/// Errors: readings beyond the times of their group; all of it ends before it has lasted `lasts_ms`.
+fn set_clocks(all: &mut [Series], columns: &[Column], lasts_ms: Option<f64>) -> std::result::Result<(), String> {
     let stamps = |series: &Series| series.values.first().copied().unwrap_or(0.0);
     let times = || columns.iter().enumerate().filter(|(_, column)| column.is_time);
     let start = times().map(|(at, _)| stamps(&all[at])).fold(f64::INFINITY, f64::min);
+    let (mut end_ms, mut step_ms) = (0.0f64, 0.0f64);
     for (at, column) in times() {
         // What was recorded more slowly ends in empty cells.
         let rows = all[at].values.iter().rposition(|time| time.is_finite()).map_or(0, |last| last + 1);
         let in_ms = if start > FILE_TIME { 1.0 / TICKS_PER_MS } else { 1.0 };
         all[at].values.iter_mut().for_each(|time| *time = (*time - start) * in_ms);
-        all.iter_mut().filter(|series| series.clock == column.group).for_each(|series| series.values.truncate(rows));
+        let last = all[at].values[..rows].last().copied().unwrap_or(0.0);
+        end_ms = end_ms.max(last);
+        step_ms = step_ms.max(last / rows.saturating_sub(1).max(1) as f64);
+        for series in all.iter_mut().filter(|series| series.clock == column.group) {
+            if series.values[rows..].iter().any(|value| value.is_finite()) {
+                return Err(format!(
+                    "`{}` goes on where its times have ended, in line {}",
+                    shown(&series.name),
+                    series.first_row + rows as u64
+                ));
+            }
+            series.values.truncate(rows);
+        }
+    }
+    match lasts_ms {
+        // The end is that of the last sample, or one sample later.
+        Some(lasts_ms) if end_ms + 2.0 * step_ms < lasts_ms => {
+            Err(format!("ends after {end_ms} ms of {lasts_ms} ms, without its last line `EOF`: it was cut"))
+        }
+        _ => Ok(()),
     }
 }

@@ -1,6 +1,7 @@
 //! `[dynamics]` with a URDF: which recorded column moves which joint of the chain.
 
 use super::columns::OtherColumn;
+use super::place::{self, Found};
 use crate::document::{Section, suggest};
 use crate::dynamics::{Chain, JointKind};
 use crate::model::ChainName;
@@ -58,6 +59,18 @@ impl Declared {
             }
         }
         let urdf = urdf?;
+        match place::find(folder, &urdf) {
+            Found::Outside => {
+                let cure = "copy the URDF into the folder of campaign.toml and name it by its path from there";
+                section.reject("urdf", format!("`{urdf}` lies outside the campaign"), cure);
+                return None;
+            }
+            Found::Linked(real) => {
+                let (what, cure) = place::of_link(&urdf, &real);
+                section.doubt("urdf", what, cure);
+            }
+            Found::Here | Found::Absent(_) => {}
+        }
         Some(Self { file: folder.join(&urdf), urdf, joint: joint?, held_rad: held_rad.unwrap_or_default() })
     }
 

@@ -1,7 +1,9 @@
 //! CSV -> readings: only the wanted columns are parsed, straight into their vectors.
 
 use super::columns::Wanted;
-use super::readings::{Faults, Readings, Rows, locate};
+use super::readings::{Faults, Readings, Rows, check_width, locate};
+use super::source::{self, Source};
+use crate::limits::shown;
 use crate::problem::{Problem, Result};
 use csv::{ByteRecord, Reader, ReaderBuilder};
 use std::fs::File;
@@ -12,8 +14,6 @@ use std::path::Path;
 const BUFFER_BYTES: usize = 1 << 18;
 /// Rows after which the rest of the file is estimated.
 const ROWS_SEEN: usize = 64;
-/// Characters of a faulty field that a message shows.
-const SHOWN_CHARS: usize = 40;
 
 /// Reads the wanted columns of `file`; of one that `broke_off` only whole rows. Missing columns, rows of unequal length, and every field that is no finite number
 /// go to `faults`, by row and column.
@@ -26,6 +26,7 @@ pub(super) fn read(file: &Path, broke_off: bool, wanted: &[Wanted], faults: &mut
     if !records.next(file, &mut record)? {
         return Problem::error(file, "is empty", "record it again, or delete its trial").alone();
     }
+    check_width(file, record.len())?;
     let names: Vec<String> = record.iter().map(name).collect();
     check_separator(file, &names)?;
     let places = locate(&names, wanted, faults);
@@ -83,7 +84,7 @@ fn unreadable<T>(file: &Path, error: &dyn std::error::Error) -> Result<T> {
 
 /// The records of a file, with the row at which each begins: the csv crate's own count stands before blank rows.
 struct Records {
-    reader: Reader<Take<File>>,
+    reader: Reader<Source<Take<File>>>,
     /// Row of the last record, counted from 1.
     row: u64,
     /// Line breaks inside quotes of the last record, which belong to its row.
@@ -94,7 +95,8 @@ impl Records {
     fn new(source: Take<File>) -> Self {
         // Flexible, so that ragged rows are ours to report, all of them.
         let mut builder = ReaderBuilder::new();
-        let reader = builder.has_headers(false).flexible(true).buffer_capacity(BUFFER_BYTES).from_reader(source);
+        let reader = builder.has_headers(false).flexible(true).buffer_capacity(BUFFER_BYTES);
+        let reader = reader.from_reader(Source::new(source));
         Self { reader, row: 0, inside: 0 }
     }
 
@@ -104,8 +106,9 @@ impl Records {
         match self.reader.read_byte_record(record) {
             Ok(false) => return Ok(false),
             Ok(true) => {}
-            Err(error) => return unreadable(file, &error),
+            Err(error) => return source::problem(file, &error, self.row + self.inside + 1).alone(),
         }
+        self.reader.get_ref().row_ends();
         self.row += 1 + self.inside;
         self.inside = 0;
         // A plain record passes one line break at most: its own, or (where rows end in two bytes) the one before.
@@ -200,11 +203,7 @@ pub(super) fn no_number(file: &Path, field: &[u8], want: &Wanted) -> Problem {
     let text = String::from_utf8_lossy(field);
     let what = match text.trim() {
         "" => "is empty".to_string(),
-        found => {
-            let start: String = found.chars().take(SHOWN_CHARS).collect();
-            let more = if start.len() < found.len() { " ..." } else { "" };
-            format!("holds `{}`{more}", start.escape_debug())
-        }
+        found => format!("holds `{}`", shown(found).escape_debug()),
     };
     let cure = format!("expected a number in {}; repair or delete the row", want.column.unit.name());
     Problem::error(file, what, cure).in_column(&want.column.name)

@@ -2,8 +2,10 @@
 
 use super::campaign::TrialEntry;
 use super::captured::Captured;
+use super::place::{self, Found};
 use crate::document::Section;
 use crate::dynamics::JointKind;
+use crate::limits::shown;
 use crate::trajectory::Protocol;
 use std::collections::BTreeMap;
 use std::collections::btree_map::Entry;
@@ -69,18 +71,27 @@ impl Seen {
 
     /// Reports a log that lies outside the campaign's folder, is absent, or is listed already; false of such.
     fn check_file(&mut self, section: &Section<'_>, file: &str, folder: &Path) -> bool {
-        let parts: Vec<Component<'_>> =
-            Path::new(file).components().filter(|part| *part != Component::CurDir).collect();
-        let is_inside = parts.iter().all(|part| matches!(part, Component::Normal(_)));
-        let exists = folder.join(file).is_file();
-        if !is_inside {
-            let cure = "move the log into the folder of campaign.toml and name it by its path from there";
-            section.reject("file", format!("`{file}` lies outside the campaign"), cure);
-        } else if !exists {
-            let cure = suggest_file(file, folder).unwrap_or("add the log, or delete this trial".to_string());
-            section.reject("file", format!("there is no file `{file}`"), cure);
+        let found = place::find(folder, file);
+        match &found {
+            Found::Here => {}
+            Found::Linked(real) => {
+                let (what, cure) = place::of_link(file, real);
+                section.doubt("file", what, cure);
+            }
+            Found::Outside => {
+                let cure = "move the log into the folder of campaign.toml and name it by its path from there";
+                section.reject("file", format!("`{file}` lies outside the campaign"), cure);
+            }
+            Found::Absent("does not exist") => {
+                let cure = suggest_file(file, folder).unwrap_or("add the log, or delete this trial".to_string());
+                section.reject("file", format!("there is no file `{}`", shown(file)), cure);
+            }
+            Found::Absent(what) => {
+                section.reject("file", format!("`{file}` {what}"), "name the log, or delete this trial");
+            }
         }
-        match self.files.entry(parts.iter().collect()) {
+        let parts = Path::new(file).components().filter(|part| *part != Component::CurDir);
+        match self.files.entry(parts.collect()) {
             Entry::Occupied(first) => {
                 let what = format!("`{file}` is listed already{}", in_row(*first.get()));
                 section.reject("file", what, "delete one of the two trials");
@@ -88,7 +99,7 @@ impl Seen {
             }
             Entry::Vacant(place) => {
                 place.insert(section.row());
-                is_inside && exists
+                matches!(found, Found::Here | Found::Linked(_))
             }
         }
     }

@@ -1,31 +1,81 @@
 //! Parquet -> readings, through Polars.
 
 use super::columns::Wanted;
-use super::readings::{Faults, Readings, Rows, locate};
+use super::parquet_pages::Pages;
+use super::readings::{Faults, Readings, Rows, check_width, locate};
+use crate::limits::Budget;
 use crate::problem::{Problem, Result};
-use polars::prelude::{Column, DataFrame, DataType, ParallelStrategy, ParquetReader, PolarsError, SerReader};
+use polars::io::parquet::metadata::FileMetadataRef;
+use polars::prelude::{Column, DataType, ParallelStrategy, ParquetReader, PolarsError, SerReader};
 use std::cell::Cell;
 use std::fmt::Display;
 use std::fs::File;
 use std::panic::{self, AssertUnwindSafe};
 use std::path::Path;
-use std::sync::Once;
+use std::sync::{Arc, Once};
 
 /// Reads the wanted columns of `file`. A row is counted as if a header stood in row 1. Missing columns, columns of another
 /// type than numbers, nulls, and numbers that are not finite go to `faults`.
 ///
-/// Errors: the file cannot be read as Parquet at all.
+/// Errors: the file cannot be read as Parquet at all, is damaged, or would unpack to more than any log does.
 pub(super) fn read(file: &Path, wanted: &[Wanted], faults: &mut Faults<'_>) -> Result<Readings> {
-    let frame = match File::open(file) {
-        Ok(source) => guarded(file, || frame(file, source, wanted, faults))?,
-        Err(error) => return unreadable(file, &error),
-    };
-    // A column that was not found is not in the frame, and was reported.
-    let column = |want: &Wanted| {
-        let numbers = frame.column(&want.column.name).ok().and_then(|column| numbers(column, want, faults));
-        numbers.unwrap_or_else(|| vec![f64::NAN; frame.height()])
-    };
-    Ok(Readings { columns: wanted.iter().map(column).collect(), rows: Rows::plain() })
+    let outline = guarded(file, None, || outline(file))?;
+    check_width(file, outline.names.len())?;
+    let places = locate(&outline.names, wanted, faults);
+    let found = || wanted.iter().zip(&places).filter(|(_, place)| place.is_some()).map(|(want, _)| want);
+    check_pages(file, &outline.metadata, found())?;
+    let mut columns = Vec::with_capacity(wanted.len());
+    for (want, place) in wanted.iter().zip(&places) {
+        // A column that was not found was reported.
+        let column = match place {
+            Some(_) => guarded(file, Some(want), || column(file, want, &outline.metadata))?,
+            None => None,
+        };
+        let numbers = column.and_then(|column| numbers(&column, want, faults));
+        columns.push(numbers.unwrap_or_else(|| vec![f64::NAN; outline.rows]));
+    }
+    Ok(Readings { columns, rows: Rows::plain() })
+}
+
+/// What the file says of itself.
+struct Outline {
+    names: Vec<String>,
+    rows: usize,
+    metadata: FileMetadataRef,
+}
+
+fn outline(file: &Path) -> Result<Outline> {
+    let mut reader = open(file)?;
+    let metadata = reader.get_metadata().map(Arc::clone).or_else(|error| unreadable(file, &error))?;
+    let schema = reader.schema().or_else(|error| unreadable(file, &error))?;
+    let rows = metadata.row_groups.iter().fold(0usize, |rows, group| rows.saturating_add(group.num_rows()));
+    Ok(Outline { names: schema.iter_names().map(|name| name.to_string()).collect(), rows, metadata })
+}
+
+fn open(file: &Path) -> Result<ParquetReader<File>> {
+    File::open(file).map(ParquetReader::new).or_else(|error| unreadable(file, &error))
+}
+
+/// Checks what the `wanted` columns would unpack to, and their pages.
+fn check_pages<'a>(file: &Path, metadata: &FileMetadataRef, wanted: impl Iterator<Item = &'a Wanted>) -> Result<()> {
+    let mut pages = File::open(file).and_then(Pages::of).or_else(|error| unreadable(file, &error))?;
+    let mut numbers = Budget::of_file(std::fs::metadata(file).map_or(0, |about| about.len()));
+    for want in wanted {
+        let name = &want.column.name;
+        for group in &metadata.row_groups {
+            let chunks = group.columns_under_root_iter(name).into_iter().flatten();
+            let checked = numbers
+                .take_numbers(group.num_rows() as u64)
+                .and_then(|()| chunks.map(|chunk| chunk.byte_range()).try_for_each(|range| pages.check(range)));
+            checked.or_else(|what| damaged(file, Some(want), &what))?;
+        }
+    }
+    Ok(())
+}
+
+fn damaged<T>(file: &Path, want: Option<&Wanted>, what: &str) -> Result<T> {
+    let problem = Problem::error(file, format!("is damaged: {what}"), "copy it again from where it was recorded");
+    want.map_or(problem.clone(), |want| problem.in_column(&want.column.name)).alone()
 }
 
 fn unreadable<T>(file: &Path, why: &dyn Display) -> Result<T> {
@@ -37,7 +87,7 @@ thread_local! {
 }
 
 /// Runs `read`, and makes an error of a panic: Polars believes what a damaged file says of itself, and then stumbles.
-fn guarded<T>(file: &Path, read: impl FnOnce() -> Result<T>) -> Result<T> {
+fn guarded<T>(file: &Path, want: Option<&Wanted>, read: impl FnOnce() -> Result<T>) -> Result<T> {
     static HUSH: Once = Once::new();
     HUSH.call_once(|| {
         let hook = panic::take_hook();
@@ -50,21 +100,18 @@ fn guarded<T>(file: &Path, read: impl FnOnce() -> Result<T>) -> Result<T> {
     IS_GUARDED.set(true);
     let read = panic::catch_unwind(AssertUnwindSafe(read));
     IS_GUARDED.set(false);
-    read.unwrap_or_else(|_| unreadable(file, &"it is damaged"))
+    read.unwrap_or_else(|_| damaged(file, want, "its pages do not hold what its footer says"))
 }
 
-/// The wanted columns only: a log may hold many more.
-fn frame(file: &Path, source: File, wanted: &[Wanted], faults: &mut Faults<'_>) -> Result<DataFrame> {
-    let mut reader = ParquetReader::new(source);
-    let names: Vec<String> = match reader.schema() {
-        Ok(schema) => schema.iter_names().map(|name| name.to_string()).collect(),
-        Err(error) => return unreadable(file, &error),
-    };
-    let found = locate(&names, wanted, faults);
-    let only = wanted.iter().zip(found).filter_map(|(want, place)| place.map(|_| want.column.name.clone())).collect();
+/// One column alone: a log may hold many more, and the memory of one is enough.
+fn column(file: &Path, want: &Wanted, metadata: &FileMetadataRef) -> Result<Option<Column>> {
+    let name = &want.column.name;
+    let mut reader = open(file)?;
+    reader.set_metadata(Arc::clone(metadata));
     // In this thread: trials are read side by side, and the guard sees no other thread.
-    let reader = reader.with_columns(Some(only)).read_parallel(ParallelStrategy::None);
-    reader.finish().or_else(|error| unreadable(file, &error))
+    let reader = reader.with_columns(Some(vec![name.clone()])).read_parallel(ParallelStrategy::None);
+    let frame = reader.finish().or_else(|error| damaged(file, Some(want), &error.to_string()))?;
+    Ok(frame.column(name).ok().cloned())
 }
 
 /// The numbers of one column, NaN where there is none, which is then a fault; `None` of a column of another type.

@@ -1,12 +1,10 @@
 //! What a reader of one file format hands over, and how it complains.
 
 use super::columns::Wanted;
-use crate::document::suggest;
-use crate::problem::Problem;
+use crate::document::nearest;
+use crate::limits::{COLUMNS, FAULTS_LISTED, listed};
+use crate::problem::{Problem, Result};
 use std::path::Path;
-
-/// After this many problems of one kind in one file the rest is only counted: the reader has seen the pattern.
-const LISTED_MAX: usize = 20;
 
 /// The wanted columns of one log, as recorded: in the file's units.
 #[derive(Debug)]
@@ -89,7 +87,7 @@ impl<'a> Faults<'a> {
             }
         };
         *count += 1;
-        if *count <= LISTED_MAX {
+        if *count <= FAULTS_LISTED {
             self.problems.push(fault(self.file));
         }
     }
@@ -101,12 +99,21 @@ impl<'a> Faults<'a> {
 
     /// Everything that was found.
     pub fn into_problems(mut self) -> Vec<Problem> {
-        for (kind, count) in self.counts.iter().filter(|(_, count)| *count > LISTED_MAX) {
-            let what = format!("and {} more rows with {kind}", count - LISTED_MAX);
+        for (kind, count) in self.counts.iter().filter(|(_, count)| *count > FAULTS_LISTED) {
+            let what = format!("and {} more rows with {kind}", count - FAULTS_LISTED);
             self.problems.push(Problem::error(self.file, what, ""));
         }
         self.problems
     }
+}
+
+/// Errors: more columns than any log has.
+pub(super) fn check_width(file: &Path, columns: usize) -> Result<()> {
+    if columns <= COLUMNS {
+        return Ok(());
+    }
+    let what = format!("has {columns} columns, more than the {COLUMNS} that a table may have");
+    Problem::error(file, what, "export the columns that the campaign names").at_row(1).alone()
 }
 
 /// Where each of the `wanted` columns stands in a file with these `names`; none where it is missing, or there twice.
@@ -132,14 +139,11 @@ fn missing(file: &Path, names: &[String], want: &Wanted) -> Problem {
         "the first row holds numbers: add a header with the columns' names".to_string()
     } else {
         let all = names.iter().map(String::as_str);
-        let hint = suggest(name, "the file holds", all.clone());
-        let listed =
-            if hint.contains("the file holds") { String::new() } else { format!(" The file holds: {}", join(all)) };
-        format!("{hint}{listed}; correct columns.{} in campaign.toml", want.key)
+        let hint = match nearest(name, all.clone()) {
+            Some(near) => format!("did you mean `{near}`? The file holds: {}", listed(all)),
+            None => format!("the file holds: {}", listed(all)),
+        };
+        format!("{hint}; correct columns.{} in campaign.toml", want.key)
     };
     Problem::error(file, format!("there is no such column, wanted as {}", want.key), cure).at_row(1).in_column(name)
-}
-
-fn join<'a>(names: impl Iterator<Item = &'a str>) -> String {
-    names.collect::<Vec<_>>().join(", ")
 }

@@ -3,7 +3,8 @@
 use super::campaign::Campaign;
 use super::columns::Wanted;
 use super::csv_file::{check_separator, name, no_number, number, ragged};
-use super::readings::{Faults, locate};
+use super::readings::{Faults, check_width, locate};
+use super::source::{self, Source};
 use super::{POSITION, TIME, TORQUE};
 use crate::problem::{Problem, Problems, Result};
 use crate::units::Quantity;
@@ -31,7 +32,7 @@ pub struct Sample {
 
 /// Reads samples from a stream in the columns and units of a campaign.
 pub struct Samples<R> {
-    reader: Reader<R>,
+    reader: Reader<Source<R>>,
     record: ByteRecord,
     wanted: Vec<Wanted>,
     places: Vec<usize>,
@@ -44,11 +45,12 @@ impl<R: Read> Samples<R> {
     /// Reads the header. Errors: it is missing, or lacks a column.
     pub fn new(campaign: &Campaign, stream: R) -> Result<Self> {
         let file = Path::new(STREAM);
-        let mut reader = ReaderBuilder::new().has_headers(false).flexible(true).from_reader(stream);
+        let mut reader = ReaderBuilder::new().has_headers(false).flexible(true).from_reader(Source::new(stream));
         let mut record = ByteRecord::new();
         if !next(&mut reader, &mut record)? {
             return Problem::error(file, "is empty", "begin with a header of the columns' names").alone();
         }
+        check_width(file, record.len())?;
         let names: Vec<String> = record.iter().map(name).collect();
         check_separator(file, &names)?;
         let needed =
@@ -106,8 +108,10 @@ impl<R: Read> Iterator for Samples<R> {
     }
 }
 
-fn next<R: Read>(reader: &mut Reader<R>, record: &mut ByteRecord) -> Result<bool> {
-    reader.read_byte_record(record).or_else(|error| {
-        Problem::error(STREAM, format!("cannot be read: {error}"), "check what sends the samples").alone()
-    })
+fn next<R: Read>(reader: &mut Reader<Source<R>>, record: &mut ByteRecord) -> Result<bool> {
+    // Where the last record began, and one for itself.
+    let row = record.position().map_or(1, |last| last.line() + 1);
+    let is_there = reader.read_byte_record(record);
+    reader.get_ref().row_ends();
+    is_there.or_else(|error| source::problem(Path::new(STREAM), &error, row).alone())
 }
