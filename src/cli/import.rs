@@ -8,7 +8,7 @@ use crate::log::table::{Numbers, csv_bytes, parquet_bytes};
 use crate::log::{Campaign, TrialEntry};
 use crate::numerics::statistics::extent;
 use crate::problem::{Problem, Problems, Result};
-use crate::report::json_text;
+use crate::report::{Output, json_text};
 use clap::ValueEnum;
 use rayon::prelude::*;
 use serde_json::{Value, json};
@@ -98,14 +98,10 @@ fn list(files: &[PathBuf], talk: &Talk) -> Result<()> {
 fn write(arguments: &Arguments, draft: &Path, folder: &Path, talk: &Talk) -> Result<()> {
     let campaign = Campaign::read(draft)?;
     let names = logs(&campaign, arguments.format)?;
-    let output = interrupt::output(
-        folder,
-        arguments.force,
-        &["imported.json", "campaign.toml", "*.csv", "*.parquet", "*.urdf"],
-    )?;
+    let output = interrupt::output(folder, arguments.force, "import")?;
     let bar = progress::bar(talk, "importing", names.len());
     let one = |(entry, name): (&TrialEntry, &String)| {
-        let done = log(&campaign, entry, name).and_then(|bytes| output.write(name, bytes));
+        let done = log(&campaign, entry, name, &output);
         bar.inc(1);
         done.err().map_or_else(Vec::new, |Problems(found)| found)
     };
@@ -116,7 +112,7 @@ fn write(arguments: &Arguments, draft: &Path, folder: &Path, talk: &Talk) -> Res
         let urdf = campaign.folder.join(&arm.urdf);
         let text =
             std::fs::read(&urdf).or_else(|e| Problem::error(&urdf, format!("cannot be read: {e}"), "").alone())?;
-        output.write(&arm.urdf, text)?;
+        output.copy(&arm.urdf, &text)?;
     }
     let trials =
         campaign.trials.iter().zip(&names).map(|(entry, name)| TrialEntry { file: name.clone(), ..entry.clone() });
@@ -128,9 +124,12 @@ fn write(arguments: &Arguments, draft: &Path, folder: &Path, talk: &Talk) -> Res
         "provenance": { "tautline": env!("CARGO_PKG_VERSION") },
     });
     output.write("imported.json", json_text(&told))?;
-    output.finish()?;
     let trials = names.len();
-    talk.result(|| told, |out| writeln!(out, "{}: {trials} trials; `tautline validate` checks them", folder.display()))
+    talk.finish(
+        output,
+        || told,
+        |out| writeln!(out, "{}: {trials} trials; `tautline validate` checks them", folder.display()),
+    )
 }
 
 /// What each trial's log will be called: its file's stem.
@@ -156,15 +155,17 @@ fn logs(campaign: &Campaign, format: Format) -> Result<Vec<String>> {
     Ok(names)
 }
 
-/// The bytes of one trial's log, called `name`.
-fn log(campaign: &Campaign, entry: &TrialEntry, name: &str) -> Result<Vec<u8>> {
+/// Writes one trial's log, called `name`, to `output`; a table is handed on as it is.
+fn log(campaign: &Campaign, entry: &TrialEntry, name: &str, output: &Output) -> Result<()> {
     let file = campaign.folder.join(&entry.file);
     let Some(all) = import::read(&file)? else {
-        return std::fs::read(&file).or_else(|e| Problem::error(&file, format!("cannot be read: {e}"), "").alone());
+        let table = std::fs::read(&file).or_else(|e| Problem::error(&file, format!("cannot be read: {e}"), "").alone());
+        return output.copy(name, &table?);
     };
     let wanted = campaign.columns.names();
     let columns = picked(&file, &all, &wanted.iter().map(String::as_str).collect::<Vec<_>>())?;
     let numbers: Vec<Numbers> =
         wanted.iter().zip(&columns).map(|(name, values)| Numbers { name, values, decimals: DECIMALS }).collect();
-    if name.ends_with("csv") { Ok(csv_bytes(&numbers)) } else { parquet_bytes(Path::new(name), &numbers) }
+    let bytes = if name.ends_with("csv") { csv_bytes(&numbers) } else { parquet_bytes(Path::new(name), &numbers)? };
+    output.write(name, bytes)
 }

@@ -2,6 +2,7 @@
 
 use crate::log::Campaign;
 use crate::model::Model;
+use crate::prepare::read_campaign;
 use crate::problem::Result;
 use std::path::{Path, PathBuf};
 
@@ -36,7 +37,7 @@ pub fn model_file(named: &Path) -> PathBuf {
 
 /// The campaign in `path`, with its clock where `model` goes by it.
 pub fn campaign_for(model: &Model, path: &Path) -> Result<Campaign> {
-    let campaign = Campaign::read(path)?;
+    let campaign = read_campaign(path)?;
     if model.needs_clock() { campaign.with_clock() } else { Ok(campaign) }
 }
 
