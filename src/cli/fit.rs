@@ -90,7 +90,7 @@ fn trials(common: &Common, talk: &Talk) -> Result<()> {
     let campaign = read_campaign(&common.campaign)?;
     let output = interrupt::output(&common.output, common.force, "fit trials")?;
     let readings = readings(&campaign, talk)?;
-    let warnings = warnings_of(&readings);
+    let warnings = warnings_of(&campaign, &readings);
     let mut legs: Vec<_> = readings.into_iter().flat_map(|r| r.legs).collect();
     let a = legs::amplitudes(&legs, legs::load_of_a_nm(&campaign), &campaign.file)?;
     legs::fix_a(&mut legs, &a);
@@ -147,8 +147,9 @@ fn friction(common: &Common, trials: &Path, form: Form, talk: &Talk) -> Result<(
 }
 
 /// What is doubtful about the logs.
-fn warnings_of(readings: &[Reading]) -> Vec<String> {
-    readings.iter().flat_map(|reading| reading.warnings.iter().map(Problem::to_string)).collect()
+fn warnings_of(campaign: &Campaign, readings: &[Reading]) -> Vec<String> {
+    let of_trials = readings.iter().flat_map(|reading| &reading.warnings);
+    campaign.warnings.iter().chain(of_trials).map(Problem::to_string).collect()
 }
 
 fn list(out: &mut impl Write, warnings: &[String]) -> std::io::Result<()> {
@@ -161,7 +162,7 @@ fn combination(common: &Common, file: &Path, curve: &CurveArguments, talk: &Talk
     same_joint(&model, file, &campaign)?;
     let output = interrupt::output(&common.output, common.force, "fit combination")?;
     let mut readings = readings(&campaign, talk)?;
-    let mut warnings = warnings_of(&readings);
+    let mut warnings = warnings_of(&campaign, &readings);
     let legs: Vec<_> = readings.iter_mut().flat_map(|r| std::mem::take(&mut r.legs)).collect();
     let (prepared, _) = of_the_joint_alone(readings);
     let (lowpass_hz, sliding_nm) = (campaign.signal.lowpass_hz, legs::sliding_nm(&legs));

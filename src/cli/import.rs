@@ -88,11 +88,20 @@ fn list(files: &[PathBuf], talk: &Talk) -> Result<()> {
             writeln!(out, "{}", file.display())?;
             for series in all {
                 let (low, high) = extent(&series.values);
-                writeln!(out, "  {:<40} {:>9} rows, {low} to {high}", series.name, series.values.len())?;
+                let range = match low <= high {
+                    true => format!("{} to {}", quoted(low), quoted(high)),
+                    false => "no number".to_string(),
+                };
+                writeln!(out, "  {:<40} {:>9} rows, {range}", series.name, series.values.len())?;
             }
         }
         Ok(())
     })
+}
+
+/// `value` as it stands in a file: infinity is quoted, no figure of ours.
+fn quoted(value: f64) -> String {
+    if value.is_finite() { value.to_string() } else { format!("`{value}`") }
 }
 
 fn write(arguments: &Arguments, draft: &Path, folder: &Path, talk: &Talk) -> Result<()> {
