@@ -80,5 +80,8 @@ pub mod report;
 /// `Model` -> code for a controller, a simulator's joint, tables.
 pub mod export;
 
+/// Pages of the guide, as the documentation and `tautline guide` show them.
+pub mod guide;
+
 /// Arguments -> one pipeline per subcommand -> exit status.
 pub mod cli;

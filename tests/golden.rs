@@ -4,7 +4,7 @@ use crate::campaigns::{plan, record, truth};
 use std::path::Path;
 use tautline::identify::{Settings, run};
 use tautline::log::Campaign;
-use tautline::report::{IDENTIFICATION_FILES, Output, write_identification};
+use tautline::report::{Output, write_identification};
 use tautline::simulate::Plan;
 
 /// The page without its drawings, styles and numbers, one tag or text a line: what a change of wording or order shows in.
@@ -42,7 +42,7 @@ fn the_report_reads_as_it_did() {
     let campaign = Campaign::read(folder.path()).unwrap();
     let found = run(&campaign, Settings::default(), &|| ()).unwrap();
     let out = tempfile::TempDir::new().unwrap();
-    let output = Output::begin(&out.path().join("r"), false, IDENTIFICATION_FILES).unwrap();
+    let output = Output::begin(&out.path().join("r"), false, "identify").unwrap();
     write_identification(&found, "elbow", &output, false).unwrap();
     output.finish().unwrap();
     let page = skeleton(&std::fs::read_to_string(out.path().join("r/report.html")).unwrap());

@@ -160,6 +160,42 @@ fn a_damaged_stream_is_refused_by_row() {
 }
 
 #[test]
+fn a_sample_beyond_all_measure_does_not_poison_the_stream() {
+    let folder = campaign();
+    let log = std::fs::read_to_string(folder.path().join("cosine_1.csv")).unwrap();
+    const ROWS: usize = 40_000;
+    const AT: usize = 30_000;
+    let rows: Vec<&str> = log.lines().take(1 + ROWS).collect();
+    let answers = |text: &str| -> (Vec<Vec<f64>>, String) {
+        let output = follow(&folder, text);
+        assert!(output.status.success(), "{output:?}");
+        let lines = String::from_utf8(output.stdout).unwrap();
+        let cells = |line: &str| line.split(',').map(|cell| cell.parse().unwrap()).collect();
+        (lines.lines().skip(1).map(cells).collect(), String::from_utf8(output.stderr).unwrap())
+    };
+    let (clean, said) = answers(&(rows.join("\n") + "\n"));
+    assert!(!said.contains("left out") && clean[AT - 1][5] == 1.0, "{said}");
+    for (column, value, times) in [(2, "1e308", 1), (1, "1e308", 1), (2, "-1e12", 2), (1, "1e9", 200)] {
+        let mut spoilt: Vec<String> = rows.iter().map(|row| row.to_string()).collect();
+        for row in &mut spoilt[AT + 1..AT + 1 + times] {
+            let mut cells: Vec<&str> = row.split(',').collect();
+            cells[column] = value;
+            *row = cells.join(",");
+        }
+        let (found, said) = answers(&(spoilt.join("\n") + "\n"));
+        assert!(said.contains(&format!("row {}", AT + 2)) && said.contains(&format!(": {times};")), "{said}");
+        assert!(found.iter().flatten().all(|x| x.is_finite() && x.abs() < 1e3));
+        assert!(found[AT..AT + times].iter().all(|answer| answer[5] == 0.0), "the sample itself is not known");
+        assert_eq!(found[..AT], clean[..AT]);
+        // Where the torque is said to be known it is what it would have been; and it becomes known again.
+        let known = |i: &usize| found[*i][5] == 1.0;
+        let worst = (AT..ROWS).filter(known).map(|i| (found[i][1] - clean[i][1]).abs()).fold(0.0, f64::max);
+        assert!(worst < 1e-3, "{column} {value}: {worst} N m");
+        assert!((AT..ROWS).filter(known).count() > 2000, "{column} {value} {times}");
+    }
+}
+
+#[test]
 fn a_stream_that_begins_at_a_reversal_claims_no_contact() {
     let folder = campaign();
     let log = std::fs::read_to_string(folder.path().join("cosine_1.csv")).unwrap();

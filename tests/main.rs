@@ -31,6 +31,7 @@ mod log;
 mod model;
 mod motion;
 mod next;
+mod outputs;
 mod real;
 mod recovery;
 mod reference;

@@ -2,7 +2,7 @@
 
 use super::manifest::Entry;
 use super::work::Settings;
-use crate::log::Campaign;
+use crate::prepare::read_campaign;
 use std::fs::File;
 use std::hash::{DefaultHasher, Hash, Hasher};
 use std::io::Read;
@@ -35,7 +35,7 @@ fn files(entry: &Entry) -> Vec<PathBuf> {
     let mut files = vec![entry.path.join("campaign.toml")];
     files.extend(entry.model.clone());
     // A campaign that cannot be read fails, and what failed is tried again anyway.
-    if let Ok(campaign) = Campaign::read(&entry.path) {
+    if let Ok(campaign) = read_campaign(&entry.path) {
         files.extend(campaign.trials.iter().map(|trial| campaign.folder.join(&trial.file)));
         files.extend(campaign.arm.iter().map(|arm| campaign.folder.join(&arm.urdf)));
     }

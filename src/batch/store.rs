@@ -74,6 +74,6 @@ impl Store {
 }
 
 fn failed<T>(path: &Path, error: &std::io::Error) -> Result<T> {
-    let cure = "check the path, its permissions and the free space; what is done is kept";
-    Problem::error(path, format!("cannot be written: {error}"), cure).alone()
+    let problem = Problem::unwritable(path, "cannot be written", error);
+    Problem { cure: format!("{}; what is done is kept", problem.cure), ..problem }.alone()
 }

@@ -7,6 +7,7 @@ use crate::identify::{self, FrictionFit, Identification};
 use crate::log::{Campaign, Protocol};
 use crate::model::{Friction, Model};
 use crate::numerics::statistics::HALF_WIDTH;
+use crate::prepare::read_campaign;
 use crate::problem::{Problem, Problems, Result};
 use crate::{diagnose, evaluate};
 use std::collections::BTreeMap;
@@ -53,7 +54,7 @@ fn reason(Problems(problems): &Problems) -> String {
 }
 
 fn work(entry: &Entry, settings: &Settings, mut record: Record) -> Result<Record> {
-    let campaign = Campaign::read(&entry.path)?;
+    let campaign = read_campaign(&entry.path)?;
     let given = entry.model.as_deref().map(Model::read).transpose()?;
     let found = identify::run(&campaign, settings.identify, &|| ())?;
     record.route = if found.route.sweeps().is_some() { "sweeps" } else { "free" }.to_string();
@@ -67,8 +68,18 @@ fn work(entry: &Entry, settings: &Settings, mut record: Record) -> Result<Record
     if settings.diagnose {
         diagnosed(&campaign, &model, &mut record)?;
     }
+    if let Some((name, _)) = record.figures.iter().find(|(name, figure)| figure.is_infinite() && !may_be_open(name)) {
+        let what = format!("`{name}` is not a number: numbers grew beyond all measure");
+        return Problem::error(&entry.path, what, "`tautline validate` checks the data").alone();
+    }
+    // What is not known, and intervals without an end.
     record.figures.retain(|_, figure| figure.is_finite());
     Ok(record)
+}
+
+/// Whether the figure called `name` is a width or an end that the data may leave open.
+fn may_be_open(name: &str) -> bool {
+    ["half_width", "low", "high", "interval"].iter().any(|part| name.contains(part))
 }
 
 fn put<const N: usize>(figures: &mut BTreeMap<String, f64>, pairs: [(&str, f64); N]) {

@@ -170,8 +170,7 @@ fn listed(path: &Path) -> Result<Vec<TrialEntry>> {
 }
 
 fn unwritable<T>(path: &Path, error: &io::Error) -> Result<T> {
-    Problem::error(path, format!("cannot be written: {error}"), "check the path, its permissions and the free space")
-        .alone()
+    Problem::unwritable(path, "cannot be written", error).alone()
 }
 
 fn notes(path: &Path) -> io::Result<File> {

@@ -7,7 +7,8 @@ use super::progress;
 use crate::batch::{self, Batch, Came, Entry, Fleet, Row, Settings, Shard, Store};
 use crate::identify;
 use crate::problem::Result;
-use crate::report::fleet::{FLEET_FILES, to_json, write_summary};
+use crate::report::fleet::{to_json, write_summary};
+use crate::report::output::check_replaceable;
 use crate::report::write_fleet;
 use rayon::prelude::*;
 use serde_json::json;
@@ -93,6 +94,10 @@ pub fn run(arguments: &Arguments, talk: &Talk) -> Result<ExitCode> {
     let mine = |index: &usize| arguments.shard.is_none_or(|shard| shard.holds(*index));
     let entries: Vec<&Entry> = (0..all.entries.len()).filter(mine).map(|index| &all.entries[index]).collect();
     let store = Store::open(&arguments.output)?;
+    if arguments.shard.is_none() {
+        // Not after hours of work.
+        check_replaceable(&arguments.fleet(), true, FLEET)?;
+    }
     let tally = Tally::default();
     let bar = progress::bar(talk, "identifying", entries.len());
     let told = |came| {
@@ -113,7 +118,15 @@ pub fn run(arguments: &Arguments, talk: &Talk) -> Result<ExitCode> {
     Ok(if tally.counts()[2] > 0 { ExitCode::from(JUDGED_BAD) } else { ExitCode::SUCCESS })
 }
 
+/// Who writes the table and the report.
+const FLEET: &str = "batch";
+
 impl Arguments {
+    /// Where the table and the report will stand.
+    fn fleet(&self) -> PathBuf {
+        self.output.join("fleet")
+    }
+
     fn settings(&self) -> Settings {
         let identify =
             identify::Settings { form: self.form.form(), combination: self.curve.settings(), refine: self.refine };
@@ -137,17 +150,16 @@ fn tell_part(shard: Shard, tally: &Tally, talk: &Talk) -> Result<()> {
 fn tell_all(arguments: &Arguments, all: &Batch, store: &Store, tally: &Tally, talk: &Talk) -> Result<()> {
     let rows: Vec<Row> = all.entries.par_iter().map(|entry| Row::read(entry, store)).collect();
     let fleet = Fleet::new(all, rows);
-    let written = arguments.output.join("fleet");
-    let output = interrupt::output(&written, true, FLEET_FILES)?;
+    let written = arguments.fleet();
+    let output = interrupt::output(&written, true, FLEET)?;
     let named = arguments.what.first().and_then(|path| path.file_stem());
     let name = named.map_or_else(|| "fleet".to_string(), |name| name.to_string_lossy().into_owned());
     write_fleet(&fleet, &name, &output, arguments.png)?;
-    output.finish()?;
     let to_json = || {
         let [kept, done, failed] = tally.counts();
         let mut json = to_json(&fleet);
         json["work"] = json!({ "kept": kept, "done": done, "failed": failed });
         json
     };
-    talk.result(to_json, |out| write_summary(out, &fleet, &written))
+    talk.finish(output, to_json, |out| write_summary(out, &fleet, &written))
 }

@@ -7,8 +7,10 @@ use crate::check::{Baseline, Checked, Recipe, Snapshot};
 use crate::identify::Settings;
 use crate::log::Campaign;
 use crate::model::Model;
+use crate::prepare::read_campaign;
 use crate::problem::{Problem, Result};
 use crate::report::checked::{Names, to_github, to_json, to_junit, write_summary};
+use crate::report::gate;
 use clap::ValueEnum;
 use serde_json::json;
 use std::io::Write;
@@ -110,7 +112,7 @@ fn update(arguments: &Arguments, talk: &Talk) -> Result<ExitCode> {
     };
     let campaign = match &model {
         Some(model) => campaign_for(model, &arguments.campaign)?,
-        None => Campaign::read(&arguments.campaign)?,
+        None => read_campaign(&arguments.campaign)?,
     };
     let new = Baseline::record(&campaign, &campaign_name(&campaign), recipe, model.as_ref())?;
     let checked = old.as_ref().map(|old| old.check(&campaign)).transpose()?;
@@ -137,8 +139,11 @@ fn tell(arguments: &Arguments, talk: &Talk, campaign: &Campaign, baseline: &Base
         stored_by: &baseline.tautline,
     };
     match arguments.format {
-        _ if talk.json => say(|out| writeln!(out, "{:#}", to_json(checked, &names))),
-        Format::Json => say(|out| writeln!(out, "{:#}", to_json(checked, &names))),
+        Format::Json => {
+            let as_json = Talk { json: true, ..*talk };
+            as_json.result(|| to_json(checked, &names), |out| write_summary(out, checked, &names))
+        }
+        _ if talk.json => talk.result(|| to_json(checked, &names), |out| write_summary(out, checked, &names)),
         Format::Github => say(|out| write!(out, "{}", to_github(checked, &names))),
         Format::Junit => match to_junit(checked, &names) {
             Ok(text) => say(|out| writeln!(out, "{text}")),
@@ -148,8 +153,11 @@ fn tell(arguments: &Arguments, talk: &Talk, campaign: &Campaign, baseline: &Base
     }
 }
 
-/// Writes `text` to `file`, whole or not at all.
+/// Writes `text`, JSON, to `file`, whole or not at all.
+///
+/// Errors: something is not a number where a figure is meant; the file cannot be written.
 fn store(file: &Path, text: &str) -> Result<()> {
+    gate::file(file, text)?;
     let folder = file.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
     let mut builder = tempfile::Builder::new();
     builder.prefix(".tautline-");
@@ -159,8 +167,5 @@ fn store(file: &Path, text: &str) -> Result<()> {
         new.write_all(text.as_bytes())?;
         new.persist(file).map_err(|error| error.error)
     });
-    written.map(drop).or_else(|error| {
-        let cure = "check the path, its permissions and the free space";
-        Problem::error(file, format!("cannot be written: {error}"), cure).alone()
-    })
+    written.map(drop).or_else(|error| Problem::unwritable(file, "cannot be written", &error).alone())
 }

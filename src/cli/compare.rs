@@ -6,7 +6,7 @@ use super::outcome::Talk;
 use crate::compare::compare;
 use crate::model::Model;
 use crate::problem::Result;
-use crate::report::comparison::{COMPARISON_FILES, to_json, write_summary};
+use crate::report::comparison::{to_json, write_summary};
 use crate::report::write_comparison;
 use std::io::Write;
 use std::path::PathBuf;
@@ -36,12 +36,11 @@ pub struct Arguments {
 pub fn run(arguments: &Arguments, talk: &Talk) -> Result<ExitCode> {
     let found = compare(&Model::read(&arguments.before)?, &Model::read(&arguments.after)?)?;
     let names = [&arguments.before, &arguments.after].map(|file| model_name(file));
-    if let Some(folder) = &arguments.output {
-        let output = interrupt::output(folder, arguments.force, COMPARISON_FILES)?;
-        write_comparison(&found, &names, &output, arguments.png)?;
-        output.finish()?;
-    }
-    talk.result(
+    let begin = |folder| interrupt::output(folder, arguments.force, "compare");
+    let output = arguments.output.as_deref().map(begin).transpose()?;
+    output.iter().try_for_each(|output| write_comparison(&found, &names, output, arguments.png))?;
+    talk.finish(
+        output,
         || to_json(&found, &names),
         |out| {
             write_summary(out, &found, &names)?;

@@ -58,9 +58,9 @@ pub fn run(arguments: &Arguments, talk: &Talk) -> Result<ExitCode> {
         return Problem::error(folder, "exists", "name another with -o, or add --force after a former demo").alone();
     }
     let joint = folder.join("joint.json");
-    std::fs::create_dir_all(folder).and_then(|()| std::fs::write(&joint, JOINT)).or_else(|error| {
-        Problem::error(&joint, format!("cannot be written: {error}"), "check the path and the free space").alone()
-    })?;
+    std::fs::create_dir_all(folder)
+        .and_then(|()| std::fs::write(&joint, JOINT))
+        .or_else(|error| Problem::unwritable(&joint, "cannot be written", &error).alone())?;
     let mut told = Vec::new();
     for (words, command) in STEPS {
         told.push(step(words, &command.replace("DEMO", name), arguments.force, talk)?);

@@ -6,7 +6,7 @@ use super::outcome::Talk;
 use super::progress;
 use crate::diagnose;
 use crate::problem::Result;
-use crate::report::diagnosis::{DIAGNOSIS_FILES, to_json, write_diagnosis, write_summary};
+use crate::report::diagnosis::{to_json, write_diagnosis, write_summary};
 use std::path::PathBuf;
 use std::process::ExitCode;
 
@@ -37,7 +37,7 @@ pub struct Arguments {
 pub fn run(arguments: &Arguments, talk: &Talk) -> Result<ExitCode> {
     let (campaign, model) = arguments.judged.read()?;
     let simulated = arguments.simulated.as_ref().map(|path| campaign_for(&model, path)).transpose()?;
-    let output = interrupt::output(&arguments.output, arguments.force, DIAGNOSIS_FILES)?;
+    let output = interrupt::output(&arguments.output, arguments.force, "diagnose")?;
     let trials = campaign.trials.len() + simulated.as_ref().map_or(0, |simulated| simulated.trials.len());
     let bar = progress::bar(talk, "reading", trials);
     let step = || progress::step(&bar, "trying causes");
@@ -49,7 +49,10 @@ pub fn run(arguments: &Arguments, talk: &Talk) -> Result<ExitCode> {
     let found = found?;
     let (name, model_name) = (campaign_name(&campaign), model_name(&arguments.judged.model_file()));
     write_diagnosis(&found, &name, &model_name, &output, arguments.png)?;
-    output.finish()?;
-    talk.result(|| to_json(&found, &name, &model_name), |out| write_summary(out, &found, &name, &arguments.output))?;
+    talk.finish(
+        output,
+        || to_json(&found, &name, &model_name),
+        |out| write_summary(out, &found, &name, &arguments.output),
+    )?;
     Ok(ExitCode::SUCCESS)
 }

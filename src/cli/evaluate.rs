@@ -7,7 +7,7 @@ use super::progress;
 use crate::evaluate::{self, Settings};
 use crate::model::recorded_curves;
 use crate::problem::{Problem, Result};
-use crate::report::{EVALUATION_FILES, evaluation, write_evaluation};
+use crate::report::{evaluation, write_evaluation};
 use std::path::PathBuf;
 use std::process::ExitCode;
 
@@ -45,14 +45,13 @@ pub fn run(arguments: &Arguments, talk: &Talk) -> Result<ExitCode> {
     let (campaign, model) = arguments.judged.read()?;
     let settings =
         Settings { sweeps: arguments.sweeps, recorded_curves: recorded_curves(&arguments.judged.model_file())? };
-    let output = interrupt::output(&arguments.output, arguments.force, EVALUATION_FILES)?;
+    let output = interrupt::output(&arguments.output, arguments.force, "evaluate")?;
     let bar = progress::bar(talk, "judging", campaign.trials.len());
     let found = evaluate::run(&campaign, &model, &settings, &|| progress::step(&bar, "drawing"));
     bar.finish_and_clear();
     let found = found?;
     let (name, model_name) = (campaign_name(&campaign), model_name(&arguments.judged.model_file()));
     write_evaluation(&found, &name, &model_name, &output, arguments.png)?;
-    output.finish()?;
     let rmse_nm = found.overall().all.rmse_nm;
     let failed = arguments.fail_above.is_some_and(|limit| rmse_nm > limit);
     let to_json = || {
@@ -62,7 +61,7 @@ pub fn run(arguments: &Arguments, talk: &Talk) -> Result<ExitCode> {
         }
         json
     };
-    talk.result(to_json, |out| evaluation::write_summary(out, &found, &name, &arguments.output))?;
+    talk.finish(output, to_json, |out| evaluation::write_summary(out, &found, &name, &arguments.output))?;
     if let Some(limit) = arguments.fail_above.filter(|_| failed) {
         let what = format!("RMSE {rmse_nm:.4} N m is above --fail-above {limit}");
         complain(&Problem::error(&campaign.file, what, "").into());

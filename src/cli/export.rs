@@ -13,9 +13,6 @@ use std::io::Write;
 use std::path::PathBuf;
 use std::process::ExitCode;
 
-/// All that `export` writes.
-const FILES: &[&str] = &["export.json", "*.h", "*.rs", "*.xml", "*.csv", "*.tex", "*.md"];
-
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Examples:
   tautline export out/model.json -o exported
@@ -100,7 +97,7 @@ pub fn run(arguments: &Arguments, talk: &Talk) -> Result<ExitCode> {
             Kind::Markdown => ("parameters.md".to_string(), markdown(&model)),
         });
     }
-    let output = interrupt::output(&arguments.output, arguments.force, FILES)?;
+    let output = interrupt::output(&arguments.output, arguments.force, "export")?;
     made.iter().try_for_each(|(name, text)| output.write(name, text))?;
     let told = json!({
         "format": "export/1", "joint": model.joint.name, "files": made.iter().map(|(name, _)| name).collect::<Vec<_>>(),
@@ -113,9 +110,9 @@ pub fn run(arguments: &Arguments, talk: &Talk) -> Result<ExitCode> {
         "provenance": { "tautline": env!("CARGO_PKG_VERSION"), "model": source },
     });
     output.write("export.json", json_text(&told))?;
-    output.finish()?;
     let is_simple = [Kind::Mujoco, Kind::Urdf].iter().any(|kind| arguments.wants(*kind));
-    talk.result(
+    talk.finish(
+        output,
         || told,
         |out| {
             made.iter().try_for_each(|(name, _)| writeln!(out, "{}", arguments.output.join(name).display()))?;

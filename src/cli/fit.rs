@@ -9,6 +9,7 @@ use crate::identify::friction::{self, fit_friction};
 use crate::identify::{Form, Reading, blank_model, legs, of_the_joint_alone, read_trials, with_friction};
 use crate::log::Campaign;
 use crate::model::Model;
+use crate::prepare::read_campaign;
 use crate::problem::{Problem, Result};
 use crate::report::wording::Units;
 use crate::report::{identification, json_text, read_trials_csv, terminal, write_trials};
@@ -86,17 +87,17 @@ fn readings(campaign: &Campaign, talk: &Talk) -> Result<Vec<Reading>> {
 }
 
 fn trials(common: &Common, talk: &Talk) -> Result<()> {
-    let campaign = Campaign::read(&common.campaign)?;
-    let output = interrupt::output(&common.output, common.force, &["trials.csv"])?;
+    let campaign = read_campaign(&common.campaign)?;
+    let output = interrupt::output(&common.output, common.force, "fit trials")?;
     let readings = readings(&campaign, talk)?;
-    let warnings = warnings_of(&readings);
+    let warnings = warnings_of(&campaign, &readings);
     let mut legs: Vec<_> = readings.into_iter().flat_map(|r| r.legs).collect();
     let a = legs::amplitudes(&legs, legs::load_of_a_nm(&campaign), &campaign.file)?;
     legs::fix_a(&mut legs, &a);
     write_trials(&legs, &campaign.joint.name, &output)?;
-    output.finish()?;
     let (up, down) = (a.up, a.down);
-    talk.result(
+    talk.finish(
+        output,
         || {
             json!({
                 "legs": legs.len(),
@@ -115,9 +116,9 @@ fn trials(common: &Common, talk: &Talk) -> Result<()> {
 }
 
 fn friction(common: &Common, trials: &Path, form: Form, talk: &Talk) -> Result<()> {
-    let campaign = Campaign::read(&common.campaign)?;
+    let campaign = read_campaign(&common.campaign)?;
     let legs = read_trials_csv(trials, &campaign)?;
-    let output = interrupt::output(&common.output, common.force, &["model.json"])?;
+    let output = interrupt::output(&common.output, common.force, "fit friction")?;
     let load_nm = legs::load_of_a_nm(&campaign);
     let a = legs::amplitudes(&legs, load_nm, trials)?;
     let data = friction::Data { legs: &legs, a: &a, joint: &campaign.joint, load_nm, campaign: trials };
@@ -134,8 +135,8 @@ fn friction(common: &Common, trials: &Path, form: Form, talk: &Talk) -> Result<(
         "down": identification::branch_forms(&fits.down),
     });
     output.write("model.json", json_text(&json))?;
-    output.finish()?;
-    talk.result(
+    talk.finish(
+        output,
         || json,
         |out| {
             terminal::sweeps(out, &fits, &Units::of(model.joint.kind))?;
@@ -146,8 +147,9 @@ fn friction(common: &Common, trials: &Path, form: Form, talk: &Talk) -> Result<(
 }
 
 /// What is doubtful about the logs.
-fn warnings_of(readings: &[Reading]) -> Vec<String> {
-    readings.iter().flat_map(|reading| reading.warnings.iter().map(Problem::to_string)).collect()
+fn warnings_of(campaign: &Campaign, readings: &[Reading]) -> Vec<String> {
+    let of_trials = readings.iter().flat_map(|reading| &reading.warnings);
+    campaign.warnings.iter().chain(of_trials).map(Problem::to_string).collect()
 }
 
 fn list(out: &mut impl Write, warnings: &[String]) -> std::io::Result<()> {
@@ -155,12 +157,12 @@ fn list(out: &mut impl Write, warnings: &[String]) -> std::io::Result<()> {
 }
 
 fn combination(common: &Common, file: &Path, curve: &CurveArguments, talk: &Talk) -> Result<()> {
-    let campaign = Campaign::read(&common.campaign)?;
+    let campaign = read_campaign(&common.campaign)?;
     let mut model = Model::read(file)?;
     same_joint(&model, file, &campaign)?;
-    let output = interrupt::output(&common.output, common.force, &["model.json"])?;
+    let output = interrupt::output(&common.output, common.force, "fit combination")?;
     let mut readings = readings(&campaign, talk)?;
-    let mut warnings = warnings_of(&readings);
+    let mut warnings = warnings_of(&campaign, &readings);
     let legs: Vec<_> = readings.iter_mut().flat_map(|r| std::mem::take(&mut r.legs)).collect();
     let (prepared, _) = of_the_joint_alone(readings);
     let (lowpass_hz, sliding_nm) = (campaign.signal.lowpass_hz, legs::sliding_nm(&legs));
@@ -176,8 +178,8 @@ fn combination(common: &Common, file: &Path, curve: &CurveArguments, talk: &Talk
     json["warnings"] = json!(warnings);
     json["combinations"] = identification::combinations(&fit);
     output.write("model.json", json_text(&json))?;
-    output.finish()?;
-    talk.result(
+    talk.finish(
+        output,
         || json,
         |out| {
             terminal::curves(out, &fit, &Units::of(model.joint.kind))?;

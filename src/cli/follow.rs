@@ -57,6 +57,11 @@ pub fn run(
                 let what = format!("gaps: {}; the filters started anew after each", stream.gaps);
                 complain(&Problem::warning("standard input", what, "").into());
             }
+            if stream.left_out > 0 {
+                let what =
+                    format!("samples left out, beyond what this joint and its sensors show: {}", stream.left_out);
+                complain(&Problem::warning("standard input", what, "check the sensors and their cables").into());
+            }
             Ok(ExitCode::SUCCESS)
         }
     }
@@ -123,14 +128,26 @@ fn follow(
         written(writeln!(output.borrow_mut(), "{header}"))?;
     }
     let mut times_s = Vec::with_capacity(RATE_SAMPLES);
-    for sample in samples {
+    // The header is row 1.
+    for (row, sample) in (2..).zip(samples) {
         let sample = sample.map_err(Stopped::Input)?;
         if times_s.len() < RATE_SAMPLES {
             times_s.push(sample.time_s);
             check_rate(&times_s, stream.rate_hz()).map_err(Stopped::Input)?;
         }
-        let gaps = stream.gaps;
+        let (gaps, fault) = (stream.gaps, stream.fault(&sample));
         let torque = stream.step(&sample);
+        if let Some((name, value)) = fault.filter(|_| stream.left_out == 1) {
+            let what =
+                format!("{name} {value:e} is beyond what this joint and its sensors show: the sample is left out");
+            let cure = "its torque is held and `known` is 0 until the filters have forgotten it; the others like it are counted at the end";
+            complain(&Problem::warning("standard input", what, cure).at_row(row).into());
+        }
+        if !(torque.torque_nm.is_finite() && torque.uncertainty_nm.is_finite() && torque.threshold_nm.is_finite()) {
+            let what = "the interaction torque is not a number: the model's numbers grow beyond all measure";
+            let cure = "check the model's parameters for values that no joint has";
+            return Err(Stopped::Input(Problem::error("standard input", what, cure).at_row(row).into()));
+        }
         if gaps == 0 && stream.gaps == 1 {
             let what =
                 format!("a gap before {} s: the filters start anew, and K_f is not known again yet", sample.time_s);

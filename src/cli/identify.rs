@@ -5,10 +5,10 @@ use super::judged::campaign_name;
 use super::outcome::Talk;
 use super::progress;
 use crate::identify::{self, CurveKind, Form, Settings, combination};
-use crate::log::Campaign;
+use crate::prepare::read_campaign;
 use crate::problem::Result;
 use crate::report::terminal::write_summary;
-use crate::report::{IDENTIFICATION_FILES, identification, write_identification};
+use crate::report::{identification, write_identification};
 use clap::ValueEnum;
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -99,8 +99,8 @@ impl CurveArguments {
 }
 
 pub fn run(arguments: &Arguments, talk: &Talk) -> Result<ExitCode> {
-    let campaign = Campaign::read(&arguments.campaign)?;
-    let output = interrupt::output(&arguments.output, arguments.force, IDENTIFICATION_FILES)?;
+    let campaign = read_campaign(&arguments.campaign)?;
+    let output = interrupt::output(&arguments.output, arguments.force, "identify")?;
     let bar = progress::bar(talk, "reading", campaign.trials.len());
     let settings =
         Settings { form: arguments.form.form(), combination: arguments.curve.settings(), refine: arguments.refine };
@@ -111,8 +111,8 @@ pub fn run(arguments: &Arguments, talk: &Talk) -> Result<ExitCode> {
     let found = found?;
     let name = campaign_name(&campaign);
     write_identification(&found, &name, &output, arguments.png)?;
-    output.finish()?;
-    talk.result(
+    talk.finish(
+        output,
         || identification::to_json(&found, &name),
         |out| write_summary(out, &found, &name, Some(&arguments.output)),
     )?;

@@ -8,7 +8,7 @@ use crate::log::table::{Numbers, csv_bytes, parquet_bytes};
 use crate::log::{Campaign, TrialEntry};
 use crate::numerics::statistics::extent;
 use crate::problem::{Problem, Problems, Result};
-use crate::report::json_text;
+use crate::report::{Output, json_text};
 use clap::ValueEnum;
 use rayon::prelude::*;
 use serde_json::{Value, json};
@@ -88,24 +88,29 @@ fn list(files: &[PathBuf], talk: &Talk) -> Result<()> {
             writeln!(out, "{}", file.display())?;
             for series in all {
                 let (low, high) = extent(&series.values);
-                writeln!(out, "  {:<40} {:>9} rows, {low} to {high}", series.name, series.values.len())?;
+                let range = match low <= high {
+                    true => format!("{} to {}", quoted(low), quoted(high)),
+                    false => "no number".to_string(),
+                };
+                writeln!(out, "  {:<40} {:>9} rows, {range}", series.name, series.values.len())?;
             }
         }
         Ok(())
     })
 }
 
+/// `value` as it stands in a file: infinity is quoted, no figure of ours.
+fn quoted(value: f64) -> String {
+    if value.is_finite() { value.to_string() } else { format!("`{value}`") }
+}
+
 fn write(arguments: &Arguments, draft: &Path, folder: &Path, talk: &Talk) -> Result<()> {
     let campaign = Campaign::read(draft)?;
     let names = logs(&campaign, arguments.format)?;
-    let output = interrupt::output(
-        folder,
-        arguments.force,
-        &["imported.json", "campaign.toml", "*.csv", "*.parquet", "*.urdf"],
-    )?;
+    let output = interrupt::output(folder, arguments.force, "import")?;
     let bar = progress::bar(talk, "importing", names.len());
     let one = |(entry, name): (&TrialEntry, &String)| {
-        let done = log(&campaign, entry, name).and_then(|(bytes, told)| output.write(name, bytes).map(|_| told));
+        let done = log(&campaign, entry, name, &output);
         bar.inc(1);
         done.unwrap_or_else(|Problems(found)| found)
     };
@@ -117,7 +122,7 @@ fn write(arguments: &Arguments, draft: &Path, folder: &Path, talk: &Talk) -> Res
         let urdf = campaign.folder.join(&arm.urdf);
         let text =
             std::fs::read(&urdf).or_else(|e| Problem::error(&urdf, format!("cannot be read: {e}"), "").alone())?;
-        output.write(&arm.urdf, text)?;
+        output.copy(&arm.urdf, &text)?;
     }
     let trials =
         campaign.trials.iter().zip(&names).map(|(entry, name)| TrialEntry { file: name.clone(), ..entry.clone() });
@@ -130,9 +135,12 @@ fn write(arguments: &Arguments, draft: &Path, folder: &Path, talk: &Talk) -> Res
         "provenance": { "tautline": env!("CARGO_PKG_VERSION") },
     });
     output.write("imported.json", json_text(&told))?;
-    output.finish()?;
     let trials = names.len();
-    talk.result(|| told, |out| writeln!(out, "{}: {trials} trials; `tautline validate` checks them", folder.display()))
+    talk.finish(
+        output,
+        || told,
+        |out| writeln!(out, "{}: {trials} trials; `tautline validate` checks them", folder.display()),
+    )
 }
 
 /// What each trial's log will be called: its file's stem.
@@ -158,19 +166,17 @@ fn logs(campaign: &Campaign, format: Format) -> Result<Vec<String>> {
     Ok(names)
 }
 
-/// The bytes of one trial's log, called `name`, and what was left out of it.
-fn log(campaign: &Campaign, entry: &TrialEntry, name: &str) -> Result<(Vec<u8>, Vec<Problem>)> {
+/// Writes one trial's log, called `name`, to `output`, a table as it is; returns what was left out of it.
+fn log(campaign: &Campaign, entry: &TrialEntry, name: &str, output: &Output) -> Result<Vec<Problem>> {
     let file = campaign.folder.join(&entry.file);
     let Some(all) = import::read(&file)? else {
-        let copied = std::fs::read(&file);
-        return copied
-            .map(|bytes| (bytes, Vec::new()))
-            .or_else(|e| Problem::error(&file, format!("cannot be read: {e}"), "").alone());
+        let table = std::fs::read(&file).or_else(|e| Problem::error(&file, format!("cannot be read: {e}"), "").alone());
+        return output.copy(name, &table?).map(|()| Vec::new());
     };
     let wanted = campaign.columns.names();
     let Picked { columns, warnings } = picked(&file, &all, &wanted.iter().map(String::as_str).collect::<Vec<_>>())?;
     let numbers: Vec<Numbers> =
         wanted.iter().zip(&columns).map(|(name, values)| Numbers { name, values, decimals: DECIMALS }).collect();
     let bytes = if name.ends_with("csv") { csv_bytes(&numbers) } else { parquet_bytes(Path::new(name), &numbers)? };
-    Ok((bytes, warnings))
+    output.write(name, bytes).map(|()| warnings)
 }

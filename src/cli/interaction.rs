@@ -8,7 +8,7 @@ use super::progress;
 use crate::interaction::{self, Frame, Settings};
 use crate::log::Protocol;
 use crate::problem::{Problem, Result};
-use crate::report::interaction::{INTERACTION_FILES, to_json, write_summary};
+use crate::report::interaction::{to_json, write_summary};
 use crate::report::predicted::csv_names;
 use crate::report::write_interaction;
 use clap::ValueEnum;
@@ -86,14 +86,13 @@ pub fn run(arguments: &Arguments, talk: &Talk) -> Result<ExitCode> {
     };
     let touched = campaign.trials.iter().filter(|trial| trial.protocol == Protocol::Interaction);
     let tables = csv_names(&campaign, touched)?;
-    let output = interrupt::output(folder, arguments.force, INTERACTION_FILES)?;
+    let output = interrupt::output(folder, arguments.force, "interaction")?;
     let bar = progress::bar(talk, "extracting", campaign.trials.len());
     let found = interaction::run(&campaign, &model, settings, &|| progress::step(&bar, "drawing"));
     bar.finish_and_clear();
     let found = found?;
     let (name, model_name) = (campaign_name(&campaign), model_name(&arguments.judged.model_file()));
     write_interaction(&found, &tables, &name, &model_name, &output, arguments.png)?;
-    output.finish()?;
-    talk.result(|| to_json(&found, &name, &model_name), |out| write_summary(out, &found, &name, folder))?;
+    talk.finish(output, || to_json(&found, &name, &model_name), |out| write_summary(out, &found, &name, folder))?;
     Ok(ExitCode::SUCCESS)
 }

@@ -1,13 +1,10 @@
-//! Ctrl-C leaves nothing half-written behind.
+//! Ctrl-C and other requests to end leave nothing half-written behind.
 
 use crate::problem::Result;
 use crate::report::Output;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Mutex, PoisonError};
-
-/// Exit status of a program ended by Ctrl-C, as shells have it.
-const INTERRUPTED: i32 = 130;
 
 /// The folders in which outputs are being written.
 static STAGING: Mutex<Vec<PathBuf>> = Mutex::new(Vec::new());
@@ -16,19 +13,34 @@ static STAGING: Mutex<Vec<PathBuf>> = Mutex::new(Vec::new());
 static GENTLE: AtomicBool = AtomicBool::new(false);
 static ASKED: AtomicBool = AtomicBool::new(false);
 
-/// From now on Ctrl-C takes away what is half-written before the program ends.
+/// From now on Ctrl-C, `kill` and a closed terminal take away what is half-written before the program ends.
+///
+/// Without a handler they still end the program; the hidden folder that is then left behind goes with the next output beside it.
+#[cfg(unix)]
 pub fn catch() {
-    // Without a handler Ctrl-C still ends the program; a hidden folder may then be left behind.
-    let _ = ctrlc::set_handler(|| {
-        ASKED.store(true, Ordering::Relaxed);
-        if GENTLE.load(Ordering::Relaxed) {
-            return;
-        }
-        for folder in STAGING.lock().unwrap_or_else(PoisonError::into_inner).iter() {
-            let _ = std::fs::remove_dir_all(folder);
-        }
-        std::process::exit(INTERRUPTED);
-    });
+    use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM};
+    let Ok(mut signals) = signal_hook::iterator::Signals::new([SIGINT, SIGTERM, SIGHUP]) else { return };
+    std::thread::spawn(move || signals.forever().for_each(end));
+}
+
+/// The same, of Ctrl-C alone.
+#[cfg(not(unix))]
+pub fn catch() {
+    /// As shells number Ctrl-C.
+    const INTERRUPT: i32 = 2;
+    let _ = ctrlc::set_handler(|| end(INTERRUPT));
+}
+
+/// Ends the program as shells expect of one ended by `signal`: 130 after Ctrl-C, 143 after `kill`.
+fn end(signal: i32) {
+    ASKED.store(true, Ordering::Relaxed);
+    if GENTLE.load(Ordering::Relaxed) {
+        return;
+    }
+    for folder in STAGING.lock().unwrap_or_else(PoisonError::into_inner).iter() {
+        let _ = std::fs::remove_dir_all(folder);
+    }
+    std::process::exit(128 + signal);
 }
 
 /// From now on Ctrl-C only sets what this gives: something must be stopped before the program may end.
@@ -38,8 +50,8 @@ pub fn noted() -> &'static AtomicBool {
 }
 
 /// `Output::begin`, known to the handler.
-pub fn output(path: &Path, force: bool, names: &'static [&'static str]) -> Result<Output> {
-    let output = Output::begin(path, force, names)?;
+pub fn output(path: &Path, force: bool, command: &'static str) -> Result<Output> {
+    let output = Output::begin(path, force, command)?;
     STAGING.lock().unwrap_or_else(PoisonError::into_inner).push(output.staging().to_path_buf());
     Ok(output)
 }

@@ -2,7 +2,8 @@
 
 use crate::log::Campaign;
 use crate::model::Model;
-use crate::problem::Result;
+use crate::prepare::read_campaign;
+use crate::problem::{Result, visible};
 use std::path::{Path, PathBuf};
 
 /// A campaign and a model of its joint.
@@ -36,18 +37,18 @@ pub fn model_file(named: &Path) -> PathBuf {
 
 /// The campaign in `path`, with its clock where `model` goes by it.
 pub fn campaign_for(model: &Model, path: &Path) -> Result<Campaign> {
-    let campaign = Campaign::read(path)?;
+    let campaign = read_campaign(path)?;
     if model.needs_clock() { campaign.with_clock() } else { Ok(campaign) }
 }
 
 /// What reports call the campaign: its folder's name, whatever the path that led there.
 pub fn campaign_name(campaign: &Campaign) -> String {
     let folder = std::path::absolute(&campaign.folder).unwrap_or_else(|_| campaign.folder.clone());
-    folder.file_name().map_or_else(|| campaign.joint.name.clone(), |name| name.to_string_lossy().into_owned())
+    folder.file_name().map_or_else(|| campaign.joint.name.clone(), |name| visible(&name.to_string_lossy()).into_owned())
 }
 
 /// What reports call a model: its file with the folder that it stands in.
 pub fn model_name(file: &Path) -> String {
     let tail: Vec<_> = file.components().rev().take(2).collect();
-    tail.into_iter().rev().collect::<PathBuf>().display().to_string()
+    visible(&tail.into_iter().rev().collect::<PathBuf>().to_string_lossy()).into_owned()
 }

@@ -28,16 +28,16 @@ pub fn run(arguments: &Arguments, talk: &Talk) -> Result<ExitCode> {
     whole.build();
     let mut pages = Vec::new();
     collect(&whole, &mut pages);
-    let output = interrupt::output(&arguments.output, arguments.force, &["tautline.1", "*.1"])?;
+    let output = interrupt::output(&arguments.output, arguments.force, "man")?;
     for (name, command) in &pages {
         let mut page = Vec::new();
         let made = Man::new(command.clone()).title(name.to_uppercase()).render(&mut page);
         made.or_else(|error| Problem::error(name, format!("could not be made: {error}"), "report this").alone())?;
         output.write(&format!("{name}.1"), page)?;
     }
-    output.finish()?;
     let names: Vec<&String> = pages.iter().map(|(name, _)| name).collect();
-    talk.result(
+    talk.finish(
+        output,
         || json!({ "format": "man/1", "folder": arguments.output, "pages": names }),
         |out| writeln!(out, "{}: {} pages", arguments.output.display(), names.len()),
     )?;

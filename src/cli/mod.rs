@@ -16,6 +16,7 @@ mod excite;
 mod export;
 mod fit;
 mod follow;
+mod guide;
 mod identify;
 mod import;
 mod interaction;
@@ -53,7 +54,7 @@ const EXAMPLES: &str = "Examples:
   tautline simulate --model out/model.json -o simulated
                                             record a campaign from a model
 
-Exit status: 0 done, 1 a judgement that failed, 2 bad input or usage.";
+Exit status: 0 done, 1 a judgement that failed, 2 bad input or usage; 130 after Ctrl-C, 143 after kill.";
 
 #[derive(Debug, Subcommand)]
 enum Command {
@@ -91,6 +92,8 @@ enum Command {
     Rig(rig::Arguments),
     /// List the effects that a model may have beyond the paper's formula, with their parameters
     Effects(effects::Arguments),
+    /// Print a page of the guide
+    Guide(guide::Arguments),
     /// See it work in a minute, on recordings that it makes
     Demo(demo::Arguments),
     /// Write manual pages
@@ -132,6 +135,7 @@ fn act(command: Command, talk: &Talk) -> Result<ExitCode> {
         Command::Capture(arguments) => capture::run(&arguments, talk),
         Command::Rig(arguments) => rig::run(&arguments, talk),
         Command::Effects(arguments) => effects::run(&arguments, talk),
+        Command::Guide(arguments) => guide::run(&arguments, talk),
         Command::Demo(arguments) => demo::run(&arguments, talk),
         Command::Man(arguments) => man::run(&arguments, talk),
         Command::Completions(arguments) => completions::run(&arguments),

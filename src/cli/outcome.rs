@@ -1,7 +1,8 @@
 //! How commands talk: results on standard output, everything else on standard error.
 
 use crate::limits::{PROBLEMS_PRINTED, listed};
-use crate::problem::{Problem, Problems, Result, Severity};
+use crate::problem::{Problem, Problems, Result, Severity, visible, visible_styled};
+use crate::report::{Output, gate, json_text};
 use anstyle::{AnsiColor, Style};
 use clap::Args;
 use serde_json::Value;
@@ -31,28 +32,55 @@ impl Talk {
     }
 
     /// Prints the result: `json` with `--json`, `text` without, nothing with `--quiet` alone.
+    ///
+    /// Errors: something is not a number where a figure is meant.
     pub fn result(
         &self,
         json: impl FnOnce() -> Value,
-        text: impl FnOnce(&mut StdoutLock<'static>) -> io::Result<()>,
+        text: impl FnOnce(&mut Vec<u8>) -> io::Result<()>,
     ) -> Result<()> {
-        if self.json {
-            say(|out| writeln!(out, "{:#}", json()))
-        } else if !self.quiet {
-            say(text)
-        } else {
-            Ok(())
+        self.finish(None, json, text)
+    }
+
+    /// The same, once `output` has been put in its place: what does not pass the gate leaves no file either.
+    ///
+    /// Errors: something is not a number where a figure is meant; the output cannot be put in place.
+    pub fn finish(
+        &self,
+        output: impl Into<Option<Output>>,
+        json: impl FnOnce() -> Value,
+        text: impl FnOnce(&mut Vec<u8>) -> io::Result<()>,
+    ) -> Result<()> {
+        // Both forms, whichever is wanted: a figure may stand in one alone.
+        let (json, text) = (json(), written(text));
+        gate::json(STDOUT, &json)?;
+        gate::shown(STDOUT, &text)?;
+        output.into().map_or(Ok(()), Output::finish)?;
+        match self {
+            Self { json: true, .. } => say(|out| out.write_all(json_text(&json).as_bytes())),
+            Self { quiet: true, .. } => Ok(()),
+            _ => say(|out| out.write_all(text.as_bytes())),
         }
     }
 }
 
-/// Standard output, its colours dropped where `NO_COLOR` asks for it or nobody looks.
-pub type StdoutLock<'a> = anstream::AutoStream<io::StdoutLock<'a>>;
+/// What messages call standard output.
+const STDOUT: &str = "standard output";
 
-/// Writes to standard output; a reader that went away (`| head`) is no failure of ours, a full disk is.
-pub fn say(write: impl FnOnce(&mut StdoutLock<'static>) -> io::Result<()>) -> Result<()> {
+/// What `write` writes.
+fn written(write: impl FnOnce(&mut Vec<u8>) -> io::Result<()>) -> String {
+    let mut bytes = Vec::new();
+    // Writing to memory cannot fail.
+    let _ = write(&mut bytes);
+    String::from_utf8_lossy(&bytes).into_owned()
+}
+
+/// Writes to standard output, its colours dropped where `NO_COLOR` asks for it or nobody looks, and everything else that would act
+/// on a terminal made visible. A reader that went away (`| head`) is no failure of ours, a full disk is.
+pub fn say(write: impl FnOnce(&mut Vec<u8>) -> io::Result<()>) -> Result<()> {
+    let text = written(write);
     let mut out = anstream::stdout().lock();
-    match write(&mut out).and_then(|()| out.flush()) {
+    match out.write_all(visible_styled(&text).as_bytes()).and_then(|()| out.flush()) {
         Err(error) if error.kind() != io::ErrorKind::BrokenPipe => {
             Problem::error("standard output", format!("cannot be written: {error}"), "the files are in place").alone()
         }
@@ -99,7 +127,7 @@ pub fn complain(problems: &Problems) {
 /// Where `problem` stands, after one `before` in the same words: its file if that is another, its row.
 fn place(problem: &Problem, before: &Problem) -> String {
     let name = problem.file.file_name().map_or_else(|| problem.file.to_string_lossy(), |name| name.to_string_lossy());
-    let file = (problem.file != before.file).then(|| name.into_owned());
+    let file = (problem.file != before.file).then(|| visible(&name).into_owned());
     let row = problem.row.map(|row| format!("row {row}"));
     file.into_iter().chain(row).collect::<Vec<_>>().join(" ")
 }

@@ -9,7 +9,7 @@ use crate::log::read_trial;
 use crate::prepare::prepare;
 use crate::problem::{Problems, Result};
 use crate::report::json_text;
-use crate::report::predicted::{PREDICTION_FILES, csv_names, trial_csv};
+use crate::report::predicted::{csv_names, trial_csv};
 use rayon::prelude::*;
 use serde_json::json;
 use std::io::Write;
@@ -38,7 +38,7 @@ pub fn run(arguments: &Arguments, talk: &Talk) -> Result<ExitCode> {
     let (campaign, model) = arguments.judged.read()?;
     let (model, mut warnings) = fitted(&campaign, &model)?;
     let names = csv_names(&campaign, campaign.trials.iter())?;
-    let output = interrupt::output(&arguments.output, arguments.force, PREDICTION_FILES)?;
+    let output = interrupt::output(&arguments.output, arguments.force, "predict")?;
     let bar = progress::bar(talk, "predicting", names.len());
     let one = |(index, name): (usize, &String)| {
         let trial = read_trial(&campaign, index).and_then(|log| prepare(&campaign, index, log))?;
@@ -54,8 +54,8 @@ pub fn run(arguments: &Arguments, talk: &Talk) -> Result<ExitCode> {
         "provenance": { "tautline": env!("CARGO_PKG_VERSION"), "campaign": campaign_name(&campaign), "model": model_name(&arguments.judged.model_file()) },
     });
     output.write("prediction.json", json_text(&told))?;
-    output.finish()?;
-    talk.result(
+    talk.finish(
+        output,
         || told,
         |out| {
             warnings.iter().try_for_each(|warning| writeln!(out, "! {warning}"))?;

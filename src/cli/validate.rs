@@ -4,6 +4,7 @@ use super::outcome::{BAD_INPUT, Talk, complain};
 use super::progress;
 use crate::identify::{check, examine_trials};
 use crate::log::{Campaign, Survey};
+use crate::prepare::left_out;
 use crate::problem::{Problem, Problems, Result, Severity};
 use rayon::prelude::*;
 use serde_json::{Value, json};
@@ -46,7 +47,10 @@ fn problems_of(survey: &Survey, talk: &Talk) -> Vec<Problem> {
         Some(campaign) => {
             let readable = Campaign { trials: survey.readable.clone(), ..campaign.clone() };
             let (readings, found): (Vec<_>, Vec<_>) = examine_trials(&readable, &|| bar.inc(1)).into_iter().unzip();
-            problems.extend(found.concat());
+            for (entry, found) in readable.trials.iter().zip(found) {
+                let is_stump = entry.is_incomplete() && found.iter().any(|p| p.severity == Severity::Error);
+                problems.extend(if is_stump { vec![left_out(&readable, entry, &found)] } else { found });
+            }
             if survey.is_whole {
                 problems.extend(check(campaign, &readings.into_iter().flatten().collect::<Vec<_>>()));
             }

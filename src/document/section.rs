@@ -2,7 +2,7 @@
 
 use super::{Node, Table, Value, suggest};
 use crate::limits::{FAULTS_LISTED, shown};
-use crate::problem::Problem;
+use crate::problem::{Problem, acts};
 use std::cell::RefCell;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
@@ -112,10 +112,21 @@ impl<'a> Field<'_, 'a> {
 
     /// A text.
     pub fn text(self) -> Option<String> {
-        self.take("a text in quotes", |value| match value {
+        let (section, key) = (self.section, self.key.clone());
+        let text = self.take("a text in quotes", |value| match value {
             Value::Text(text) => Some(text.clone()),
             _ => None,
-        })
+        })?;
+        // Names come out again on terminals, in pages, XML and code.
+        if let Some(acts) = text.chars().find(|c| acts(*c)) {
+            let what = format!(
+                "holds the character U+{:04X}, which is not shown but acts on terminals and pages",
+                acts as u32
+            );
+            section.reject(&key, what, "write it without control characters and marks of direction");
+            return None;
+        }
+        Some(text)
     }
 
     /// A day, with or without the time of day, without quotes: as ISO 8601 writes it.

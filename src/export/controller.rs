@@ -10,7 +10,7 @@ use super::plain_name;
 use crate::dynamics::{Dynamics, JointKind};
 use crate::effects::Added;
 use crate::model::{AT_REST_RAD_S, Combination, Direction, Friction, Model};
-use crate::problem::{Problem, Result};
+use crate::problem::{Problem, Result, visible};
 use askama::Template;
 
 /// The longest delay that is kept, samples: 160 kB of a controller's memory.
@@ -127,9 +127,9 @@ fn parts(model: &Model, language: Language, settings: &Settings) -> Result<Parts
     })
 }
 
-/// What stands in a comment: nothing that would end it.
+/// What stands in a comment: nothing that would end it or begin another, on one line, in the order in which it is read.
 fn commented(text: &str) -> String {
-    text.chars().map(|c| if c.is_control() { ' ' } else { c }).collect::<String>().replace("*/", "* /")
+    visible(text).replace("*/", "* /").replace("/*", "/ *")
 }
 
 /// g(u)/g(1), as `Combination::share` has it.

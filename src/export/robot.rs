@@ -5,6 +5,7 @@ use super::plain_name;
 use crate::dynamics::{JointKind, Motion};
 use crate::effects::{Added, Sample};
 use crate::model::{Asked, Direction, Model};
+use crate::problem::{visible, visible_lines};
 use std::f64::consts::FRAC_PI_2;
 
 /// Speeds and positions at which the likeness is judged.
@@ -170,8 +171,9 @@ fn remark(model: &Model, like: &Likeness, source: &str, has_springs: bool) -> St
     let unit = if model.joint.kind == JointKind::Revolute { "N m" } else { "N" };
     let mut lines = vec![
         format!(
-            "  {}, from {source}: constant and viscous friction at the joint that come nearest to the model's.",
-            model.joint.name
+            "  {}, from {}: constant and viscous friction at the joint that come nearest to the model's.",
+            visible(&model.joint.name),
+            visible(source)
         ),
         format!(
             "  At constant speed they leave {:.3} of {:.3} {unit} (root mean square).",
@@ -187,5 +189,5 @@ fn remark(model: &Model, like: &Likeness, source: &str, has_springs: bool) -> St
         lines.push(format!("  - {} kg m^2 of inertia beyond the link's: add it to the link", like.armature_kg_m2));
     }
     // Two dashes end a comment in XML.
-    lines.join("\n").replace("--", "- -")
+    visible_lines(&lines.join("\n")).replace("--", "- -")
 }

@@ -1,6 +1,7 @@
 //! A model's parameters with their confidence as tables: CSV for programs, LaTeX and Markdown for papers and notes.
 
 use crate::model::{Confidence, Model, Status};
+use crate::problem::visible;
 use crate::report::diagnosis::unit_of;
 use crate::report::number::{interval, significant};
 use crate::report::parameters::parameters;
@@ -82,9 +83,12 @@ fn told(row: &Row) -> [String; 3] {
     [significant(row.value, DIGITS), interval, status]
 }
 
+/// What Markdown takes for more than text: links, HTML, emphasis, code, cells, addresses.
+const MARKDOWN: &str = "\\`*_[]<>()!|#~&:@";
+
 /// A table for notes.
 pub fn markdown(model: &Model) -> String {
-    let mut text = format!("Parameters of {}\n\n", escaped(&model.joint.name, "|\\"));
+    let mut text = format!("Parameters of {}\n\n", escaped(&visible(&model.joint.name), MARKDOWN));
     text += "| parameter | unit | value | 95 % interval | known |\n|---|---|---:|---|---|\n";
     for row in rows(model) {
         let [value, interval, status] = told(&row);
@@ -101,10 +105,7 @@ pub fn latex(model: &Model) -> String {
         let [value, interval, status] = told(&row);
         let unit = row.unit.replace("^2", "$^2$").replace('²', "$^2$").replace(' ', "\\,");
         let name = escaped(&row.name, "_");
-        text += &format!(
-            "\\texttt{{{name}}} & {unit} & ${value}$ & {} & {status} \\\\\n",
-            interval.replace('∞', "$\\infty$")
-        );
+        text += &format!("\\texttt{{{name}}} & {unit} & ${value}$ & {interval} & {status} \\\\\n");
     }
     text += "\\bottomrule\n\\end{tabular}\n";
     text + &footnote(model)

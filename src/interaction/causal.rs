@@ -127,6 +127,11 @@ impl Estimator {
         }
     }
 
+    /// A sample was lost: what the filters give is known again once they have forgotten the gap.
+    pub fn distrust(&mut self) {
+        self.known_in = self.known_in.map(|_| self.forgotten);
+    }
+
     /// What mass asks of the joint.
     fn asked(&self, own: Motion, others: &[Motion]) -> Asked {
         /// Half the step over which a chain's gravity is differentiated, rad.

@@ -14,7 +14,7 @@ pub use compare::Comparison;
 pub use contacts::{Contact, contacts};
 pub use extract::{Extracted, Filtering, Frame};
 pub use quiet::{Levels, Quiet};
-pub use stream::{Stream, StreamOutput};
+pub use stream::{Plausible, Stream, StreamOutput};
 
 use crate::evaluate::fitted;
 use crate::log::{Campaign, Protocol, TrialEntry, read_trial};
@@ -136,7 +136,9 @@ pub fn stream_of(
     };
     let mut quiet = Quiet::new(&found, &touched, settings.threshold_nm, campaign.signal.lowpass_hz);
     quiet.warnings.append(&mut warnings);
-    Stream::new(campaign, model, settings.frame, quiet, rate_hz.unwrap_or(first.log.rate_hz), first.deadband_rad)
+    let plausible = Plausible::after(&first.log, campaign.joint.transmission());
+    let noise = (first.deadband_rad, plausible);
+    Stream::new(campaign, model, settings.frame, quiet, rate_hz.unwrap_or(first.log.rate_hz), noise)
 }
 
 /// The interaction trials, or the quiet ones.

@@ -96,38 +96,14 @@ impl TrialEntry {
 impl Campaign {
     /// Reads the campaign in `path`: its folder, or its `campaign.toml`.
     ///
-    /// Errors: everything that is wrong with the file, by row. The logs themselves are not opened, only looked for.
+    /// Errors: everything that is wrong with the file, by row. The logs themselves are not opened, only looked for: trials that
+    /// broke off too early to be used are still among them (`prepare::read_campaign`).
     pub fn read(path: &Path) -> Result<Self> {
         let Survey { campaign, problems, .. } = Survey::read(path)?;
         let is_error = |problem: &Problem| problem.severity == Severity::Error;
         match campaign {
-            Some(campaign) if !problems.iter().any(is_error) => {
-                Self { warnings: problems, ..campaign }.without_stumps()
-            }
+            Some(campaign) if !problems.iter().any(is_error) => Ok(Self { warnings: problems, ..campaign }),
             _ => Err(Problems(problems)),
-        }
-    }
-}
-
-impl Campaign {
-    /// Without the trials whose recording broke off too early to be used, each of them told.
-    ///
-    /// Errors: none is left.
-    fn without_stumps(mut self) -> Result<Self> {
-        let is_stump =
-            |index: &usize| self.trials[*index].is_incomplete() && super::examine_trial(&self, *index).0.is_none();
-        let stumps: Vec<usize> = (0..self.trials.len()).filter(is_stump).collect();
-        for index in stumps.into_iter().rev() {
-            let entry = self.trials.remove(index);
-            let why = entry.capture.and_then(|capture| capture.incomplete).unwrap_or_default();
-            let what = format!("`{}` broke off too early to be used ({why})", entry.file);
-            self.warnings.push(Problem::warning(&self.file, what, "it is left out"));
-        }
-        match self.trials.is_empty() {
-            true => {
-                Err(Problems(self.warnings.into_iter().map(|w| Problem { severity: Severity::Error, ..w }).collect()))
-            }
-            false => Ok(self),
         }
     }
 }

@@ -1,6 +1,7 @@
 //! What a live recording says of a trial beside its log.
 
 use crate::document::Section;
+use crate::problem::visible;
 use toml::Value;
 
 /// How the recording of a trial went.
@@ -27,7 +28,7 @@ impl Captured {
 
     /// The keys of its trial.
     pub(super) fn pairs(&self) -> Vec<(&'static str, Value)> {
-        let incomplete = self.incomplete.as_ref().map(|why| ("incomplete", why.as_str().into()));
+        let incomplete = self.incomplete.as_ref().map(|why| ("incomplete", visible(why).into_owned().into()));
         let counts = [("late_cycles", self.late_cycles), ("missed_cycles", self.missed_cycles)];
         incomplete.into_iter().chain(counts.map(|(key, count)| (key, i64::from(count).into()))).collect()
     }

@@ -54,12 +54,13 @@ impl Seen {
     fn trial(&mut self, section: &Section<'_>, folder: &Path, kind: JointKind) -> Option<(TrialEntry, bool)> {
         let means = "the log, CSV or Parquet, by its path from this folder";
         let file = section.need("file").such_as("\"sweep_1.csv\"", means).text();
-        let is_readable = file.as_ref().is_some_and(|file| self.check_file(section, file, folder));
+        let capture = Captured::read(section);
+        let may_lack = capture.as_ref().is_some_and(|capture| capture.incomplete.is_some());
+        let is_readable = file.as_ref().is_some_and(|file| self.check_file(section, file, folder, may_lack));
         let protocol = protocol(section, kind);
         let repeat = section.may("repeat").whole(1, u32::MAX.into()).unwrap_or(1);
         let repeat = u32::try_from(repeat).ok()?;
         let trajectory = section.may("trajectory").text();
-        let capture = Captured::read(section);
         self.has_unknown_protocol |= protocol.is_none();
         let protocol_or_free = protocol.unwrap_or(Protocol::Free);
         let entry = TrialEntry { file: file?, protocol: protocol_or_free, repeat, trajectory, capture };
@@ -69,8 +70,9 @@ impl Seen {
         Some((entry, is_readable))
     }
 
-    /// Reports a log that lies outside the campaign's folder, is absent, or is listed already; false of such.
-    fn check_file(&mut self, section: &Section<'_>, file: &str, folder: &Path) -> bool {
+    /// Reports a log that lies outside the campaign's folder, is absent, or is listed already; false of such. The log of a trial
+    /// that broke off before its first row `may_lack`.
+    fn check_file(&mut self, section: &Section<'_>, file: &str, folder: &Path, may_lack: bool) -> bool {
         let found = place::find(folder, file);
         match &found {
             Found::Here => {}
@@ -81,6 +83,10 @@ impl Seen {
             Found::Outside => {
                 let cure = "move the log into the folder of campaign.toml and name it by its path from there";
                 section.reject("file", format!("`{file}` lies outside the campaign"), cure);
+            }
+            Found::Absent("does not exist") if may_lack => {
+                let what = format!("there is no file `{}`: the trial broke off before its first row", shown(file));
+                section.doubt("file", what, "");
             }
             Found::Absent("does not exist") => {
                 let cure = suggest_file(file, folder).unwrap_or("add the log, or delete this trial".to_string());

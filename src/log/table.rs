@@ -40,11 +40,21 @@ pub fn csv_bytes(columns: &[Numbers]) -> Vec<u8> {
     bytes
 }
 
+/// `column` of `file`, to be written, holds what is no number.
+pub(super) fn not_finite(file: &Path, column: &str) -> Problem {
+    let what = "not written: it holds what is no number, because numbers grew beyond all measure";
+    let cure = "check the data and the model's parameters for values that no joint has";
+    Problem::error(file, what, cure).in_column(column)
+}
+
 /// Parquet; `file` is named when the columns cannot be written.
 pub fn parquet_bytes(file: &Path, columns: &[Numbers]) -> Result<Vec<u8>> {
     let unwritable = |error: polars::prelude::PolarsError| {
         Problem::error(file, format!("cannot be written as Parquet: {error}"), "write CSV instead")
     };
+    if let Some(column) = columns.iter().find(|c| c.rounded().any(|number| !number.is_finite())) {
+        return not_finite(file, column.name).alone();
+    }
     let column =
         |c: &Numbers| -> Column { Series::new(c.name.into(), c.rounded().collect::<Vec<f64>>()).into_column() };
     let rows = columns.first().map_or(0, |c| c.values.len());

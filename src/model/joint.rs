@@ -7,6 +7,11 @@ use std::ops::RangeInclusive;
 /// Radii of winches and pulleys, m: one outside was most likely given in another unit.
 const SANE_RADIUS_M: RangeInclusive<f64> = 1e-4..=1.0;
 
+/// Radii that a winch or pulley can have at all, m: from a hair's to a mill wheel's. Beyond, nothing that follows is a number.
+const POSSIBLE_RADIUS_M: RangeInclusive<f64> = 1e-6..=100.0;
+/// The largest clearance that a cable can have, m.
+const POSSIBLE_BACKLASH_M: f64 = 10.0;
+
 /// What a ruler tells of a joint.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Joint {
@@ -36,6 +41,10 @@ impl Joint {
             let radius_m = section.need(key).such_as(example, means).positive()?;
             if kind == JointKind::Prismatic && radius_m != 1.0 {
                 section.reject(key, format!("is {radius_m} on a prismatic joint"), "set it to 1.0: there is no arm");
+            } else if !POSSIBLE_RADIUS_M.contains(&radius_m) {
+                let (low, high) = (POSSIBLE_RADIUS_M.start(), POSSIBLE_RADIUS_M.end());
+                let what = format!("is {radius_m} m, which no winch or pulley has");
+                section.reject(key, what, format!("measure it: expected {low} to {high} m, 12 mm is 0.012"));
             } else if !SANE_RADIUS_M.contains(&radius_m) {
                 let what = format!("is {radius_m} m, no likely radius of a winch or pulley");
                 section.doubt(key, what, "give it in metres, not in millimetres: 12 mm is 0.012");
@@ -46,6 +55,10 @@ impl Joint {
         let pulley_radius_m = radius("pulley_radius_m", "0.040", "the radius of the pulley at the joint in m");
         let means = "the clearance as travel of the cable in m, 0 without any";
         let backlash_m = section.need("backlash_m").such_as("0.0008", means).not_negative();
+        if let Some(backlash_m) = backlash_m.filter(|backlash_m| *backlash_m > POSSIBLE_BACKLASH_M) {
+            let what = format!("is {backlash_m} m, which no cable has");
+            section.reject("backlash_m", what, "give it in metres of cable: 0.8 mm is 0.0008");
+        }
         Some(Self {
             name: name?,
             kind,

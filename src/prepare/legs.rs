@@ -143,13 +143,23 @@ fn trim(
     (samples.len() >= MIN_SAMPLES).then_some(Leg { direction, samples, left_out })
 }
 
+/// Why there is no leg: how much of the motion is near the declared speed, or how fast it is instead.
 fn no_plateau(log: &Log, speeds: &[f64], speed_rad_s: f64, kind: JointKind) -> Problem {
     let mut magnitudes: Vec<f64> = speeds.iter().map(|v| v.abs()).filter(|v| *v > 0.0).collect();
+    let moving = magnitudes.len();
+    let near = magnitudes.iter().filter(|v| (*v - speed_rad_s).abs() <= SPEED_TOLERANCE * speed_rad_s).count();
     // At rest throughout there is no quantile.
-    let (top, unit) = (quantile(&mut magnitudes, 0.9).max(0.0), kind.speed_unit());
+    let [usual, top] = [0.5, 0.9].map(|share| quantile(&mut magnitudes, share).max(0.0));
+    let unit = kind.speed_unit();
+    let share = 100.0 * near as f64 / moving.max(1) as f64;
     let what = format!(
-        "no plateau at the declared speed_rad_s = {speed_rad_s} {unit}: the joint moves at up to {top:.4} {unit}"
+        "no plateau at the declared speed_rad_s = {speed_rad_s} {unit}: {share:.0} % of the motion is within {:.0} % of it, in no \
+         stretch of {:.0} % of the travel and {MIN_SAMPLES} samples; half of the motion is faster than {usual:.4} {unit}, and the \
+         joint moves at up to {top:.4} {unit}",
+        100.0 * SPEED_TOLERANCE,
+        100.0 * MIN_TRAVEL,
     );
-    let cure = "correct speed_rad_s in campaign.toml, the position's unit, or mark the trial `free`";
+    let cure = "correct speed_rad_s in campaign.toml or the position's unit, record longer sweeps at constant speed, or mark the \
+                trial `free`";
     Problem::error(&log.file, what, cure)
 }

@@ -5,9 +5,11 @@ mod encoder;
 mod legs;
 mod rigid;
 mod series;
+mod stumps;
 
 pub use legs::{Leg, find_legs};
 pub use series::Series;
+pub use stumps::{left_out, read_campaign};
 
 use crate::dynamics::{Dynamics, JointKind, Motion, RigidTorque};
 use crate::effects::Sample;

@@ -8,9 +8,6 @@ use crate::compare::{Change, Comparison, Level, Verdict};
 use serde_json::{Value, json};
 use std::io::{self, Write};
 
-/// All that `compare` writes.
-pub const COMPARISON_FILES: &[&str] = &["comparison.json", "report.html", "plots/*.svg", "plots/*.png"];
-
 /// `found` between the models in the files called `names`; what is not known is null.
 pub fn to_json(found: &Comparison, names: &[String; 2]) -> Value {
     let change = |c: &Change| {

@@ -7,9 +7,6 @@ use serde_json::{Value, json};
 use std::io::{self, Write};
 use std::path::Path;
 
-/// All that `excite` writes.
-pub const EXCITATION_FILES: &[&str] = &["excitation.json", "plan.svg", "plan.png", "*.toml"];
-
 /// Motions that are listed one by one on the terminal.
 const LISTED: usize = 6;
 

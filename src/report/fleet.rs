@@ -11,10 +11,6 @@ use serde_json::{Value, json};
 use std::io::{self, Write};
 use std::path::Path;
 
-/// All that `batch` writes beside the results.
-pub const FLEET_FILES: &[&str] =
-    &["fleet.json", "table.csv", "table.parquet", "report.html", "plots/*.svg", "plots/*.png"];
-
 /// Rows of a table on the page, and on the terminal; the files hold all.
 const ON_THE_PAGE: usize = 200;
 const ON_THE_TERMINAL: usize = 12;

@@ -10,9 +10,6 @@ use serde_json::{Value, json};
 use std::io::{self, Write};
 use std::path::Path;
 
-/// All that `interaction` writes.
-pub const INTERACTION_FILES: &[&str] = &["interaction.json", "*.csv", "report.html", "plots/*.svg", "plots/*.png"];
-
 /// `found` by the model in the file called `model`, on the campaign called `campaign`; what is not known is null.
 pub fn to_json(found: &Interaction, campaign: &str, model: &str) -> Value {
     let quiet = &found.quiet;

@@ -5,7 +5,8 @@
 //!
 //! | file | what it makes |
 //! |---|---|
-//! | `output` | a folder that appears whole or not at all |
+//! | `output` | a folder that appears whole or not at all, with the list of its files |
+//! | `gate` | what is not a number ends as an error, at every output |
 //! | `tables` | `trials.csv`, written and read |
 //! | `identification` | the JSON of `model.json` and `--json` |
 //! | `evaluation` | an evaluation as JSON, on the terminal, as a page |
@@ -34,6 +35,7 @@ pub mod evaluation;
 pub mod excitation;
 pub mod fleet;
 mod forms;
+pub mod gate;
 pub mod html;
 pub mod identification;
 pub mod interaction;
@@ -59,12 +61,9 @@ use crate::excite::{Asked, Limits};
 use crate::identify::{Identification, LegFit};
 use crate::interaction::Interaction;
 use crate::log::mixed;
-use crate::problem::{Problem, Result};
+use crate::problem::{Problem, Result, acts};
 use plots::{FIGURES, Figure};
 use rayon::prelude::*;
-
-/// All that `write_identification` writes, as `Output::begin` wants it.
-pub const IDENTIFICATION_FILES: &[&str] = &["model.json", "trials.csv", "report.html", "plots/*.svg", "plots/*.png"];
 
 /// Writes `model.json`, `trials.csv` (its header alone without sweeps), `plots/` and `report.html` of `found` to `output`.
 ///
@@ -86,9 +85,6 @@ pub fn write_identification(found: &Identification, campaign: &str, output: &Out
     let page = html::report(found, campaign, &drawn).or_else(|error| unmade(output, "report.html", error))?;
     output.write("report.html", page)
 }
-
-/// All that `write_evaluation` writes.
-pub const EVALUATION_FILES: &[&str] = &["evaluation.json", "report.html", "plots/*.svg", "plots/*.png"];
 
 /// Writes `evaluation.json`, `plots/` and `report.html` of `found` to `output`.
 pub fn write_evaluation(found: &Evaluation, campaign: &str, model: &str, output: &Output, png: bool) -> Result<()> {
@@ -151,9 +147,20 @@ pub fn write_trials(legs: &[LegFit], joint: &str, output: &Output) -> Result<()>
     output.write("trials.csv", table)
 }
 
-/// `value` as a file holds it.
+/// `value` as a file holds it: what acts on a terminal (`problem::acts`) stands as its code, as JSON writes it.
 pub fn json_text(value: &serde_json::Value) -> String {
-    format!("{value:#}\n")
+    let text = format!("{value:#}\n");
+    if !text.contains(|c| acts(c) && c != '\n') {
+        return text;
+    }
+    let mut plain = String::with_capacity(text.len());
+    for c in text.chars() {
+        match acts(c) && c != '\n' {
+            true => c.encode_utf16(&mut [0; 2]).iter().for_each(|unit| plain += &format!("\\u{unit:04x}")),
+            false => plain.push(c),
+        }
+    }
+    plain
 }
 
 /// The figures that there are data for, in their order.

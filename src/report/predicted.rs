@@ -10,9 +10,6 @@ use crate::problem::{Problem, Result};
 use std::collections::BTreeMap;
 use std::path::Path;
 
-/// All that `predict` writes.
-pub const PREDICTION_FILES: &[&str] = &["prediction.json", "*.csv"];
-
 /// Decimals of a torque: well below what any sensor resolves, so that the parts still add up.
 const TORQUE_DECIMALS: usize = 9;
 

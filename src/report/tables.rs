@@ -2,6 +2,7 @@
 
 use crate::document::{nearest, suggest};
 use crate::identify::LegFit;
+use crate::log::mixed::{cell_text, text_cell};
 use crate::log::{Campaign, TrialEntry};
 use crate::model::Direction;
 use crate::problem::{Problem, Problems, Result};
@@ -28,9 +29,10 @@ pub fn trials_csv(legs: &[LegFit], joint: &str) -> std::result::Result<String, c
     let mut writer = csv::Writer::from_writer(Vec::new());
     writer.write_record(REQUIRED.iter().chain(&EXTRA).chain(&[JOINT]))?;
     for leg in legs {
-        let number = |x: f64| format!("{x:?}");
+        // What is not known is empty.
+        let number = |x: f64| if x.is_nan() { String::new() } else { format!("{x:?}") };
         writer.write_record([
-            leg.file.clone(),
+            text_cell(&leg.file).into_owned(),
             leg.repeat.to_string(),
             leg.direction.name().to_string(),
             number(leg.speed_rad_s),
@@ -44,7 +46,7 @@ pub fn trials_csv(legs: &[LegFit], joint: &str) -> std::result::Result<String, c
             number(leg.raw_rmse_nm),
             number(leg.mean_sine),
             number(leg.mean_torque_nm),
-            joint.to_string(),
+            text_cell(joint).into_owned(),
         ])?;
     }
     let bytes = writer.into_inner().map_err(|error| csv::Error::from(error.into_error()))?;
@@ -136,19 +138,19 @@ struct Row<'a> {
 impl Row<'_> {
     /// The leg in this row; every field is read before it is given up, so that all faults are told at once.
     fn leg(&mut self) -> Option<LegFit> {
-        let file = self.field("file").map(str::to_string);
+        let file = self.field("file").map(|cell| cell_text(cell).to_string());
         let repeat = self.number("repeat", "a whole number", |_: &u32| true);
         let direction = self.direction();
         let speed_rad_s = self.number("speed_rad_s", "a positive number", |x: &f64| x.is_finite() && *x > 0.0);
         let samples = self.number("samples", "a whole number", |_: &usize| true);
         let a_nm = self.number("a_nm", "a finite number", |x: &f64| x.is_finite());
         let b_nm = self.number("b_nm", "a finite number", |x: &f64| x.is_finite());
-        let r_squared = self.number("r_squared", "a number", |_: &f64| true);
-        let rmse_nm = self.number("rmse_nm", "a number", |_: &f64| true);
-        let [a_se_nm, b_se_nm, raw_rmse_nm, mean_sine, mean_torque_nm] = EXTRA.map(|name| match self.field(name) {
+        let mut known_or_nan = |name: &str| match self.field(name) {
             None | Some("") => Some(f64::NAN),
             Some(_) => self.number(name, "a number, or empty", |_: &f64| true),
-        });
+        };
+        let [r_squared, rmse_nm] = ["r_squared", "rmse_nm"].map(&mut known_or_nan);
+        let [a_se_nm, b_se_nm, raw_rmse_nm, mean_sine, mean_torque_nm] = EXTRA.map(&mut known_or_nan);
         Some(LegFit {
             file: file?,
             repeat: repeat?,
@@ -168,7 +170,7 @@ impl Row<'_> {
     }
 
     fn check_joint(&mut self, ours: &str) {
-        let theirs = self.field(JOINT).unwrap_or(ours).to_string();
+        let theirs = self.field(JOINT).map_or(ours, cell_text).to_string();
         if theirs != ours {
             let what = format!("is of the joint `{theirs}`, the campaign's is `{ours}`");
             self.fault(JOINT, what, "name the table that `fit trials` made of this campaign".to_string());

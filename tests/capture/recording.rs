@@ -43,7 +43,7 @@ fn a_recording_cut_anywhere_opens() {
     }
     // What is too short for anything is left out, and said.
     fs::write(&log, &whole[..2000]).unwrap();
-    let refused = Campaign::read(&path).unwrap_err().to_string();
+    let refused = tautline::prepare::read_campaign(&path).unwrap_err().to_string();
     assert!(refused.contains("broke off too early"), "{refused}");
 }
 

@@ -9,7 +9,7 @@ use super::outcome::Talk;
 use crate::excite::{Asked, Known, Limits, check};
 use crate::model::Model;
 use crate::problem::{Problem, Problems, Result};
-use crate::report::excitation::{EXCITATION_FILES, to_json, write_summary};
+use crate::report::excitation::{to_json, write_summary};
 use crate::report::write_excitation;
 use crate::trajectory::Trajectory;
 use clap::Subcommand;
@@ -179,10 +179,9 @@ pub fn run(arguments: &Arguments, talk: &Talk) -> Result<ExitCode> {
     let made: Vec<Trajectory> = made.into_iter().map(|of| Trajectory { repeats: repeats(&of), ..of }).collect();
     let asked: Vec<Asked> = made.into_par_iter().map(|trajectory| Asked::of(trajectory, known.as_ref())).collect();
     check(&asked, &limits)?;
-    let output = interrupt::output(&common.output, common.force, EXCITATION_FILES)?;
+    let output = interrupt::output(&common.output, common.force, "excite")?;
     write_excitation(&asked, &limits, &output, common.png)?;
-    output.finish()?;
-    talk.result(|| to_json(&asked, &limits), |out| write_summary(out, &asked, &limits, &common.output))?;
+    talk.finish(output, || to_json(&asked, &limits), |out| write_summary(out, &asked, &limits, &common.output))?;
     Ok(ExitCode::SUCCESS)
 }
 

@@ -94,6 +94,6 @@ fn rewrite(file: &Path, text: &str, zero: f64) -> Result<()> {
     });
     match written {
         Ok(_) => Ok(()),
-        Err(error) => Problem::error(file, format!("cannot be written: {error}"), "check its permissions").alone(),
+        Err(error) => Problem::unwritable(file, "cannot be written", &error).alone(),
     }
 }

@@ -60,11 +60,7 @@ pub fn run(arguments: &Arguments, talk: &Talk) -> Result<ExitCode> {
     let trials = plan.trials(model.joint.kind);
     check_trials(&trials, model.joint.kind)?;
     check_others(&plan, &model)?;
-    let output = interrupt::output(
-        &arguments.output,
-        arguments.force,
-        &["simulated.json", "campaign.toml", URDF, "*.csv", "*.parquet"],
-    )?;
+    let output = interrupt::output(&arguments.output, arguments.force, "simulate")?;
     let bar = progress::bar(talk, "simulating", trials.len());
     trials.par_iter().try_for_each(|trial| {
         output.write(&trial.entry.file, &plan.log_bytes(&model, trial)?)?;
@@ -74,7 +70,7 @@ pub fn run(arguments: &Arguments, talk: &Talk) -> Result<ExitCode> {
     bar.finish_and_clear();
     if let Some(urdf) = &arguments.of_arm.urdf {
         let text = std::fs::read(urdf).or_else(|e| Problem::error(urdf, format!("cannot be read: {e}"), "").alone())?;
-        output.write(URDF, text)?;
+        output.copy(URDF, &text)?;
     }
     output.write("campaign.toml", plan.campaign(&model, &arguments.output, &trials).to_toml().as_bytes())?;
     let mark = json!({
@@ -84,9 +80,9 @@ pub fn run(arguments: &Arguments, talk: &Talk) -> Result<ExitCode> {
         "controller": plan.controller.as_ref().map(Controller::to_json),
     });
     output.write("simulated.json", json_text(&mark))?;
-    output.finish()?;
     let (folder, name, count) = (arguments.output.display(), &model.joint.name, trials.len());
-    talk.result(
+    talk.finish(
+        output,
         || json!({ "campaign": arguments.output, "trials": count, "seed": plan.seed }),
         |out| writeln!(out, "{folder}: {count} trials of {name}, seed {}", plan.seed),
     )?;

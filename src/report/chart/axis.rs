@@ -3,6 +3,11 @@
 /// Labelled ticks wanted on a linear axis.
 const TICKS: f64 = 5.0;
 
+/// Values beyond this are drawn there: the span of two such, with its margin, is still a number.
+const LARGEST: f64 = 1e300;
+/// The smallest value that a logarithmic axis tells from zero.
+const SMALLEST: f64 = 1e-300;
+
 /// How values are spread along an axis.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Scale {
@@ -54,9 +59,9 @@ impl Axis {
 
     /// Logarithmic, holding all of `values`, which must be positive.
     pub fn log(label: impl Into<String>, values: impl IntoIterator<Item = f64>) -> Self {
-        let (low, high) = span(values.into_iter().filter(|x| *x > 0.0));
+        let (low, high) = span(values.into_iter().filter(|x| *x > 0.0).map(|x| x.clamp(SMALLEST, LARGEST)));
         let (low, high) = if low > 0.0 { (low / 1.12, high * 1.12) } else { (0.1, 1.0) };
-        let decades = (high / low).log10();
+        let decades = high.log10() - low.log10();
         let labelled: &[u32] = match decades {
             d if d < 1.6 => &[1, 2, 3, 5, 7],
             d if d < 2.6 => &[1, 2, 5],
@@ -79,8 +84,10 @@ impl Axis {
 
     /// Logarithmic on both sides of zero, from `low` to `high`; what is smaller than `from` gathers about zero.
     pub fn signed_log(label: impl Into<String>, low: f64, high: f64, from: f64) -> Self {
+        let from = if from > 0.0 { from.clamp(SMALLEST, LARGEST) } else { 1.0 };
+        let (low, high) = (bounded(low).min(bounded(high)), bounded(high).max(bounded(low)));
         let scale = Scale::SignedLog { from };
-        let place = |value: f64| value.signum() * (1.0 + value.abs() / from).log10();
+        let place = |value: f64| signed_log(value, from);
         let mut ticks = vec![(0.0, "0".to_string())];
         let largest = low.abs().max(high.abs());
         for power in from.log10().floor() as i32..=largest.log10().floor() as i32 {
@@ -91,7 +98,7 @@ impl Axis {
                 }
             }
         }
-        Self { label: label.into(), places: (place(low), place(high)), ticks, minor: Vec::new(), scale }
+        Self { label: label.into(), places: widened(place(low), place(high)), ticks, minor: Vec::new(), scale }
     }
 
     /// Without its label: the neighbour below or beside shows it.
@@ -124,7 +131,7 @@ impl Axis {
         match self.scale {
             Scale::Linear => value,
             Scale::Log => value.max(f64::MIN_POSITIVE).log10(),
-            Scale::SignedLog { from } => value.signum() * (1.0 + value.abs() / from).log10(),
+            Scale::SignedLog { from } => signed_log(value, from),
         }
     }
 
@@ -159,18 +166,33 @@ pub fn span(values: impl IntoIterator<Item = f64>) -> (f64, f64) {
     if low <= high { (low, high) } else { (0.0, 0.0) }
 }
 
-/// A span that can be divided by: a single value gets a little room.
+/// `value` as a number that can be drawn; what is none is zero.
+fn bounded(value: f64) -> f64 {
+    if value.is_nan() { 0.0 } else { value.clamp(-LARGEST, LARGEST) }
+}
+
+/// sign(x) log10(1 + |x| / from), finite for every finite x.
+fn signed_log(value: f64, from: f64) -> f64 {
+    value.signum() * (1.0 + (value.abs() / from).min(f64::MAX)).log10()
+}
+
+/// A span that can be divided by, whatever the ends are: a single value gets a little room.
 fn widened(low: f64, high: f64) -> (f64, f64) {
+    let (low, high) = (bounded(low).min(bounded(high)), bounded(high).max(bounded(low)));
     let least = 1e-6 * low.abs().max(high.abs()).max(1e-9);
     if high - low > least { (low, high) } else { (low - 50.0 * least, high + 50.0 * least) }
 }
+
+/// From here on a tick is written with an exponent.
+const DIGITS_MAX: f64 = 1e9;
 
 /// Ticks at multiples of `step`, with just the decimals that they need.
 fn linear_ticks((low, high): (f64, f64), step: f64) -> Vec<(f64, String)> {
     let decimals = (-step.log10().floor()).max(0.0) as usize;
     let first = (low / step - 1e-9).ceil() as i64;
     let last = (high / step + 1e-9).floor() as i64;
-    (first..=last).map(|i| (i as f64 * step, minus(format!("{:.decimals$}", i as f64 * step)))).collect()
+    let text = |value: f64| if value.abs() < DIGITS_MAX { format!("{value:.decimals$}") } else { format!("{value:e}") };
+    (first..=last).map(|i| (i as f64 * step, minus(text(i as f64 * step)))).collect()
 }
 
 /// 1, 2 or 5 times a power of ten, near `rough`.
@@ -180,8 +202,11 @@ fn step(rough: f64) -> f64 {
     digit * power
 }
 
-/// Without an exponent and without trailing zeros.
+/// Without trailing zeros, and without an exponent where it fits.
 fn plain(value: f64) -> String {
+    if value.abs() >= DIGITS_MAX {
+        return format!("{value:e}");
+    }
     let text = format!("{value:.6}");
     match text.contains('.') {
         true => text.trim_end_matches('0').trim_end_matches('.').to_string(),
@@ -195,5 +220,57 @@ fn minus(text: String) -> String {
         Some(rest) if rest.chars().all(|c| matches!(c, '0' | '.')) => rest.to_string(),
         Some(rest) => format!("\u{2212}{rest}"),
         None => text,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::{Canvas, Frame, Mark, Panel, Stroke, palette, svg};
+    use super::*;
+    use proptest::prelude::*;
+
+    /// Any number at all: NaN, infinite, denormal, huge, zero, and what joints have.
+    fn number() -> impl Strategy<Value = f64> {
+        let edges =
+            [f64::NAN, f64::INFINITY, f64::NEG_INFINITY, f64::MAX, f64::MIN, 5e-324, -5e-324, 0.0, -0.0, 1e-300, 1e155];
+        prop_oneof![prop::num::f64::ANY, prop::sample::select(edges.to_vec()), -10.0..10.0]
+    }
+
+    fn filled(panel: &Panel, points: &[(f64, f64)]) -> super::super::Drawn {
+        panel.line(points.iter().copied(), Stroke::solid(palette::BLUE, 1.0))?;
+        panel.dots(points.iter().copied(), 2.0, palette::BLUE, 0.5)?;
+        panel.band(points, points, palette::BLUE, 0.5)?;
+        points.iter().try_for_each(|point| panel.mark(*point, Mark::Diamond, palette::BLUE))
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(300))]
+        #[test]
+        fn any_numbers_make_an_axis_and_a_drawing(
+            ends in (number(), number(), number()), values in prop::collection::vec(number(), 0..6),
+        ) {
+            let (low, high, from) = ends;
+            let axes = [
+                Axis::linear("", low, high),
+                Axis::low("", low),
+                Axis::around("", values.iter().copied(), 0.05),
+                Axis::log("", values.iter().copied()),
+                Axis::signed_log("", low, high, from),
+            ];
+            let points: Vec<(f64, f64)> = values.iter().zip(values.iter().rev()).map(|(x, y)| (*x, *y)).collect();
+            for axis in &axes {
+                prop_assert!(axis.places.0 < axis.places.1 && (axis.places.1 - axis.places.0).is_finite(), "{axis:?}");
+                prop_assert!(axis.ticks.iter().all(|(place, text)| place.is_finite() && text.len() < 24), "{axis:?}");
+                prop_assert!(axis.ticks.len() < 1400);
+                let frame = Frame { left: 60.0, top: 20.0, right: 300.0, bottom: 200.0 };
+                let draw = |canvas: &Canvas| {
+                    let panel = canvas.panel(frame, axis.clone(), axes[0].clone())?;
+                    assert!(points.iter().all(|point| panel.px(*point).0.abs() < 1e9 || point.0.is_nan()));
+                    filled(&panel, &points)
+                };
+                let drawn = svg(320, 240, "any", draw).unwrap();
+                prop_assert!(!drawn.contains("NaN") && !drawn.contains("inf"));
+            }
+        }
     }
 }

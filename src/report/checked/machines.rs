@@ -2,6 +2,7 @@
 
 use super::{Names, told};
 use crate::check::{Checked, Finding, Outcome};
+use crate::problem::visible;
 use askama::Template;
 
 /// Annotations of one kind that GitHub shows for a step.
@@ -40,7 +41,7 @@ pub fn to_junit(checked: &Checked, names: &Names) -> Result<String, askama::Erro
 
 /// Without the characters that XML cannot hold.
 fn plain(text: &str) -> String {
-    text.chars().map(|c| if c.is_control() { '\u{fffd}' } else { c }).collect()
+    visible(text).into_owned()
 }
 
 /// Workflow commands: an error for each regression, the gravest first, a notice for what else moved.
@@ -79,5 +80,5 @@ fn escaped(text: &str) -> String {
 
 /// As a property of a workflow command.
 fn property(text: &str) -> String {
-    escaped(text).replace(':', "%3A").replace(',', "%2C")
+    escaped(&visible(text)).replace(':', "%3A").replace(',', "%2C")
 }

@@ -31,10 +31,6 @@ use super::{json_text, plots, unmade};
 use crate::diagnose::Diagnosis;
 use crate::problem::Result;
 
-/// All that `diagnose` writes.
-pub const DIAGNOSIS_FILES: &[&str] =
-    &["diagnosis.json", "model.json", "next_experiment.toml", "report.html", "plots/*.svg", "plots/*.png"];
-
 /// Writes the diagnosis of `campaign` with `model`: `diagnosis.json`, `model.json`, `plots/` and `report.html`; `png` asks for
 /// pictures beside the drawings.
 ///

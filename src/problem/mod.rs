@@ -1,6 +1,11 @@
 //! What is wrong with an input: where it stands, what was expected, how to mend it.
 
+mod visible;
+
+pub use visible::{acts, visible, visible_lines, visible_styled};
+
 use std::fmt;
+use std::io;
 use std::path::{Path, PathBuf};
 
 /// Whether work can go on.
@@ -59,24 +64,47 @@ impl Problem {
         self
     }
 
+    /// `file` cannot be written, because of `error`; `what` says what was to be done to it.
+    pub fn unwritable(file: impl AsRef<Path>, what: &str, error: &io::Error) -> Self {
+        Self::error(file, format!("{what}: {error}"), cure_of(error))
+    }
+
     /// This problem alone, as the error of a `Result`.
     pub fn alone<T>(self) -> Result<T> {
         Err(Problems(vec![self]))
     }
 }
 
+/// What to do about `error`, by its kind.
+fn cure_of(error: &io::Error) -> &'static str {
+    use io::ErrorKind::*;
+    match error.kind() {
+        InvalidFilename => "give it a shorter name, of letters that the file system allows",
+        StorageFull | QuotaExceeded => "free some space, or write to another disk",
+        FileTooLarge => "write to a file system that allows larger files",
+        PermissionDenied => "check the permissions of the folder, or write to another",
+        ReadOnlyFilesystem => "write to a folder that is not mounted read-only",
+        NotFound => "check the path",
+        NotADirectory | AlreadyExists | IsADirectory => {
+            "name another path: a file or folder of that name is in the way"
+        }
+        _ => "check the path, its permissions and the disk",
+    }
+}
+
+/// Whatever the file, the column and the quoted values hold, a message is one line that does nothing to a terminal.
 impl fmt::Display for Problem {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "{}", self.file.display())?;
+        write!(f, "{}", visible(&self.file.to_string_lossy()))?;
         if let Some(row) = self.row {
             write!(f, ", row {row}")?;
         }
         if let Some(column) = &self.column {
-            write!(f, ", `{column}`")?;
+            write!(f, ", `{}`", visible(column))?;
         }
-        write!(f, ": {}", self.what)?;
+        write!(f, ": {}", visible(&self.what))?;
         if !self.cure.is_empty() {
-            write!(f, "; {}", self.cure)?;
+            write!(f, "; {}", visible(&self.cure))?;
         }
         Ok(())
     }
