@@ -200,16 +200,11 @@ impl Record {
         };
         let n = trial.torque_nm.len();
         let at: Vec<usize> = (0..n).step_by(step).collect();
-        let motion = |i: &usize| Motion {
-            position: trial.position_rad[*i],
-            velocity: trial.velocity_rad_s[*i],
-            acceleration: trial.acceleration_rad_s2[*i],
-        };
         let backlash_rad = model.backlash_m() / model.joint.pulley_radius_m;
-        let (_, known_from) = settle(&trial.followed_rad, backlash_rad, trial.deadband_rad);
+        let (_, known_from) = settle(trial.followed_rad(), backlash_rad, trial.deadband_rad);
         let memory = forgotten(rate_hz, lowpass_hz);
         let first = (known_from + memory).div_ceil(step);
-        let rests = rests(&trial.followed_rad, rate_hz, trial.deadband_rad);
+        let rests = rests(trial.followed_rad(), rate_hz, trial.deadband_rad);
         // Acceleration is not known at a log's end, where position has nothing after it, unless the joint rests there.
         let ends_at_rest = rests[n.saturating_sub((2.0 * REST_S * rate_hz) as usize)..].iter().all(|rests| *rests);
         let last = if ends_at_rest { at.len() } else { at.len().saturating_sub(memory.div_ceil(step)) };
@@ -226,7 +221,7 @@ impl Record {
             file: entry.file.clone(),
             repeats: named.then(|| format!("{:?} {:?}", entry.protocol, entry.trajectory)),
             rate_hz: thinned_hz,
-            own: at.iter().map(motion).collect(),
+            own: at.iter().map(|i| trial.motion(*i)).collect(),
             time_s: at.iter().map(|i| trial.log.time_s[*i] - trial.log.time_s[0]).collect(),
             torque_nm: at.iter().map(|i| trial.torque_nm[*i]).collect(),
             rests: at.iter().map(|i| rests[*i]).collect(),
@@ -240,8 +235,8 @@ impl Record {
             load_nm: at.iter().map(|i| trial.load_nm(*i)).collect(),
             chain: trial.chain.as_ref().map(|chain| at.iter().map(|i| chain[*i]).collect()),
             step,
-            followed_rad: trial.followed_rad.clone(),
-            moving: trial.velocity_rad_s.iter().map(|v| moving(*v)).collect(),
+            followed_rad: trial.followed_rad().to_vec(),
+            moving: (0..n).map(|i| moving(trial.velocity_rad_s(i))).collect(),
             deadband_rad: trial.deadband_rad,
             lowpass,
         })

@@ -62,7 +62,7 @@ impl View {
         Self {
             time_s: thin(&trial.log.time_s),
             position_rad: thin(&trial.position_rad),
-            velocity_rad_s: thin(&trial.velocity_rad_s),
+            velocity_rad_s: (0..n).step_by(step).map(|i| trial.velocity_rad_s(i)).collect(),
             torque_nm: thin(&trial.torque_nm),
             predicted_nm: thin(filtered_nm),
             raw_nm: trial.log.torque_nm.chunks(step).map(extremes).collect(),

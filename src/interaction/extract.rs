@@ -102,7 +102,7 @@ impl Extracted {
             reference_nm: trial.log.reference_torque_nm.as_ref().map(|r| low_pass(campaign, trial, r)),
             weak: (0..n).map(|i| !prediction.states.is_stable(i)).collect(),
             known: (0..n).map(|i| i >= known_from && in_range[i]).collect(),
-            change_nm: (0..n).map(|i| factor(i) * change_nm(model, trial.velocity_rad_s[i])).collect(),
+            change_nm: (0..n).map(|i| factor(i) * change_nm(model, trial.velocity_rad_s(i))).collect(),
             filter_delay_s: 0.0,
             warnings: trial.log.warnings.iter().map(ToString::to_string).collect(),
         };
