@@ -35,6 +35,20 @@ fn low_pass_agrees_with_scipy() {
 }
 
 #[test]
+fn signals_side_by_side_are_filtered_as_each_alone() {
+    for order in [1, 2, 4, 5] {
+        let filter = LowPass::new(order, 5.0, 100.0).unwrap();
+        let mut together: Vec<[f64; 3]> =
+            (0..300).map(|i| [0.0, 1.3, 2.6].map(|phase| (0.17 * f64::from(i) + phase).sin() + phase)).collect();
+        let alone = [0, 1, 2].map(|k| filter.zero_phase(&together.iter().map(|x| x[k]).collect::<Vec<f64>>()));
+        filter.zero_phase_together(&mut together);
+        for (i, x) in together.iter().enumerate() {
+            assert_eq!(*x, [alone[0][i], alone[1][i], alone[2][i]], "order {order}, sample {i}");
+        }
+    }
+}
+
+#[test]
 fn a_filter_that_cannot_be_is_refused() {
     assert!(LowPass::new(0, 5.0, 100.0).is_none());
     assert!(LowPass::new(4, 50.0, 100.0).is_none());

@@ -1,12 +1,12 @@
 //! A campaign thinned to what its low-pass leaves, and what any model makes of it: the form in which hundreds of models are
 //! held against the same recordings.
 
-use crate::dynamics::{Both, JointKind, Motion, RigidTorque};
+use crate::dynamics::{Both, Motion, RigidTorque};
 use crate::effects::{Added, Carried, Family, Sample};
 use crate::log::{Campaign, clock_s, read_trial, span_s};
 use crate::model::{AT_REST_RAD_S, Asked, Model, Passage, settle};
 use crate::numerics::filter::LowPass;
-use crate::predict::{Prediction, forgotten};
+use crate::predict::{forgotten, torque_nm};
 use crate::prepare::{Trial, prepare};
 use crate::problem::{Problem, Problems, Result};
 use rayon::prelude::*;
@@ -52,6 +52,9 @@ pub struct Record {
     began_s: f64,
     others: Vec<Vec<Motion>>,
     load_nm: Vec<f64>,
+    /// Gravity at each thinned sample as a share of the largest, and its slope, 1/rad: the position stays what it is, whatever
+    /// the model.
+    gravity_shares: Vec<(f64, f64)>,
     chain: Option<Vec<(RigidTorque, f64)>>,
     step: usize,
     followed_rad: Vec<f64>,
@@ -79,7 +82,6 @@ pub struct Records {
     pub rows_per_independent: f64,
     /// Cut-off of the low-pass, Hz.
     pub lowpass_hz: f64,
-    kind: JointKind,
 }
 
 impl Records {
@@ -125,7 +127,7 @@ impl Records {
         let lowpass_hz = campaign.signal.lowpass_hz;
         let row_s = |r: &Record| r.rows.get(1).map_or(0.0, |next| (next - r.rows[0]) as f64 / r.rate_hz);
         let rows_per_independent = (1.0 / (2.0 * lowpass_hz * row_s(&all[0]).max(1e-9))).max(1.0);
-        Ok(Self { all, ranges, rows_per_independent, lowpass_hz, kind: campaign.joint.kind })
+        Ok(Self { all, ranges, rows_per_independent, lowpass_hz })
     }
 
     /// What `of` says of each row: of the record and the thinned sample.
@@ -151,7 +153,7 @@ impl Records {
     /// Predicted y at the rows, low-passed, N m.
     pub fn predicted_nm(&self, model: &Model, passages: &Passages, branches: &Branches) -> Vec<f64> {
         let one = |((record, k_tilde), branches): ((&Record, &Vec<f64>), &Vec<Both<f64>>)| {
-            record.at_rows(&record.filtered_nm(model, k_tilde, branches, self.kind))
+            record.at_rows(&record.filtered_nm(model, k_tilde, branches))
         };
         let all = self.all.par_iter().zip(passages).zip(branches).with_max_len(1);
         all.map(one).collect::<Vec<Vec<f64>>>().concat()
@@ -160,7 +162,7 @@ impl Records {
     /// What an effect that only adds torque adds to y at the rows, low-passed, N m.
     pub fn added_nm(&self, model: &Model, added: &Added, passages: &Passages, branches: &Branches) -> Vec<f64> {
         let one = |((record, k_tilde), branches): ((&Record, &Vec<f64>), &Vec<Both<f64>>)| {
-            record.at_rows(&record.added_nm(model, added, k_tilde, branches, self.kind))
+            record.at_rows(&record.added_nm(model, added, k_tilde, branches))
         };
         self.all.par_iter().zip(passages).zip(branches).with_max_len(1).map(one).collect::<Vec<Vec<f64>>>().concat()
     }
@@ -200,16 +202,11 @@ impl Record {
         };
         let n = trial.torque_nm.len();
         let at: Vec<usize> = (0..n).step_by(step).collect();
-        let motion = |i: &usize| Motion {
-            position: trial.position_rad[*i],
-            velocity: trial.velocity_rad_s[*i],
-            acceleration: trial.acceleration_rad_s2[*i],
-        };
         let backlash_rad = model.backlash_m() / model.joint.pulley_radius_m;
-        let (_, known_from) = settle(&trial.followed_rad, backlash_rad, trial.deadband_rad);
+        let (_, known_from) = settle(trial.followed_rad(), backlash_rad, trial.deadband_rad);
         let memory = forgotten(rate_hz, lowpass_hz);
         let first = (known_from + memory).div_ceil(step);
-        let rests = rests(&trial.followed_rad, rate_hz, trial.deadband_rad);
+        let rests = rests(trial.followed_rad(), rate_hz, trial.deadband_rad);
         // Acceleration is not known at a log's end, where position has nothing after it, unless the joint rests there.
         let ends_at_rest = rests[n.saturating_sub((2.0 * REST_S * rate_hz) as usize)..].iter().all(|rests| *rests);
         let last = if ends_at_rest { at.len() } else { at.len().saturating_sub(memory.div_ceil(step)) };
@@ -220,13 +217,12 @@ impl Record {
         let in_range = trial.in_range(lowpass_hz);
         let levels = |range: &Range<usize>| trial.log.torque_nm[range.start];
         let clips: Vec<f64> = trial.log.clipped.iter().map(levels).collect();
-        let spectral_floor_nm =
-            super::floor::spectral_nm(trial, &Prediction::new(model, trial).torque_nm, &campaign.signal);
+        let spectral_floor_nm = super::floor::spectral_nm(trial, &torque_nm(model, trial).0, &campaign.signal);
         Ok(Self {
             file: entry.file.clone(),
             repeats: named.then(|| format!("{:?} {:?}", entry.protocol, entry.trajectory)),
             rate_hz: thinned_hz,
-            own: at.iter().map(motion).collect(),
+            own: at.iter().map(|i| trial.motion(*i)).collect(),
             time_s: at.iter().map(|i| trial.log.time_s[*i] - trial.log.time_s[0]).collect(),
             torque_nm: at.iter().map(|i| trial.torque_nm[*i]).collect(),
             rests: at.iter().map(|i| rests[*i]).collect(),
@@ -238,10 +234,11 @@ impl Record {
             began_s: 0.0,
             others: trial.others.iter().map(|other| at.iter().map(|i| other[*i]).collect()).collect(),
             load_nm: at.iter().map(|i| trial.load_nm(*i)).collect(),
+            gravity_shares: at.iter().map(|i| model.joint.kind.gravity_share(trial.position_rad[*i])).collect(),
             chain: trial.chain.as_ref().map(|chain| at.iter().map(|i| chain[*i]).collect()),
             step,
-            followed_rad: trial.followed_rad.clone(),
-            moving: trial.velocity_rad_s.iter().map(|v| moving(*v)).collect(),
+            followed_rad: trial.followed_rad().to_vec(),
+            moving: (0..n).map(|i| moving(trial.velocity_rad_s(i))).collect(),
             deadband_rad: trial.deadband_rad,
             lowpass,
         })
@@ -259,18 +256,18 @@ impl Record {
 
     /// Gravity, inertia and measured load at the joint under `model`, N m.
     pub fn load_nm(&self, i: usize, model: &Model) -> f64 {
-        self.asked(i, model.joint.kind, model).torque_nm
+        self.asked(i, model).torque_nm
     }
 
     /// What the sample asks of the joint.
-    pub fn asked(&self, i: usize, kind: JointKind, model: &Model) -> Asked {
-        let own = self.own[i];
+    pub fn asked(&self, i: usize, model: &Model) -> Asked {
         let (torque_nm, slope_nm_rad) = match &self.chain {
             Some(chain) => (chain[i].0.total_nm(), chain[i].1),
-            None => (
-                model.dynamics.gravity_nm(kind, own.position) + model.dynamics.inertia_kg_m2 * own.acceleration,
-                model.dynamics.gravity_slope_nm_rad(kind, own.position),
-            ),
+            None => {
+                let (share, slope) = self.gravity_shares[i];
+                let inertia_nm = model.dynamics.inertia_kg_m2 * self.own[i].acceleration;
+                (model.dynamics.gravity_nm * share + inertia_nm, model.dynamics.gravity_nm * slope)
+            }
         };
         Asked { torque_nm: torque_nm + self.load_nm[i], slope_nm_rad }
     }
@@ -300,7 +297,7 @@ impl Record {
         self.own.iter().map(|own| model.branches_nm(own.velocity)).collect()
     }
 
-    fn filtered_nm(&self, model: &Model, k_tilde: &[f64], branches: &[Both<f64>], kind: JointKind) -> Vec<f64> {
+    fn filtered_nm(&self, model: &Model, k_tilde: &[f64], branches: &[Both<f64>]) -> Vec<f64> {
         let mut others = vec![Motion::default(); self.others.len()];
         let mut sampled = |i: usize, then: &mut dyn FnMut(&Sample<'_>) -> f64| {
             others.iter_mut().zip(&self.others).for_each(|(slot, other)| *slot = other[i]);
@@ -310,7 +307,7 @@ impl Record {
         };
         let mut torque_nm: Vec<f64> = (0..self.own.len())
             .map(|i| {
-                let asked = self.asked(i, kind, model);
+                let asked = self.asked(i, model);
                 sampled(i, &mut |sample| model.driven_by_nm(sample, asked, k_tilde[i], branches[i]).torque_nm)
             })
             .collect();
@@ -330,7 +327,6 @@ impl Record {
         added: &Added,
         k_tilde: &[f64],
         branches: &[Both<f64>],
-        kind: JointKind,
     ) -> Vec<f64> {
         let mut others = vec![Motion::default(); self.others.len()];
         let (mu_up, mu_down) = (model.friction.up.mu_c, model.friction.down.mu_c);
@@ -341,7 +337,7 @@ impl Record {
                 others.iter_mut().zip(&self.others).for_each(|(slot, other)| *slot = other[i]);
                 let (time_s, elapsed_s) = (self.time_s[i], self.elapsed_s(i));
                 let sample = Sample { time_s, elapsed_s, own: self.own[i], others: &others };
-                let load_nm = transmission * self.asked(i, kind, model).torque_nm;
+                let load_nm = transmission * self.asked(i, model).torque_nm;
                 let carried = Carried { load_nm, friction_nm: branches[i] };
                 let Both { up, down } = effect.friction_nm(p, &sample, carried);
                 let at_joint_nm = transmission * effect.joint_torque_nm(p, &sample);

@@ -34,6 +34,14 @@ impl JointKind {
         }
     }
 
+    /// Gravity at `position_rad` as a share of the joint's largest, and how that changes with the position, 1/rad.
+    pub fn gravity_share(self, position_rad: f64) -> (f64, f64) {
+        match self {
+            Self::Revolute => position_rad.sin_cos(),
+            Self::Prismatic => (1.0, 0.0),
+        }
+    }
+
     /// The unit of its speed inside the program.
     pub fn speed_unit(self) -> &'static str {
         match self {
@@ -55,17 +63,11 @@ pub struct Dynamics {
 impl Dynamics {
     /// dG/dq at the joint, N m/rad.
     pub fn gravity_slope_nm_rad(&self, kind: JointKind, position_rad: f64) -> f64 {
-        match kind {
-            JointKind::Revolute => self.gravity_nm * position_rad.cos(),
-            JointKind::Prismatic => 0.0,
-        }
+        self.gravity_nm * kind.gravity_share(position_rad).1
     }
 
     /// G at the joint, N m: zero when a revolute joint hangs at theta = 0.
     pub fn gravity_nm(&self, kind: JointKind, position_rad: f64) -> f64 {
-        match kind {
-            JointKind::Revolute => self.gravity_nm * position_rad.sin(),
-            JointKind::Prismatic => self.gravity_nm,
-        }
+        self.gravity_nm * kind.gravity_share(position_rad).0
     }
 }

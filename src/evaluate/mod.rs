@@ -165,31 +165,37 @@ pub fn judged(trial: &Trial, prediction: &Prediction, lowpass_hz: f64) -> Judged
 }
 
 /// The campaign's low-pass for `trial`; `prepare` has made it before, so it can be made.
-pub fn low_pass(campaign: &Campaign, trial: &Trial, signal: &[f64]) -> Vec<f64> {
+pub fn low_pass(campaign: &Campaign, trial: &Trial, mut signal: Vec<f64>) -> Vec<f64> {
     let filter = LowPass::new(campaign.signal.lowpass_order, campaign.signal.lowpass_hz, trial.log.rate_hz);
-    filter.map_or_else(|| signal.to_vec(), |filter| filter.zero_phase(signal))
+    if let Some(filter) = filter {
+        filter.zero_phase_in_place(&mut signal);
+    }
+    signal
 }
 
 fn judge(campaign: &Campaign, index: usize, model: &Model, rivals: &[Rival]) -> Result<(TrialEvaluation, Vec<String>)> {
     let trial = read_trial(campaign, index).and_then(|log| prepare(campaign, index, log))?;
     let prediction = Prediction::new(model, &trial);
     let judged = judged(&trial, &prediction, campaign.signal.lowpass_hz);
-    let filtered_nm = low_pass(campaign, &trial, &prediction.torque_nm);
-    let of_rival = |rival: &Rival| match rival.source {
-        Source::Model => filtered_nm.clone(),
-        _ => low_pass(campaign, &trial, &with_curve(model, &rival.curve, rival.backlash_m, &trial)),
-    };
-    let rivals_nm: Vec<Vec<f64>> = rivals.iter().map(of_rival).collect();
-    let evaluation = TrialEvaluation {
-        entry: trial.entry.clone(),
-        filtered: judged.split(&trial.torque_nm, &filtered_nm),
-        raw: judged.split(&trial.log.torque_nm, &prediction.torque_nm),
-        rivals: rivals_nm.iter().map(|predicted_nm| judged.split(&trial.torque_nm, predicted_nm)).collect(),
-        view: View::new(&trial, &prediction, &filtered_nm, &rivals_nm, &judged),
-    };
+    let filtered_nm = low_pass(campaign, &trial, prediction.torque_nm.clone());
     let mut warnings: Vec<String> = trial.log.warnings.iter().map(Problem::to_string).collect();
     warnings.extend(chatter_warning(&trial, model, &prediction));
-    Ok((evaluation, warnings))
+    let mut view = View::new(&trial, &prediction, &filtered_nm, &judged);
+    let filtered = judged.split(&trial.torque_nm, &filtered_nm);
+    let raw = judged.split(&trial.log.torque_nm, &prediction.torque_nm);
+    // What takes a column of a long log is let go as soon as its figures are taken.
+    drop((prediction, filtered_nm));
+    let of_rival = |rival: &Rival| match rival.source {
+        Source::Model => (filtered, view.predicted_nm.clone()),
+        _ => {
+            let rival_nm = low_pass(campaign, &trial, with_curve(model, &rival.curve, rival.backlash_m, &trial));
+            (judged.split(&trial.torque_nm, &rival_nm), View::thinned(&rival_nm))
+        }
+    };
+    let (of_rivals, rivals_nm): (Vec<Split>, Vec<Vec<f64>>) = rivals.iter().map(of_rival).unzip();
+    view.rivals_nm = rivals_nm;
+    let entry = trial.entry.clone();
+    Ok((TrialEvaluation { entry, filtered, raw, rivals: of_rivals, view }, warnings))
 }
 
 /// A word where the model follows the sign of a speed that is noise: (20) has no other way at rest.

@@ -44,31 +44,43 @@ pub struct View {
     pub judged: Vec<bool>,
 }
 
+/// Samples of `n` for each that is kept.
+fn step(n: usize) -> usize {
+    n.div_ceil(SAMPLES).max(1)
+}
+
 impl View {
-    pub(super) fn new(
-        trial: &Trial,
-        prediction: &Prediction,
-        filtered_nm: &[f64],
-        rivals_nm: &[Vec<f64>],
-        judged: &Judged,
-    ) -> Self {
+    /// `values` of a trial as a view holds them.
+    pub(super) fn thinned(values: &[f64]) -> Vec<f64> {
+        values.iter().step_by(step(values.len())).copied().collect()
+    }
+
+    /// Of `trial` under `prediction`, `filtered_nm` when low-passed; rivals are still to come.
+    pub(super) fn new(trial: &Trial, prediction: &Prediction, filtered_nm: &[f64], judged: &Judged) -> Self {
         let n = trial.torque_nm.len();
-        let step = n.div_ceil(SAMPLES).max(1);
-        let thin = |values: &[f64]| values.iter().step_by(step).copied().collect::<Vec<f64>>();
-        let extremes = |part: &[f64]| part.iter().fold((f64::MAX, f64::MIN), |(l, h), y| (l.min(*y), h.max(*y)));
-        let raw_error: Vec<f64> = trial.log.torque_nm.iter().zip(&prediction.torque_nm).map(|(y, p)| y - p).collect();
+        let (step, thin) = (step(n), Self::thinned);
+        let extremes =
+            |part: &mut dyn Iterator<Item = f64>| part.fold((f64::MAX, f64::MIN), |(l, h), y| (l.min(y), h.max(y)));
+        let raw_nm = |part: &[f64]| extremes(&mut part.iter().copied());
+        let raw_error_nm = |(y, p): (&[f64], &[f64])| extremes(&mut y.iter().zip(p).map(|(y, p)| y - p));
         let mut counted = vec![false; n];
         judged.samples.iter().for_each(|at| counted[*at] = true);
         Self {
             time_s: thin(&trial.log.time_s),
             position_rad: thin(&trial.position_rad),
-            velocity_rad_s: thin(&trial.velocity_rad_s),
+            velocity_rad_s: (0..n).step_by(step).map(|i| trial.velocity_rad_s(i)).collect(),
             torque_nm: thin(&trial.torque_nm),
             predicted_nm: thin(filtered_nm),
-            raw_nm: trial.log.torque_nm.chunks(step).map(extremes).collect(),
+            raw_nm: trial.log.torque_nm.chunks(step).map(raw_nm).collect(),
             raw_predicted_nm: thin(&prediction.torque_nm),
-            raw_error_nm: raw_error.chunks(step).map(extremes).collect(),
-            rivals_nm: rivals_nm.iter().map(|of| thin(of)).collect(),
+            raw_error_nm: trial
+                .log
+                .torque_nm
+                .chunks(step)
+                .zip(prediction.torque_nm.chunks(step))
+                .map(raw_error_nm)
+                .collect(),
+            rivals_nm: Vec::new(),
             gravity_nm: thin(&prediction.gravity_nm),
             inertia_nm: thin(&prediction.inertia_nm),
             coriolis_nm: thin(&prediction.coriolis_nm),

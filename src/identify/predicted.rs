@@ -39,6 +39,13 @@ impl Prepared {
         self.lowpass.as_ref().map_or_else(|| signal.to_vec(), |filter| filter.zero_phase(signal))
     }
 
+    /// The same in place, of `L` signals side by side.
+    pub fn low_pass_together<const L: usize>(&self, signals: &mut [[f64; L]]) {
+        if let Some(filter) = &self.lowpass {
+            filter.zero_phase_together(signals);
+        }
+    }
+
     /// K~ of every sample for `model`'s curve and backlash, and the first sample from which it is known.
     pub fn k_tilde(&self, model: &Model) -> (Vec<f64>, usize) {
         let backlash_rad = model.joint.backlash_rad();

@@ -70,15 +70,15 @@ impl<'a> Part<'a> {
         self.strokes.iter().map(|stroke| stroke.rows.len()).sum()
     }
 
-    /// `signal` of each sample through the low-pass, at the rows.
-    pub fn low_passed(&self, signal: impl Fn(usize) -> f64) -> Vec<f64> {
+    /// Each of `L` signals, given together for each sample, through the low-pass, at the rows.
+    pub fn low_passed<const L: usize>(&self, signals: impl Fn(usize) -> [f64; L]) -> [Vec<f64>; L] {
         let mut rows = self.strokes.iter().flat_map(|stroke| &stroke.rows).peekable();
-        let mut out = Vec::with_capacity(self.count());
+        let mut out: [Vec<f64>; L] = std::array::from_fn(|_| Vec::with_capacity(self.count()));
         for stretch in &self.stretches {
-            let raw: Vec<f64> = stretch.clone().map(&signal).collect();
-            let filtered = self.trial.low_pass(&raw);
+            let mut filtered: Vec<[f64; L]> = stretch.clone().map(&signals).collect();
+            self.trial.low_pass_together(&mut filtered);
             while let Some(i) = rows.next_if(|i| **i < stretch.end) {
-                out.push(filtered[i - stretch.start]);
+                out.iter_mut().zip(filtered[i - stretch.start]).for_each(|(out, x)| out.push(x));
             }
         }
         out
@@ -89,9 +89,10 @@ impl<'a> Part<'a> {
         let (k_tilde, _) = self.trial.k_tilde(model);
         let series = &self.trial.series;
         let torque =
-            |i: usize| model.torque_nm(series.joint_torque_nm[i], series.velocity_rad_s[i], k_tilde[i]).torque_nm;
+            |i: usize| [model.torque_nm(series.joint_torque_nm[i], series.velocity_rad_s[i], k_tilde[i]).torque_nm];
         let rows = self.strokes.iter().flat_map(|stroke| &stroke.rows);
-        self.low_passed(torque).iter().zip(rows).map(|(p, i)| p - series.torque_nm[*i]).collect()
+        let [predicted_nm] = self.low_passed(torque);
+        predicted_nm.iter().zip(rows).map(|(p, i)| p - series.torque_nm[*i]).collect()
     }
 }
 

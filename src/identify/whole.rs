@@ -14,12 +14,15 @@ use crate::numerics::marquardt::{Minimum, Residuals, Stopped, minimise};
 use crate::numerics::statistics::{HALF_WIDTH, student_t};
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
+use std::array::from_fn;
 use std::ops::Range;
 
 /// Relative step of the derivatives by difference.
 const STEP: f64 = 1e-4;
 /// Relative change of cost or parameters at which a fit has converged.
 const TOLERANCE: f64 = 1e-8;
+/// Slopes that go through the low-pass side by side.
+const TOGETHER: usize = 4;
 /// Evaluations allowed, per parameter.
 const PATIENCE: usize = 12;
 /// The same for fits that are only compared: those that need more are of curves that do not describe the data.
@@ -154,22 +157,29 @@ impl Whole<'_> {
         let trial = part.trial;
         let (k_tilde, _) = trial.k_tilde(model);
         let torque = trial.torque_nm(model, &k_tilde);
-        let column = |free: &Free| -> Vec<f64> {
+        let (torque, k_tilde) = (&torque, &k_tilde);
+        let slope = |free: &Free| -> Box<dyn Fn(usize) -> f64 + '_> {
             match free {
                 Free::Friction(direction, i) => {
                     let slope = BranchSlope { model, direction: *direction, parameter: *i };
-                    part.low_passed(|at| slope.at(trial.series.velocity_rad_s[at], torque[at], k_tilde[at]))
+                    Box::new(move |at| slope.at(trial.series.velocity_rad_s[at], torque[at], k_tilde[at]))
                 }
                 Free::Curve(_) | Free::Backlash => {
                     let mut moved = model.clone();
                     free.write(&mut moved, free.read(model) + STEP);
                     let (k_tilde, _) = trial.k_tilde(&moved);
                     let ahead = trial.torque_nm(&moved, &k_tilde);
-                    part.low_passed(|at| (ahead[at] - torque[at]) / STEP)
+                    Box::new(move |at| (ahead[at] - torque[at]) / STEP)
                 }
             }
         };
-        self.free.iter().map(column).collect()
+        let columns = self.free.chunks(TOGETHER).flat_map(|group| {
+            let slopes: Vec<_> = group.iter().map(slope).collect();
+            let together =
+                part.low_passed(|at| from_fn::<f64, TOGETHER, _>(|l| slopes.get(l).map_or(0.0, |of| of(at))));
+            together.into_iter().take(group.len())
+        });
+        columns.collect()
     }
 }
 

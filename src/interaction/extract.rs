@@ -5,7 +5,7 @@ use crate::evaluate::low_pass;
 use crate::log::Campaign;
 use crate::model::{Direction, Model};
 use crate::numerics::statistics::quantile;
-use crate::predict::{Prediction, forgotten};
+use crate::predict::{forgotten, torque_nm};
 use crate::prepare::Trial;
 use crate::problem::Result;
 
@@ -88,26 +88,26 @@ impl Extracted {
     }
 
     fn zero_phase(campaign: &Campaign, model: &Model, frame: Frame, trial: &Trial) -> Self {
-        let prediction = Prediction::new(model, trial);
-        let predicted_nm = low_pass(campaign, trial, &prediction.torque_nm);
+        let (predicted_nm, states) = torque_nm(model, trial);
+        let predicted_nm = low_pass(campaign, trial, predicted_nm);
         let n = trial.torque_nm.len();
-        let factor = |i: usize| frame.factor(model, prediction.states.k_tilde[i]);
+        let factor = |i: usize| frame.factor(model, states.k_tilde[i]);
         let lowpass_hz = campaign.signal.lowpass_hz;
         let in_range = trial.in_range(lowpass_hz);
-        let known_from = prediction.states.known_from + forgotten(trial.log.rate_hz, lowpass_hz);
+        let known_from = states.known_from + forgotten(trial.log.rate_hz, lowpass_hz);
         let mut made = Self {
             rate_hz: trial.log.rate_hz,
             time_s: trial.log.time_s.clone(),
             torque_nm: (0..n).map(|i| factor(i) * (trial.torque_nm[i] - predicted_nm[i])).collect(),
-            reference_nm: trial.log.reference_torque_nm.as_ref().map(|r| low_pass(campaign, trial, r)),
-            weak: (0..n).map(|i| !prediction.states.is_stable(i)).collect(),
+            reference_nm: trial.log.reference_torque_nm.as_ref().map(|r| low_pass(campaign, trial, r.clone())),
+            weak: (0..n).map(|i| !states.is_stable(i)).collect(),
             known: (0..n).map(|i| i >= known_from && in_range[i]).collect(),
-            change_nm: (0..n).map(|i| factor(i) * change_nm(model, trial.velocity_rad_s[i])).collect(),
+            change_nm: (0..n).map(|i| factor(i) * change_nm(model, trial.velocity_rad_s(i))).collect(),
             filter_delay_s: 0.0,
             warnings: trial.log.warnings.iter().map(ToString::to_string).collect(),
         };
         // A joint that moves through its clearance only at the very end is no joint that rests.
-        if prediction.states.known_from >= n {
+        if states.known_from >= n {
             made.tare(&trial.entry.file);
         }
         made

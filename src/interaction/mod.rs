@@ -154,7 +154,7 @@ fn touched_trial(campaign: &Campaign, index: usize, extracted: Extracted, quiet:
     TrialInteraction { entry: campaign.trials[index].clone(), extracted, contacts, comparison }
 }
 
-/// The torque of the trials `chosen`, with their warnings.
+/// The torque of the trials `chosen`, with their warnings; of quiet ones thinned, for nobody looks at their single samples.
 fn all(
     campaign: &Campaign,
     model: &Model,
@@ -167,6 +167,15 @@ fn all(
         let extracted = read_trial(campaign, *index)
             .and_then(|log| prepare(campaign, *index, log))
             .and_then(|trial| Extracted::new(campaign, model, frame, filtering, &trial));
+        let is_quiet = campaign.trials[*index].protocol != Protocol::Interaction;
+        let thinned = |extracted: Extracted| match is_quiet {
+            true => Extracted {
+                warnings: extracted.warnings.clone(),
+                ..quiet::thinned(&extracted, campaign.signal.lowpass_hz)
+            },
+            false => extracted,
+        };
+        let extracted = extracted.map(thinned);
         progress();
         extracted
     };

@@ -145,7 +145,8 @@ impl Quiet {
     }
 }
 
-fn thinned(trial: &Extracted, lowpass_hz: f64) -> Extracted {
+/// What is looked at of a quiet trial; of one thinned already, all.
+pub(super) fn thinned(trial: &Extracted, lowpass_hz: f64) -> Extracted {
     trial.thinned(((trial.rate_hz / (PER_PERIOD * lowpass_hz)) as usize).max(1))
 }
 

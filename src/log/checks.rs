@@ -59,9 +59,21 @@ pub(super) fn check(
     }
 }
 
+/// Of a long log the median step is judged by this many of its steps at least, ...
+const STEPS_JUDGED: usize = 1 << 18;
+/// ... in blocks of as many, spread over it: within a block rounded stamps keep their rhythm (0.3, 0.3, 0.4).
+const STEPS_IN_BLOCK: usize = 1 << 12;
+
 /// The median of the steps between time stamps, of which there are two or more, in their unit.
 pub(super) fn median_period(time: &[f64]) -> f64 {
-    median(time.windows(2).map(|pair| pair[1] - pair[0]).collect())
+    median(in_blocks(time).flat_map(|block| block.windows(2).map(|pair| pair[1] - pair[0])).collect())
+}
+
+/// The stretches of `time` by which its median step is judged: all of it, or blocks spread evenly over a long log.
+fn in_blocks(time: &[f64]) -> impl Iterator<Item = &[f64]> {
+    let apart = (time.len() / STEPS_JUDGED).max(1);
+    let block = if apart > 1 { STEPS_IN_BLOCK } else { time.len().max(1) };
+    (0..time.len()).step_by(apart * block).map(move |start| &time[start..(start + block + 1).min(time.len())])
 }
 
 fn median(mut steps: Vec<f64>) -> f64 {
@@ -116,7 +128,8 @@ fn stamps(faults: &mut Faults<'_>, time: &[f64], want: &Wanted, gap_s: f64, rows
                 .in_column(&want.column.name)
         });
     }
-    let period: Vec<f64> = steps(time).filter(|step| step.rows == 1).map(|step| step.to - step.from).collect();
+    let single = |block| steps(block).filter(|step| step.rows == 1).map(|step| step.to - step.from);
+    let period: Vec<f64> = in_blocks(time).flat_map(single).collect();
     if faults.count() > before || period.is_empty() {
         return false;
     }

@@ -116,7 +116,9 @@ impl Transition {
         self.k_f = (self.k_f + change).clamp(-1.0, 1.0);
         let whole = end - self.start_k_f;
         let u = if whole == 0.0 { 1.0 } else { (self.k_f - self.start_k_f) / whole };
-        self.k_tilde = self.start_k_tilde + share(u) * ((end + 1.0) / 2.0 - self.start_k_tilde);
+        // At its end every curve is done: most samples, and no need for its power or arc tangent.
+        let done = if u == 1.0 { 1.0 } else { share(u) };
+        self.k_tilde = self.start_k_tilde + done * ((end + 1.0) / 2.0 - self.start_k_tilde);
         self.k_tilde
     }
 

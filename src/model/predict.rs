@@ -7,7 +7,7 @@
 //! with Bu, Bd the unloaded parts of the two branches (`Friction::unloaded_nm`). At K~ = 1 and 0 this is (17) with A and
 //! B of each direction.
 
-use super::{Both, Model};
+use super::{Both, Direction, Model};
 use crate::effects::{Carried, Sample};
 use crate::numerics::causal::Lag;
 use crate::numerics::resample::shifted;
@@ -39,11 +39,20 @@ impl Model {
     /// y for a rigid-body torque `joint_torque_nm` at the joint (gravity, inertia, measured load), at `velocity_rad_s` and
     /// with friction combined by `k_tilde`.
     pub fn torque_nm(&self, joint_torque_nm: f64, velocity_rad_s: f64, k_tilde: f64) -> Components {
-        let Both { up, down } = self.branches_nm(velocity_rad_s);
+        let branch = |direction| self.branch_nm(direction, velocity_rad_s);
+        // Fully on one branch, as nearly always, the other's exponentials are not needed.
+        let friction_nm = match k_tilde {
+            0.0 => branch(Direction::Down),
+            1.0 => branch(Direction::Up),
+            _ => {
+                let (up, down) = (branch(Direction::Up), branch(Direction::Down));
+                down + k_tilde * (up - down)
+            }
+        };
         let (mu_up, mu_down) = (self.friction.up.mu_c, self.friction.down.mu_c);
         let rigid_nm = self.joint.transmission() * joint_torque_nm;
         let loss = 1.0 - mu_down - k_tilde * (mu_up - mu_down);
-        let torque_nm = (rigid_nm + down + k_tilde * (up - down)) / loss;
+        let torque_nm = (rigid_nm + friction_nm) / loss;
         Components { torque_nm, rigid_nm, friction_nm: torque_nm - rigid_nm }
     }
 
@@ -55,8 +64,13 @@ impl Model {
 
     /// The unloaded friction of both branches at a speed, N m at the winch.
     pub fn branches_nm(&self, velocity_rad_s: f64) -> Both<f64> {
+        Both::make(|direction| self.branch_nm(direction, velocity_rad_s))
+    }
+
+    /// The unloaded friction of one branch at a speed, N m at the winch.
+    fn branch_nm(&self, direction: Direction, velocity_rad_s: f64) -> f64 {
         let (r1, r2) = (self.joint.winch_radius_m, self.joint.pulley_radius_m);
-        Both::make(|direction| self.friction.of(direction).unloaded_nm(direction, velocity_rad_s, r1, r2))
+        self.friction.of(direction).unloaded_nm(direction, velocity_rad_s, r1, r2)
     }
 
     /// [`Self::driven_nm`] with the branches known already: most of the work is in their exponentials.

@@ -4,11 +4,13 @@
 //! edges then carry no transient of a signal that is locally a straight line.
 
 use sci_rs::signal::filter::design::{DigitalFilter, FilterBandType, FilterOutputType, Sos, butter_dyn};
-use sci_rs::signal::filter::sosfiltfilt_dyn;
+use sci_rs::signal::filter::sosfilt_zi_dyn;
+use std::array::from_fn;
 
 /// A low-pass for one sample rate.
 #[derive(Debug, Clone)]
 pub struct LowPass {
+    /// In the steady state of an input of 1.
     sections: Vec<Sos<f64>>,
     order: usize,
 }
@@ -30,7 +32,10 @@ impl LowPass {
             Some(rate_hz),
         );
         match design {
-            DigitalFilter::Sos(sos) => Some(Self { sections: sos.sos, order }),
+            DigitalFilter::Sos(mut sos) => {
+                sosfilt_zi_dyn::<_, _, Sos<f64>>(sos.sos.iter_mut());
+                Some(Self { sections: sos.sos, order })
+            }
             _ => None,
         }
     }
@@ -47,9 +52,71 @@ impl LowPass {
 
     /// `signal` forwards and backwards through the filter; unchanged when it is no longer than the padding.
     pub fn zero_phase(&self, signal: &[f64]) -> Vec<f64> {
-        if signal.len() <= Self::padding(self.order) {
-            return signal.to_vec();
-        }
-        sosfiltfilt_dyn(signal.iter(), &self.sections)
+        let mut filtered = signal.to_vec();
+        self.zero_phase_in_place(&mut filtered);
+        filtered
     }
+
+    /// The same in place: long signals are not copied.
+    pub fn zero_phase_in_place(&self, signal: &mut [f64]) {
+        self.zero_phase_together(signal.as_chunks_mut::<1>().0);
+    }
+
+    /// The same for `L` signals side by side: each sample waits for the one before, so that four take hardly longer than one.
+    pub fn zero_phase_together<const L: usize>(&self, signals: &mut [[f64; L]]) {
+        let padding = Self::padding(self.order);
+        if signals.len() <= padding {
+            return;
+        }
+        // The odd extension: the signal turned by 180 deg about its first and its last sample.
+        let turned = |about: usize, i: usize| from_fn(|l| 2.0 * signals[about][l] - signals[i][l]);
+        let last = signals.len() - 1;
+        let mut before: Vec<[f64; L]> = (1..=padding).rev().map(|i| turned(0, i)).collect();
+        let mut after: Vec<[f64; L]> = (1..=padding).map(|i| turned(last, last - i)).collect();
+        let mut forwards = self.resting_at(before[0]);
+        run(&mut forwards, before.iter_mut());
+        run(&mut forwards, signals.iter_mut());
+        run(&mut forwards, after.iter_mut());
+        let mut backwards = self.resting_at(after[padding - 1]);
+        run(&mut backwards, after.iter_mut().rev());
+        run(&mut backwards, signals.iter_mut().rev());
+    }
+
+    /// The sections as if the input had been `x` for ever.
+    fn resting_at<const L: usize>(&self, x: [f64; L]) -> Vec<Section<L>> {
+        let rest = |sos: &Sos<f64>| Section { b: sos.b, a: sos.a, z: [x.map(|x| sos.zi0 * x), x.map(|x| sos.zi1 * x)] };
+        self.sections.iter().map(rest).collect()
+    }
+}
+
+/// A second-order section with its memory of `L` signals.
+#[derive(Debug, Clone, Copy)]
+struct Section<const L: usize> {
+    b: [f64; 3],
+    a: [f64; 3],
+    z: [[f64; L]; 2],
+}
+
+/// Replaces each of `samples` by what comes out of `sections` for it.
+fn run<'s, const L: usize>(sections: &mut [Section<L>], samples: impl Iterator<Item = &'s mut [f64; L]>) {
+    // Nearly all filters have two sections; of a known number they stay in registers.
+    match <&mut [Section<L>; 2]>::try_from(&mut *sections) {
+        Ok(two) => {
+            let mut kept = *two;
+            samples.for_each(|x| *x = step(&mut kept, *x));
+            *two = kept;
+        }
+        Err(_) => samples.for_each(|x| *x = step(sections, *x)),
+    }
+}
+
+/// One sample through `sections` in transposed direct form II: y = b0 x + z0, z0 = b1 x - a1 y + z1, z1 = b2 x - a2 y.
+#[inline(always)]
+fn step<const L: usize>(sections: &mut [Section<L>], x: [f64; L]) -> [f64; L] {
+    sections.iter_mut().fold(x, |x, Section { b, a, z }| {
+        let y: [f64; L] = from_fn(|l| b[0] * x[l] + z[0][l]);
+        z[0] = from_fn(|l| b[1] * x[l] - a[1] * y[l] + z[1][l]);
+        z[1] = from_fn(|l| b[2] * x[l] - a[2] * y[l]);
+        y
+    })
 }

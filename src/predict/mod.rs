@@ -32,34 +32,42 @@ pub struct Prediction {
 impl Prediction {
     /// Of `trial` by `model`.
     pub fn new(model: &Model, trial: &Trial) -> Self {
-        let states = states(model, trial);
-        let n = trial.torque_nm.len();
+        let (torque_nm, states) = torque_nm(model, trial);
+        let n = torque_nm.len();
         let mut made = Self {
-            torque_nm: Vec::with_capacity(n),
+            torque_nm,
             gravity_nm: Vec::with_capacity(n),
             inertia_nm: Vec::with_capacity(n),
             coriolis_nm: Vec::with_capacity(n),
             load_nm: Vec::with_capacity(n),
-            friction_nm: Vec::with_capacity(n),
+            friction_nm: Vec::new(),
             states,
         };
         let transmission = model.joint.transmission();
-        let mut others = Vec::with_capacity(trial.others.len());
         for i in 0..n {
             let rigid = trial.rigid(i, model.joint.kind, &model.dynamics);
-            let asked = trial.asked(i, model.joint.kind, &model.dynamics);
-            let all = model.driven_nm(&trial.sample(i, &mut others), asked, made.states.k_tilde[i]);
-            made.torque_nm.push(all.torque_nm);
             made.gravity_nm.push(transmission * rigid.gravity_nm);
             made.inertia_nm.push(transmission * rigid.inertia_nm);
             made.coriolis_nm.push(transmission * rigid.coriolis_nm);
             made.load_nm.push(transmission * trial.load_nm(i));
         }
-        read(model, trial, &mut made.torque_nm);
         let rigid_nm = |i: usize| made.gravity_nm[i] + made.inertia_nm[i] + made.coriolis_nm[i] + made.load_nm[i];
         made.friction_nm = (0..n).map(|i| made.torque_nm[i] - rigid_nm(i)).collect();
         made
     }
+}
+
+/// y of `trial` by `model` alone, N m, not low-passed, and where friction stands.
+pub fn torque_nm(model: &Model, trial: &Trial) -> (Vec<f64>, States) {
+    let states = states(model, trial);
+    let mut others = Vec::with_capacity(trial.others.len());
+    let driven_nm = |(i, k_tilde): (usize, &f64)| {
+        let asked = trial.asked(i, model.joint.kind, &model.dynamics);
+        model.driven_nm(&trial.sample(i, &mut others), asked, *k_tilde).torque_nm
+    };
+    let mut torque_nm: Vec<f64> = states.k_tilde.iter().enumerate().map(driven_nm).collect();
+    read(model, trial, &mut torque_nm);
+    (torque_nm, states)
 }
 
 /// What the sensor makes of the torque along `trial`, in place: late, off scale, off zero, clipped.
@@ -80,5 +88,5 @@ pub fn with_curve(model: &Model, curve: &Combination, backlash_m: f64, trial: &T
     changed.joint.backlash_m = backlash_m;
     changed.combination = *curve;
     changed.effects.retain(|e| e.effect.curve(&e.parameters).is_none());
-    Prediction::new(&changed, trial).torque_nm
+    torque_nm(&changed, trial).0
 }

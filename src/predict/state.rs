@@ -35,14 +35,14 @@ pub fn forgotten(rate_hz: f64, lowpass_hz: f64) -> usize {
 /// K_f follows the position as recorded, or what a coarse encoder's jumps tell of it: a filtered one rings at corners. With
 /// `Sign` K~ follows the sign of the speed alone, as (20) has it; K_f still says where a transition through the clearance would be.
 pub fn states(model: &Model, trial: &Trial) -> States {
-    let positions = &trial.followed_rad;
+    let positions = trial.followed_rad();
     let backlash_rad = model.backlash_m() / model.joint.pulley_radius_m;
     let (direction, known_from) = settle(positions, backlash_rad, trial.deadband_rad);
     let start_rad = positions.first().copied().unwrap_or(0.0);
     let mut state = Passage::after(model, direction, start_rad, trial.deadband_rad);
     let (mut k_tilde, mut k_f) = (Vec::with_capacity(positions.len()), Vec::with_capacity(positions.len()));
-    for (x, v) in positions.iter().zip(&trial.velocity_rad_s) {
-        k_tilde.push(state.step(*x, *v));
+    for (i, x) in positions.iter().enumerate() {
+        k_tilde.push(state.step(*x, trial.velocity_rad_s(i)));
         k_f.push(state.k_f());
     }
     States { k_tilde, k_f, known_from }

@@ -21,8 +21,8 @@ const LONE_SHARE: f64 = 0.5;
 
 /// What K_f follows.
 pub struct Position {
-    /// The position, rad: as recorded, or what an encoder's jumps say of it.
-    pub followed_rad: Vec<f64>,
+    /// What an encoder's jumps say of the position, rad; `None` where it is as recorded.
+    pub between_jumps_rad: Option<Vec<f64>>,
     /// The deadband, rad.
     pub deadband_rad: f64,
     /// The encoder's step where it matters, else 0, rad.
@@ -38,12 +38,12 @@ impl Position {
         let sigma_rad = 1.4826 * quantile(&mut taken, 0.5);
         match encoder_step_rad(raw_rad) {
             Some(step_rad) if sigma_rad <= STEPS_ALONE * step_rad => Self {
-                followed_rad: between_jumps(raw_rad, step_rad),
+                between_jumps_rad: Some(between_jumps(raw_rad, step_rad)),
                 deadband_rad: (DEADBAND_SIGMAS * sigma_rad).min(DEADBAND_STEPS * step_rad),
                 step_rad,
             },
             _ => Self {
-                followed_rad: raw_rad.to_vec(),
+                between_jumps_rad: None,
                 deadband_rad: if sigma_rad.is_finite() { DEADBAND_SIGMAS * sigma_rad } else { 0.0 },
                 step_rad: 0.0,
             },

@@ -50,7 +50,7 @@ pub fn find_legs(
     joint: &Joint,
     lowpass_hz: f64,
 ) -> Result<Vec<Leg>> {
-    let Cut { legs, speeds, longest_rad } = cut(position_rad, log.rate_hz, speed_rad_s, joint, lowpass_hz);
+    let Cut { legs, half, longest_rad } = cut(position_rad, log.rate_hz, speed_rad_s, joint, lowpass_hz);
     let backlash_rad = joint.backlash_rad();
     if legs.is_empty() && longest_rad > 0.0 && REVERSAL_BACKLASHES * backlash_rad >= 0.5 * longest_rad {
         let what = format!(
@@ -59,7 +59,8 @@ pub fn find_legs(
         return Problem::error(&log.file, what, "correct backlash_m (metres on the cable) in campaign.toml").alone();
     }
     if legs.is_empty() {
-        return no_plateau(log, &speeds, speed_rad_s, joint.kind).alone();
+        let speeds = (0..position_rad.len()).map(|i| window_speed(position_rad, half, log.rate_hz, i));
+        return no_plateau(log, speeds, speed_rad_s, joint.kind).alone();
     }
     Ok(legs)
 }
@@ -67,8 +68,8 @@ pub fn find_legs(
 /// What cutting a sweep gives.
 pub(super) struct Cut {
     pub legs: Vec<Leg>,
-    /// Speed around each sample, rad/s.
-    speeds: Vec<f64>,
+    /// Speed is judged over so many samples either side.
+    half: usize,
     /// Travel of the longest plateau, rad.
     longest_rad: f64,
 }
@@ -80,11 +81,11 @@ pub(super) fn cut(position_rad: &[f64], rate_hz: f64, speed_rad_s: f64, joint: &
     let window = (WINDOW_TRAVEL * range_rad / speed_rad_s * rate_hz).min(WINDOW_TRAVEL * position_rad.len() as f64);
     let half = ((window / 2.0) as usize).max(2);
     let margin = (FILTER_PERIODS / lowpass_hz * rate_hz) as usize;
-    let speeds = window_speeds(position_rad, half, rate_hz);
+    let speed = |i: usize| window_speed(position_rad, half, rate_hz, i);
     let mut legs: Vec<Leg> = Vec::new();
     let mut longest_rad = 0f64;
     for direction in Direction::BOTH {
-        for run in plateaus(&speeds, direction.sign() * speed_rad_s) {
+        for run in plateaus(speed, position_rad.len(), direction.sign() * speed_rad_s) {
             let travel = (position_rad[run.end - 1] - position_rad[run.start]).abs();
             longest_rad = longest_rad.max(travel);
             if travel >= MIN_TRAVEL * range_rad {
@@ -93,25 +94,24 @@ pub(super) fn cut(position_rad: &[f64], rate_hz: f64, speed_rad_s: f64, joint: &
         }
     }
     legs.sort_by_key(|leg| leg.samples.start);
-    Cut { legs, speeds, longest_rad }
+    Cut { legs, half, longest_rad }
 }
 
-/// Mean speed over `half` samples either side of each sample; zero where there are too few.
-fn window_speeds(position_rad: &[f64], half: usize, rate_hz: f64) -> Vec<f64> {
-    let mut speeds = vec![0.0; position_rad.len()];
-    for (i, pair) in position_rad.windows(2 * half + 1).enumerate() {
-        speeds[i + half] = (pair[2 * half] - pair[0]) * rate_hz / (2 * half) as f64;
+/// Mean speed over `half` samples either side of sample `i`, rad/s; zero where there are too few.
+fn window_speed(position_rad: &[f64], half: usize, rate_hz: f64, i: usize) -> f64 {
+    if i < half || i + half >= position_rad.len() {
+        return 0.0;
     }
-    speeds
+    (position_rad[i + half] - position_rad[i - half]) * rate_hz / (2 * half) as f64
 }
 
-/// Maximal runs at `target_rad_s` (signed), within the tolerance.
-fn plateaus(speeds: &[f64], target_rad_s: f64) -> Vec<Range<usize>> {
-    let on = |v: &f64| (v - target_rad_s).abs() <= SPEED_TOLERANCE * target_rad_s.abs();
+/// Maximal runs of `samples` whose `speed` is `target_rad_s` (signed), within the tolerance.
+fn plateaus(speed: impl Fn(usize) -> f64, samples: usize, target_rad_s: f64) -> Vec<Range<usize>> {
+    let on = |i: usize| (speed(i) - target_rad_s).abs() <= SPEED_TOLERANCE * target_rad_s.abs();
     let mut runs = Vec::new();
     let mut start = None;
-    for (i, v) in speeds.iter().enumerate() {
-        match (on(v), start) {
+    for i in 0..samples {
+        match (on(i), start) {
             (true, None) => start = Some(i),
             (false, Some(s)) => {
                 runs.push(s..i);
@@ -120,7 +120,7 @@ fn plateaus(speeds: &[f64], target_rad_s: f64) -> Vec<Range<usize>> {
             _ => {}
         }
     }
-    runs.extend(start.map(|s| s..speeds.len()));
+    runs.extend(start.map(|s| s..samples));
     runs
 }
 
@@ -144,8 +144,8 @@ fn trim(
 }
 
 /// Why there is no leg: how much of the motion is near the declared speed, or how fast it is instead.
-fn no_plateau(log: &Log, speeds: &[f64], speed_rad_s: f64, kind: JointKind) -> Problem {
-    let mut magnitudes: Vec<f64> = speeds.iter().map(|v| v.abs()).filter(|v| *v > 0.0).collect();
+fn no_plateau(log: &Log, speeds: impl Iterator<Item = f64>, speed_rad_s: f64, kind: JointKind) -> Problem {
+    let mut magnitudes: Vec<f64> = speeds.map(f64::abs).filter(|v| *v > 0.0).collect();
     let moving = magnitudes.len();
     let near = magnitudes.iter().filter(|v| (*v - speed_rad_s).abs() <= SPEED_TOLERANCE * speed_rad_s).count();
     // At rest throughout there is no quantile.

@@ -15,7 +15,7 @@ use crate::dynamics::{Dynamics, JointKind, Motion, RigidTorque};
 use crate::effects::Sample;
 use crate::log::{Campaign, Log, Protocol, TrialEntry};
 use crate::model::{Asked, Joint};
-use crate::numerics::difference::{acceleration, velocity};
+use crate::numerics::difference::{acceleration_at, velocity_at};
 use crate::numerics::filter::LowPass;
 use crate::numerics::line::crossing;
 use crate::problem::{Problem, Result};
@@ -43,10 +43,8 @@ pub struct Trial {
     pub torque_nm: Vec<f64>,
     /// Position after the motion's low-pass, rad.
     pub position_rad: Vec<f64>,
-    /// Speed, rad/s.
-    pub velocity_rad_s: Vec<f64>,
-    /// Acceleration, rad/s^2.
-    pub acceleration_rad_s2: Vec<f64>,
+    /// The recorded speed after the motion's low-pass, rad/s.
+    recorded_velocity_rad_s: Option<Vec<f64>>,
     /// Measured load at the joint after the motion's low-pass, N m.
     pub load_torque_nm: Option<Vec<f64>>,
     /// The joint's row of M a + C v + G of the whole chain, where the campaign has one, and how its gravity changes with the
@@ -56,8 +54,8 @@ pub struct Trial {
     pub others: Vec<Vec<Motion>>,
     /// When the trial began, s since the campaign did; 0 where nobody asked for the campaign's clock.
     pub began_s: f64,
-    /// Position that K_f follows, rad.
-    pub followed_rad: Vec<f64>,
+    /// Position that K_f follows where that is not the recorded one, rad.
+    between_jumps_rad: Option<Vec<f64>>,
     /// Travel back below which nothing counts as a reversal: noise, rad.
     pub deadband_rad: f64,
     /// The encoder's step where it matters, else 0, rad.
@@ -67,13 +65,41 @@ pub struct Trial {
 }
 
 impl Trial {
+    /// Speed at sample `at`, rad/s: the recorded one, else that of the position. Derivatives are taken where they are asked for:
+    /// of a log of 40 million rows each would take 320 MB.
+    pub fn velocity_rad_s(&self, at: usize) -> f64 {
+        match &self.recorded_velocity_rad_s {
+            Some(recorded) => recorded[at],
+            None => velocity_at(&self.position_rad, self.log.rate_hz, at),
+        }
+    }
+
+    /// Acceleration at sample `at`, rad/s^2.
+    pub fn acceleration_rad_s2(&self, at: usize) -> f64 {
+        match &self.recorded_velocity_rad_s {
+            Some(recorded) => velocity_at(recorded, self.log.rate_hz, at),
+            None => acceleration_at(&self.position_rad, self.log.rate_hz, at),
+        }
+    }
+
+    /// The joint's motion at sample `at`.
+    pub fn motion(&self, at: usize) -> Motion {
+        let (velocity, acceleration) = (self.velocity_rad_s(at), self.acceleration_rad_s2(at));
+        Motion { position: self.position_rad[at], velocity, acceleration }
+    }
+
+    /// Position that K_f follows, rad: as recorded, or what an encoder's jumps say of it.
+    pub fn followed_rad(&self) -> &[f64] {
+        self.between_jumps_rad.as_deref().unwrap_or(&self.log.position_rad)
+    }
+
     /// What mass asks of the joint at sample `at`, N m: by the chain where the campaign has one, else by `dynamics`.
     pub fn rigid(&self, at: usize, kind: JointKind, dynamics: &Dynamics) -> RigidTorque {
         match &self.chain {
             Some(chain) => chain[at].0,
             None => RigidTorque {
                 gravity_nm: dynamics.gravity_nm(kind, self.position_rad[at]),
-                inertia_nm: dynamics.inertia_kg_m2 * self.acceleration_rad_s2[at],
+                inertia_nm: dynamics.inertia_kg_m2 * self.acceleration_rad_s2(at),
                 coriolis_nm: 0.0,
             },
         }
@@ -93,9 +119,7 @@ impl Trial {
         others.clear();
         others.extend(self.others.iter().map(|other| other[at]));
         let time_s = self.log.time_s[at] - self.log.time_s[0];
-        let (velocity, acceleration) = (self.velocity_rad_s[at], self.acceleration_rad_s2[at]);
-        let own = Motion { position: self.position_rad[at], velocity, acceleration };
-        Sample { time_s, elapsed_s: self.began_s + time_s, own, others }
+        Sample { time_s, elapsed_s: self.began_s + time_s, own: self.motion(at), others }
     }
 
     /// Measured load at the joint at sample `at`, N m; 0 where none is recorded.
@@ -132,46 +156,36 @@ pub fn prepare(campaign: &Campaign, index: usize, mut log: Log) -> Result<Trial>
     let motion = motion_filter(campaign.signal.lowpass_hz, rate_hz).ok_or_else(too_slow)?;
     let torque_nm = lowpass.zero_phase(&log.torque_nm);
     let position_rad = motion.zero_phase(&log.position_rad);
-    let velocity_rad_s = match &log.velocity_rad_s {
-        Some(recorded) => motion.zero_phase(recorded),
-        None => velocity(&position_rad, rate_hz),
-    };
-    let acceleration_rad_s2 = match &log.velocity_rad_s {
-        Some(_) => velocity(&velocity_rad_s, rate_hz),
-        None => acceleration(&position_rad, rate_hz),
-    };
+    let recorded_velocity_rad_s = log.velocity_rad_s.as_ref().map(|recorded| motion.zero_phase(recorded));
     let load_torque_nm = log.load_torque_nm.as_ref().map(|load| motion.zero_phase(load));
     let others: Vec<Vec<Motion>> =
         log.other_position_rad.iter().map(|recorded| rigid::moving(recorded, &motion, rate_hz)).collect();
-    let chain = campaign.arm.as_ref().map(|arm| {
-        let own = [&position_rad[..], &velocity_rad_s, &acceleration_rad_s2];
-        rigid::along(arm, own, &others)
-    });
     let lowpass_hz = campaign.signal.lowpass_hz;
-    let Position { followed_rad, deadband_rad, step_rad } = Position::new(&log.position_rad, &position_rad);
+    let Position { between_jumps_rad, deadband_rad, step_rad } = Position::new(&log.position_rad, &position_rad);
     let legs = match entry.protocol {
         Protocol::Uniform { speed_rad_s } => find_legs(&log, &position_rad, speed_rad_s, &campaign.joint, lowpass_hz)?,
         _ => Vec::new(),
     };
     let (legs, warnings) = clipped::leave_out(legs, &log, lowpass_hz);
     log.warnings.extend(warnings);
-    Ok(Trial {
+    let mut trial = Trial {
         index,
         entry,
         torque_nm,
         position_rad,
-        velocity_rad_s,
-        acceleration_rad_s2,
+        recorded_velocity_rad_s,
         load_torque_nm,
-        chain,
+        chain: None,
         others,
         began_s: campaign.began_s(index),
-        followed_rad,
+        between_jumps_rad,
         deadband_rad,
         step_rad,
         legs,
         log,
-    })
+    };
+    trial.chain = campaign.arm.as_ref().map(|arm| rigid::along(arm, &trial));
+    Ok(trial)
 }
 
 /// The fastest sweep, from `slowest_rad_s` to `fastest_rad_s`, that recorded at `rate_hz` has a leg to cut; `None` if not even

@@ -33,7 +33,7 @@ pub fn csv_names<'a>(campaign: &Campaign, trials: impl Iterator<Item = &'a Trial
 /// `trial` as predicted by `model`, N m at the winch.
 pub fn trial_csv(campaign: &Campaign, model: &Model, trial: &Trial) -> Vec<u8> {
     let prediction = Prediction::new(model, trial);
-    let filtered_nm = low_pass(campaign, trial, &prediction.torque_nm);
+    let filtered_nm = low_pass(campaign, trial, prediction.torque_nm.clone());
     let difference = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a - b).collect::<Vec<f64>>();
     let residual_nm = difference(&trial.log.torque_nm, &prediction.torque_nm);
     let residual_filtered_nm = difference(&trial.torque_nm, &filtered_nm);

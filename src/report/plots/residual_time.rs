@@ -21,6 +21,8 @@ const PEAKS: f64 = 12.0;
 const BEYOND: f64 = 0.02;
 /// Room above and below, as a share of what is shown.
 const ROOM: f64 = 0.08;
+/// Samples further apart than this many usual periods are not joined by a line.
+const GAP_PERIODS: f64 = 10.0;
 /// Stretches of a trial of which lowest and highest point are drawn.
 const BUCKETS: usize = 700;
 
@@ -54,7 +56,9 @@ pub fn draw(found: &Identification) -> Drawn<Option<String>> {
             let figures = format!("RMSE {}, peak {peak}", units.torque(trial.rmse_nm()));
             let title = format!("{} ({}), {note}: {figures}", trial.file, trial.protocol.name());
             canvas.text((92.0, top - 11.0), &title, TEXT_PX, palette::INK, Anchor::Left)?;
-            runs(trial).into_iter().try_for_each(|(direction, run)| draw_run(&panel, trial, direction, run, factor))?;
+            let gap_s = GAP_PERIODS * (to_s - from_s) / trial.time_s.len() as f64;
+            let mut runs = runs(trial).into_iter();
+            runs.try_for_each(|(direction, run)| draw_run(&panel, trial, direction, run, (gap_s, factor)))?;
             for (at, mark) in peaks_beyond(trial, ranges[i]) {
                 panel.mark((trial.time_s[at], factor * trial.residual_nm[at]), mark, palette::INK)?;
             }
@@ -141,15 +145,19 @@ fn runs(trial: &Residual) -> Vec<(Direction, Range<usize>)> {
     runs
 }
 
-/// One run; samples that are missing leave a gap.
-fn draw_run(panel: &Panel, trial: &Residual, direction: Direction, run: Range<usize>, factor: f64) -> Drawn {
+/// One run, its torque times `factor`; a pause longer than `gap_s` leaves a gap.
+fn draw_run(
+    panel: &Panel,
+    trial: &Residual,
+    direction: Direction,
+    run: Range<usize>,
+    (gap_s, factor): (f64, f64),
+) -> Drawn {
     let total = trial.time_s.len();
-    let (from_s, to_s) = span(trial.time_s.iter().copied());
-    let usual_s = (to_s - from_s) / total as f64;
     let stroke = Stroke::solid(palette::direction(direction), 1.1);
     let mut start = run.start;
     for i in run.start + 1..=run.end {
-        if i == run.end || trial.time_s[i] - trial.time_s[i - 1] > 10.0 * usual_s {
+        if i == run.end || trial.time_s[i] - trial.time_s[i - 1] > gap_s {
             let points: Vec<(f64, f64)> =
                 (start..i).map(|k| (trial.time_s[k], factor * trial.residual_nm[k])).collect();
             let buckets = (BUCKETS * points.len()).div_ceil(total);
