@@ -3,7 +3,7 @@
 
 use crate::dynamics::{Both, JointKind, Motion, RigidTorque};
 use crate::effects::{Added, Carried, Family, Sample};
-use crate::log::{Campaign, clock_s, read_trial, span_s};
+use crate::log::{Campaign, Fingerprint, clock_s, read_trial, refuse_copies, span_s};
 use crate::model::{AT_REST_RAD_S, Asked, Model, Passage, settle};
 use crate::numerics::filter::LowPass;
 use crate::predict::{Prediction, forgotten};
@@ -88,19 +88,21 @@ impl Records {
     /// Errors: all that is wrong with any trial; no sample is left to judge.
     pub fn read(campaign: &Campaign, model: &Model, progress: &(dyn Fn() + Sync)) -> Result<Self> {
         let one = |index: usize| {
-            let trial = read_trial(campaign, index).and_then(|log| prepare(campaign, index, log))?;
+            let mut trial = read_trial(campaign, index).and_then(|log| prepare(campaign, index, log))?;
             let span = span_s(&trial.log);
             progress();
-            Ok((Record::new(campaign, model, &trial)?, span))
+            let print = std::mem::take(&mut trial.log.fingerprint);
+            Ok((Record::new(campaign, model, &trial)?, span, (index, print)))
         };
-        let (mut all, mut spans, mut problems) = (Vec::new(), Vec::new(), Vec::new());
-        let found: Vec<Result<(Record, (f64, f64))>> =
+        let (mut all, mut spans, mut prints, mut problems) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
+        let found: Vec<Result<(Record, (f64, f64), (usize, Fingerprint))>> =
             (0..campaign.trials.len()).into_par_iter().with_max_len(1).map(one).collect();
         for result in found {
             match result {
-                Ok((record, span)) => {
+                Ok((record, span, print)) => {
                     all.push(record);
                     spans.push(span);
+                    prints.push(print);
                 }
                 Err(Problems(found)) => problems.extend(found),
             }
@@ -108,6 +110,7 @@ impl Records {
         if !problems.is_empty() {
             return Err(Problems(problems));
         }
+        refuse_copies(campaign, &prints)?;
         for (record, began_s) in all.iter_mut().zip(clock_s(&spans)) {
             record.began_s = began_s;
         }

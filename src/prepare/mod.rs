@@ -1,10 +1,10 @@
 //! A log made ready: torque low-passed, motion differentiated, sweeps cut into legs.
 
-mod clipped;
 mod encoder;
 mod legs;
 mod rigid;
 mod series;
+mod set_aside;
 
 pub use legs::{Leg, find_legs};
 pub use series::Series;
@@ -101,12 +101,12 @@ impl Trial {
         self.load_torque_nm.as_ref().map_or(0.0, |load| load[at])
     }
 
-    /// Whether the low-passed torque at each sample is free of clipped readings, which a low-pass at `lowpass_hz` carries into
+    /// Whether the low-passed torque at each sample is free of readings that were set aside, which a low-pass at `lowpass_hz` carries into
     /// their surroundings.
     pub fn in_range(&self, lowpass_hz: f64) -> Vec<bool> {
         let mut in_range = vec![true; self.torque_nm.len()];
         let reach = (self.log.rate_hz / lowpass_hz) as usize;
-        for range in &self.log.clipped {
+        for range in &self.log.set_aside {
             let last = (range.end + reach).min(in_range.len());
             let first = range.start.saturating_sub(reach).min(last);
             in_range[first..last].fill(false);
@@ -151,7 +151,7 @@ pub fn prepare(campaign: &Campaign, index: usize, mut log: Log) -> Result<Trial>
         Protocol::Uniform { speed_rad_s } => find_legs(&log, &position_rad, speed_rad_s, &campaign.joint, lowpass_hz)?,
         _ => Vec::new(),
     };
-    let (legs, warnings) = clipped::leave_out(legs, &log, lowpass_hz);
+    let (legs, warnings) = set_aside::leave_out(legs, &log, lowpass_hz);
     log.warnings.extend(warnings);
     Ok(Trial {
         index,
