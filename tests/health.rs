@@ -103,7 +103,10 @@ fn one_reading_of_100_nm_is_told_and_moves_nothing() {
         let found = identified(folder.path(), Settings::default());
         let told: Vec<&String> = found.warnings.iter().filter(|w| w.contains("glitches of up to")).collect();
         assert_eq!(told.len(), 1, "{:?}", found.warnings);
-        assert!(told[0].contains("row 302") && told[0].contains("`torque_nm`") && told[0].contains("1 sample"), "{told:?}");
+        assert!(
+            told[0].contains("row 302") && told[0].contains("`torque_nm`") && told[0].contains("1 sample"),
+            "{told:?}"
+        );
         assert_unmoved(&found, 0.02);
     }
 }
@@ -116,7 +119,11 @@ fn one_position_of_100_deg_too_many_is_told_and_moves_nothing() {
         }
     });
     let found = identified(folder.path(), Settings::default());
-    assert!(found.warnings.iter().any(|w| w.contains("row 302") && w.contains("`position_deg`")), "{:?}", found.warnings);
+    assert!(
+        found.warnings.iter().any(|w| w.contains("row 302") && w.contains("`position_deg`")),
+        "{:?}",
+        found.warnings
+    );
     assert_eq!(found.legs.len(), healthy().legs.len(), "no seventh leg");
     assert_unmoved(&found, 0.02);
 }
@@ -155,7 +162,10 @@ fn a_position_that_is_stuck_while_the_joint_moves_is_told() {
         samples[start..start + 40].iter_mut().for_each(|sample| sample[1] = held);
     });
     let found = findings(folder.path());
-    assert!(found.iter().filter(|one| one.kind == Kind::Stuck && one.column == "position_deg").count() >= 20, "{found:?}");
+    assert!(
+        found.iter().filter(|one| one.kind == Kind::Stuck && one.column == "position_deg").count() >= 20,
+        "{found:?}"
+    );
 }
 
 #[test]

@@ -217,10 +217,12 @@ impl Record {
         let ends_at_rest = rests[n.saturating_sub((2.0 * REST_S * rate_hz) as usize)..].iter().all(|rests| *rests);
         let last = if ends_at_rest { at.len() } else { at.len().saturating_sub(memory.div_ceil(step)) };
         let compared = ((thinned_hz / (ROWS_PER_PERIOD * lowpass_hz)) as usize).max(1);
-        let rows = (first..last).step_by(compared).collect();
+        // What a stuck sensor reads tells nothing of the joint; what a clipped one does tells its range.
+        let clear = trial.clear_of(&trial.log.stuck(), lowpass_hz);
+        let rows = (first..last).step_by(compared).filter(|row| clear[at[*row]]).collect();
         let entry = &trial.entry;
         let named = entry.trajectory.is_some() || entry.protocol != crate::log::Protocol::Free;
-        let in_range = trial.in_range(lowpass_hz);
+        let in_range = trial.clear_of(&trial.log.clipped, lowpass_hz);
         let levels = |range: &Range<usize>| trial.log.torque_nm[range.start];
         let clips: Vec<f64> = trial.log.clipped.iter().map(levels).collect();
         let spectral_floor_nm =

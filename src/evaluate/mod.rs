@@ -112,7 +112,7 @@ pub fn run(
     };
     let (mut trials, mut prints) = (Vec::with_capacity(chosen.len()), Vec::with_capacity(chosen.len()));
     let mut problems = Vec::new();
-    for (index, judged) in chosen.iter().zip( chosen.par_iter().with_max_len(1).map(evaluate).collect::<Vec<_>>()) {
+    for (index, judged) in chosen.iter().zip(chosen.par_iter().with_max_len(1).map(evaluate).collect::<Vec<_>>()) {
         match judged {
             Ok((trial, found, print)) => {
                 warnings.extend(found);

@@ -10,6 +10,8 @@ use super::legs::{LegFit, regressor};
 use crate::model::Direction;
 use crate::numerics::statistics::{mean, student_t};
 use crate::prepare::{Leg, Trial};
+use crate::problem::Problem;
+use std::path::Path;
 
 /// A drift this many half widths of its 95 % interval from none is one.
 const CLEAR: f64 = 2.0;
@@ -59,11 +61,11 @@ pub struct Drift {
 
 impl Drift {
     /// The drift that `legs` show, `times` beside them; `None` where there is none to speak of.
-    pub fn of(legs: &[LegFit], times: &[LegTime]) -> Option<Self> {
+    pub fn of(legs: &[&LegFit], times: &[LegTime]) -> Option<Self> {
         let usable = |(leg, time): &(&LegFit, &LegTime)| {
             leg.a_nm.is_finite() && leg.a_se_nm > 0.0 && leg.a_se_nm.is_finite() && time.per_regressor_s.is_finite()
         };
-        let all: Vec<(&LegFit, &LegTime)> = legs.iter().zip(times).filter(usable).collect();
+        let all: Vec<(&LegFit, &LegTime)> = legs.iter().copied().zip(times).filter(usable).collect();
         if all.len() < LEGS_MIN {
             return None;
         }
@@ -97,15 +99,16 @@ impl Drift {
         is_clear.then_some(Self { rate_nm_s, half_width_nm_s, largest_nm })
     }
 
-    /// What the reader is told.
-    pub fn warning(&self) -> String {
-        format!(
+    /// What the reader of `campaign` is told.
+    pub fn problem(&self, campaign: &Path) -> Problem {
+        let what = format!(
             "the torque drifts within the trials, by {:.4} mN m/s (95 % +- {:.4}), {:.1} mN m over the longest leg: A of slow legs \
-             differs from that of fast ones; no friction parameter is called pinned; let the sensor warm up, or tare it before each \
-             trial",
+             differs from that of fast ones",
             1e3 * self.rate_nm_s,
             1e3 * self.half_width_nm_s,
             1e3 * self.largest_nm
-        )
+        );
+        let cure = "no parameter is called pinned; let the sensor warm up, or tare it before each trial";
+        Problem::warning(campaign, what, cure)
     }
 }

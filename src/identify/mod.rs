@@ -150,7 +150,7 @@ fn from_sweeps(campaign: &Campaign, mut readings: Vec<Reading>, settings: Settin
     let mut legs: Vec<LegFit> = readings.iter_mut().flat_map(|r| std::mem::take(&mut r.legs)).collect();
     let load_nm = legs::load_of_a_nm(campaign);
     let times: Vec<LegTime> = readings.iter_mut().flat_map(|r| std::mem::take(&mut r.times)).collect();
-    let drift = Drift::of(&legs, &times);
+    let drift = Drift::of(&legs.iter().collect::<Vec<_>>(), &times);
     let a = legs::amplitudes(&legs, load_nm, &campaign.file)?;
     legs::fix_a(&mut legs, &a);
     let sliding_nm = legs::sliding_nm(&legs);
@@ -187,7 +187,7 @@ fn from_sweeps(campaign: &Campaign, mut readings: Vec<Reading>, settings: Settin
         learn(&mut model, &refined.fit.confidence);
     }
     if let Some(drift) = drift {
-        warnings.push(drift.warning());
+        warnings.push(drift.problem(&campaign.file).to_string());
         confidence::demote(model.confidence.values_mut());
     }
     let residuals = residuals(&prepared, &entries, &model);

@@ -23,9 +23,9 @@ pub use arm::{Arm, Place};
 pub use campaign::{Campaign, Signal, Survey, TrialEntry};
 pub use captured::Captured;
 pub use checks::longest_gap_s;
-pub use health::{Consequence, Finding, Fingerprint, Kind, copies, refuse_copies};
 pub use clock::{clock_s, span_s};
 pub use columns::{Column, Columns, OtherColumn, ReferenceColumn};
+pub use health::{Consequence, Finding, Fingerprint, Kind, copies, refuse_copies};
 pub use samples::{Sample, Samples};
 
 use crate::problem::{Problem, Problems, Result};
@@ -75,6 +75,16 @@ pub struct Log {
     pub fingerprint: Fingerprint,
     /// What the reader should know of this log.
     pub warnings: Vec<Problem>,
+}
+
+impl Log {
+    /// The stretches set aside because a sensor was stuck, not clipped.
+    pub fn stuck(&self) -> Vec<Range<usize>> {
+        let is_clipped = |stretch: &&Range<usize>| {
+            self.clipped.iter().any(|run| run.start < stretch.end && stretch.start < run.end)
+        };
+        self.set_aside.iter().filter(|stretch| !is_clipped(stretch)).cloned().collect()
+    }
 }
 
 /// Reads trial `index` of `campaign`, which must be in its list: parsed, checked, put on an even grid, in SI.

@@ -125,7 +125,8 @@ fn drop_outs_are_found_even_within_the_noise() {
 fn a_stuck_torque_is_set_aside_and_a_lost_frame_replaced() {
     let noise = noise(5, 0.01);
     let sound = |sample: usize| torque_nm(sample) + noise[sample];
-    let stuck = |range: std::ops::Range<usize>| move |sample: usize| if range.contains(&sample) { range.start } else { sample };
+    let stuck =
+        |range: std::ops::Range<usize>| move |sample: usize| if range.contains(&sample) { range.start } else { sample };
     let long = stuck(1000..1400);
     let log = read(|sample| sound(long(sample))).expect("reads");
     assert_eq!((log.findings[0].kind, log.set_aside.clone()), (Kind::Stuck, vec![1000..1400]));

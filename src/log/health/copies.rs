@@ -64,7 +64,8 @@ impl Fingerprint {
 pub fn copies(campaign: &Campaign, prints: &[(usize, &Fingerprint)]) -> Vec<(usize, Problem)> {
     let of = |place: usize| &campaign.trials[prints[place].0].file;
     let told = |(place, original): (usize, Option<usize>)| {
-        let what = format!("holds the same recording as `{}`, perhaps shifted or with other time stamps", of(original?));
+        let what =
+            format!("holds the same recording as `{}`, perhaps shifted or with other time stamps", of(original?));
         let cure = "delete the copies from campaign.toml: a repeat must be recorded anew";
         Some((prints[place].0, Problem::error(campaign.folder.join(of(place)), what, cure)))
     };

@@ -15,9 +15,10 @@ use std::ops::Range;
 const LONGEST_S: f64 = 0.005;
 /// ... nor more samples than this, however short they are, unless they all read the same.
 pub(super) const LONGEST: usize = 4;
-/// A glitch is at least so many times the median change from sample to sample around it: 8.6 standard deviations of white
-/// noise, which 10 million samples of it reach once in 10^10.
-const LOCAL: f64 = 9.0;
+/// A glitch is at least so many times what four in five changes from sample to sample around it stay below: 9 standard deviations
+/// of white noise. A median would be too little where a sensor repeats readings before it chatters.
+const LOCAL: f64 = 5.0;
+const LOCAL_SHARE: f64 = 0.8;
 /// Samples on either side that tell what is usual around a glitch.
 const AROUND: usize = 16;
 /// In the whole log, a glitch is at least this many times what one second difference in a hundred exceeds; of white noise that
@@ -32,10 +33,18 @@ const QUANTA: f64 = 3.0;
 const RANGE_SHARE: f64 = 1e-3;
 /// The readings before and after a glitch differ by less than this share of it.
 const RETURN: f64 = 1.0 / 3.0;
+/// Second differences below this share of the range are rounding of binary numbers.
+const DIGITS: f64 = 1e-13;
 /// Second differences looked at to tell what is usual.
 const LOOKED_AT: usize = 20_000;
 /// Glitches at one constant from which on it is a drop-out.
 const DROPOUTS_MIN: usize = 5;
+/// A reading that makes up at least this share of the log, so many times each of so many readings next to it on either side, and
+/// whose neighbours in time are typically so many times a usual change away from it, is one that the sensor drops to.
+const FREQUENT: f64 = 2e-3;
+const SPIKE: usize = 8;
+const NEXT: usize = 5;
+const FAR: f64 = 3.0;
 /// A bridged neighbour uncovers the next one: so many times over.
 const PASSES: usize = 3;
 
@@ -60,8 +69,9 @@ impl Glitches {
 /// The glitches of `signal`, sampled at `rate_hz`, which are replaced by straight lines; where the `motion` has a corner, so may
 /// its torque.
 pub(super) fn mend(signal: &mut [f64], rate_hz: f64, motion: Option<&Corners<'_>>) -> Glitches {
+    let frequent = frequent_dropout(signal);
+    let mut found = frequent.map_or(Vec::new(), |constant| mend_constant(signal, constant));
     let Some(usual) = Usual::of(signal, rate_hz) else { return Glitches::default() };
-    let mut found = Vec::new();
     let (mut values, mut largest) = (Vec::new(), 0f64);
     for _ in 0..PASSES {
         let before = found.len();
@@ -80,13 +90,11 @@ pub(super) fn mend(signal: &mut [f64], rate_hz: f64, motion: Option<&Corners<'_>
             break;
         }
     }
-    let constant = shared(&mut values);
-    if let Some(constant) = constant {
-        for run in short_runs(signal, constant) {
-            bridge(signal, &run);
-            found.push(run);
-        }
+    let rare = shared(&mut values);
+    if let Some(constant) = rare {
+        found.extend(mend_constant(signal, constant));
     }
+    let constant = frequent.or(rare);
     Glitches { runs: joined(found), largest, constant }
 }
 
@@ -112,10 +120,11 @@ impl Usual {
         let mut seconds: Vec<f64> = places().map(|i| second(signal, i)).collect();
         let [tenth, hundredth] = [0.9, 0.99].map(|share| quantile(&mut seconds, share));
         let tail = if hundredth > HEAVY_TAIL * tenth { TAIL * tenth } else { hundredth };
-        let changes = places().map(|i| (signal[i + 1] - signal[i]).abs()).filter(|change| *change > 0.0);
-        let quantum = changes.fold(f64::INFINITY, f64::min);
         let mut readings: Vec<f64> = places().map(|i| signal[i]).collect();
         let range = quantile(&mut readings, 0.98) - quantile(&mut readings, 0.02);
+        // Of whole steps, second differences are half steps or none, but for the last digits of binary numbers.
+        let steps = seconds.iter().copied().filter(|second| *second > DIGITS * range);
+        let quantum = 2.0 * steps.fold(f64::INFINITY, f64::min);
         let unusual = (GLOBAL * tail).max(QUANTA * quantum);
         let smallest = unusual.max(RANGE_SHARE * range);
         let longest = ((LONGEST_S * rate_hz) as usize).clamp(1, LONGEST);
@@ -149,7 +158,9 @@ fn second(signal: &[f64], i: usize) -> f64 {
 /// The first glitch from sample `from` on, with its size.
 fn next(signal: &[f64], from: usize, usual: &Usual) -> Option<(Range<usize>, f64)> {
     let last = signal.len() - 1;
-    if from == 0 && let Some(size) = at_an_end(signal, usual, |place| place) {
+    if from == 0
+        && let Some(size) = at_an_end(signal, usual, |place| place)
+    {
         return Some((0..1, size));
     }
     for i in from.max(1)..last {
@@ -180,10 +191,8 @@ fn starting_at(signal: &[f64], start: usize, usual: &Usual) -> Option<(Range<usi
             continue;
         }
         let quiet = |a: usize, b: Option<&f64>| b.is_some_and(|b| (b - signal[a]).abs() <= RETURN * least);
-        let flanks = [
-            quiet(start - 1, (start - 1).checked_sub(1).map(|i| &signal[i])),
-            quiet(end, signal.get(end + 1)),
-        ];
+        let flanks =
+            [quiet(start - 1, (start - 1).checked_sub(1).map(|i| &signal[i])), quiet(end, signal.get(end + 1))];
         if flanks.contains(&true) && least > LOCAL * change_around(signal, start..end) {
             let most = (start..end).map(|i| side * off(i)).fold(0.0, f64::max);
             return Some((start..end, most));
@@ -202,13 +211,47 @@ fn at_an_end(signal: &[f64], usual: &Usual, place: impl Fn(usize) -> usize) -> O
     (is_one && size > 2.0 * LOCAL * change_around(signal, one..other)).then_some(size)
 }
 
-/// The median change from sample to sample around `run`, the run itself left out.
+/// What most changes from sample to sample around `run` stay below, the run itself left out.
 fn change_around(signal: &[f64], run: Range<usize>) -> f64 {
     let change = |i: usize| (signal[i + 1] - signal[i]).abs();
     let before = run.start.saturating_sub(AROUND)..run.start.saturating_sub(1);
     let after = run.end..(run.end + AROUND).min(signal.len() - 1);
     let mut changes: Vec<f64> = before.chain(after).map(change).collect();
-    quantile(&mut changes, 0.5)
+    quantile(&mut changes, LOCAL_SHARE)
+}
+
+/// The reading that the signal drops to so often that drop-outs make up much of its tails: one that is by far more frequent than
+/// those next to it, and that the readings beside it are far from.
+fn frequent_dropout(signal: &[f64]) -> Option<f64> {
+    let stride = (signal.len() / LOOKED_AT).max(1);
+    let mut readings: Vec<f64> = signal.iter().step_by(stride).copied().collect();
+    readings.sort_by(f64::total_cmp);
+    let mut counts: Vec<(f64, usize)> = readings.chunk_by(|a, b| a == b).map(|chunk| (chunk[0], chunk.len())).collect();
+    let most = (0..counts.len()).max_by_key(|place| counts[*place].1)?;
+    let (constant, count) = counts[most];
+    let beside = counts.drain(most.saturating_sub(NEXT)..(most + NEXT + 1).min(counts.len()));
+    let next = beside.filter(|(reading, _)| *reading != constant).map(|(_, count)| count).max().unwrap_or(0);
+    if count < DROPOUTS_MIN || (count as f64) < FREQUENT * readings.len() as f64 || count < SPIKE * next {
+        return None;
+    }
+    let (mut onto, mut others) = (Vec::new(), Vec::new());
+    for pair in signal.windows(2) {
+        match (pair[0] == constant, pair[1] == constant) {
+            (false, false) => others.push((pair[1] - pair[0]).abs()),
+            (false, true) | (true, false) => onto.push((pair[1] - pair[0]).abs()),
+            (true, true) => (),
+        }
+    }
+    // A signal that stays at the constant is stuck, or at the end of its range.
+    let stays = signal.iter().filter(|reading| **reading == constant).count() > LONGEST * onto.len() / 2;
+    (!stays && quantile(&mut onto, 0.5) > FAR * quantile(&mut others, 0.5)).then_some(constant)
+}
+
+/// Straight lines where `signal` drops to `constant`.
+fn mend_constant(signal: &mut [f64], constant: f64) -> Vec<Range<usize>> {
+    let runs = short_runs(signal, constant);
+    runs.iter().for_each(|run| bridge(signal, run));
+    runs
 }
 
 /// The reading that at least half of `values` share.

@@ -109,7 +109,9 @@ impl Finding {
             Kind::Dropout => format!("drops out to {size} {unit} in {share}"),
             Kind::Stuck => format!("stays at one reading, such as {size} {unit}, while the joint moves, in {share}"),
             Kind::Clipped => format!("reads exactly {size} {unit} in {share}: the sensor clips"),
-            Kind::OutOfBounds => format!("reads {size:e} {unit}, which no joint or sensor shows; such readings: {share}"),
+            Kind::OutOfBounds => {
+                format!("reads {size:e} {unit}, which no joint or sensor shows; such readings: {share}")
+            }
             Kind::Quantised => format!(
                 "changes in steps of {size:.4} {unit}, far larger than its noise: means over many samples are no more exact \
                  than single ones"

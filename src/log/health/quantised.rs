@@ -35,7 +35,10 @@ pub(super) fn step(position: &[f64], torque: &[f64], rate_hz: f64) -> Option<f64
         (steps - steps.round()).abs() <= WHOLE && steps > 0.5
     };
     let on_steps = changes.iter().filter(is_whole).count();
-    if changes.len() < CHANGES || (on_steps as f64) < ON_STEPS * changes.len() as f64 || step < STEP_SHARE * (high - low) {
+    if changes.len() < CHANGES
+        || (on_steps as f64) < ON_STEPS * changes.len() as f64
+        || step < STEP_SHARE * (high - low)
+    {
         return None;
     }
     let motion = Motion::of(position, rate_hz);

@@ -58,7 +58,8 @@ pub(super) fn position(position: &[f64]) -> Vec<Range<usize>> {
             return false;
         }
         let beside = [before..run.start, run.end..(run.end + run.len().max(RUN_MIN)).min(position.len())];
-        let mut steps: Vec<f64> = beside.iter().flat_map(|part| position[part.clone()].windows(2)).map(|p| p[1] - p[0]).collect();
+        let mut steps: Vec<f64> =
+            beside.iter().flat_map(|part| position[part.clone()].windows(2)).map(|p| p[1] - p[0]).collect();
         let speed = quantile(&mut steps, 0.5);
         let way = speed * run.len() as f64;
         jump * way > 0.0 && jump.abs() > WAY_SHARE * way.abs() && jump.abs() > RUN_MIN as f64 * speed.abs() * WAY_SHARE
