@@ -5,6 +5,7 @@ mod campaign;
 mod clipping;
 mod files;
 mod grid;
+mod health;
 mod velocity;
 
 use std::fmt::Write;

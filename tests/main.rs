@@ -22,6 +22,7 @@ mod floor;
 mod free;
 mod friction;
 mod golden;
+mod health;
 mod import;
 mod inputs;
 mod install;

@@ -1,7 +1,7 @@
 //! What identifies a trial: how it is declared, and a digest of its log.
 
 use super::sketch::Sketch;
-use crate::log::{Campaign, Log, TrialEntry, read_trial};
+use crate::log::{Campaign, Log, TrialEntry, read_trial, refuse_copies};
 use crate::problem::{Problems, Result};
 use rayon::prelude::*;
 use std::collections::BTreeMap;
@@ -37,17 +37,26 @@ impl TrialMark {
 
 /// The marks of all trials of `campaign`. Errors: all that is wrong with any log.
 pub(super) fn read(campaign: &Campaign) -> Result<Vec<TrialMark>> {
-    let one = |index: usize| Ok(mark(&campaign.trials[index], &read_trial(campaign, index)?));
-    let all: Vec<Result<TrialMark>> = (0..campaign.trials.len()).into_par_iter().with_max_len(1).map(one).collect();
+    let one = |index: usize| {
+        let mut log = read_trial(campaign, index)?;
+        let print = std::mem::take(&mut log.fingerprint);
+        Ok((mark(&campaign.trials[index], &log), (index, print)))
+    };
+    let all: Vec<Result<_>> = (0..campaign.trials.len()).into_par_iter().with_max_len(1).map(one).collect();
     let mut problems = Vec::new();
-    let mut marks = Vec::with_capacity(all.len());
+    let (mut marks, mut prints) = (Vec::with_capacity(all.len()), Vec::with_capacity(all.len()));
     for one in all {
         match one {
-            Ok(mark) => marks.push(mark),
+            Ok((mark, print)) => {
+                marks.push(mark);
+                prints.push(print);
+            }
             Err(Problems(found)) => problems.extend(found),
         }
     }
-    Problems(problems).unless_errors(marks)
+    Problems(problems).unless_errors(())?;
+    refuse_copies(campaign, &prints)?;
+    Ok(marks)
 }
 
 fn mark(entry: &TrialEntry, log: &Log) -> TrialMark {

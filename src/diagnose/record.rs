@@ -3,7 +3,7 @@
 
 use crate::dynamics::{Both, Motion, RigidTorque};
 use crate::effects::{Added, Carried, Family, Sample};
-use crate::log::{Campaign, clock_s, read_trial, span_s};
+use crate::log::{Campaign, Fingerprint, clock_s, read_trial, refuse_copies, span_s};
 use crate::model::{AT_REST_RAD_S, Asked, Model, Passage, settle};
 use crate::numerics::filter::LowPass;
 use crate::predict::{forgotten, torque_nm};
@@ -90,19 +90,21 @@ impl Records {
     /// Errors: all that is wrong with any trial; no sample is left to judge.
     pub fn read(campaign: &Campaign, model: &Model, progress: &(dyn Fn() + Sync)) -> Result<Self> {
         let one = |index: usize| {
-            let trial = read_trial(campaign, index).and_then(|log| prepare(campaign, index, log))?;
+            let mut trial = read_trial(campaign, index).and_then(|log| prepare(campaign, index, log))?;
             let span = span_s(&trial.log);
             progress();
-            Ok((Record::new(campaign, model, &trial)?, span))
+            let print = std::mem::take(&mut trial.log.fingerprint);
+            Ok((Record::new(campaign, model, &trial)?, span, (index, print)))
         };
-        let (mut all, mut spans, mut problems) = (Vec::new(), Vec::new(), Vec::new());
-        let found: Vec<Result<(Record, (f64, f64))>> =
+        let (mut all, mut spans, mut prints, mut problems) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
+        let found: Vec<Result<(Record, (f64, f64), (usize, Fingerprint))>> =
             (0..campaign.trials.len()).into_par_iter().with_max_len(1).map(one).collect();
         for result in found {
             match result {
-                Ok((record, span)) => {
+                Ok((record, span, print)) => {
                     all.push(record);
                     spans.push(span);
+                    prints.push(print);
                 }
                 Err(Problems(found)) => problems.extend(found),
             }
@@ -110,6 +112,7 @@ impl Records {
         if !problems.is_empty() {
             return Err(Problems(problems));
         }
+        refuse_copies(campaign, &prints)?;
         for (record, began_s) in all.iter_mut().zip(clock_s(&spans)) {
             record.began_s = began_s;
         }
@@ -211,10 +214,12 @@ impl Record {
         let ends_at_rest = rests[n.saturating_sub((2.0 * REST_S * rate_hz) as usize)..].iter().all(|rests| *rests);
         let last = if ends_at_rest { at.len() } else { at.len().saturating_sub(memory.div_ceil(step)) };
         let compared = ((thinned_hz / (ROWS_PER_PERIOD * lowpass_hz)) as usize).max(1);
-        let rows = (first..last).step_by(compared).collect();
+        // What a stuck sensor reads tells nothing of the joint; what a clipped one does tells its range.
+        let clear = trial.clear_of(&trial.log.stuck(), lowpass_hz);
+        let rows = (first..last).step_by(compared).filter(|row| clear[at[*row]]).collect();
         let entry = &trial.entry;
         let named = entry.trajectory.is_some() || entry.protocol != crate::log::Protocol::Free;
-        let in_range = trial.in_range(lowpass_hz);
+        let in_range = trial.clear_of(&trial.log.clipped, lowpass_hz);
         let levels = |range: &Range<usize>| trial.log.torque_nm[range.start];
         let clips: Vec<f64> = trial.log.clipped.iter().map(levels).collect();
         let spectral_floor_nm = super::floor::spectral_nm(trial, &torque_nm(model, trial).0, &campaign.signal);

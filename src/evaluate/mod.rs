@@ -13,7 +13,7 @@ pub use figures::{Figures, Judged, Split, Spread, pooled};
 pub use fits::fitted;
 pub use view::View;
 
-use crate::log::{Campaign, Protocol, TrialEntry, read_trial};
+use crate::log::{Campaign, Fingerprint, Protocol, TrialEntry, read_trial, refuse_copies};
 use crate::model::{Combination, Model, RecordedCurve};
 use crate::numerics::filter::LowPass;
 use crate::predict::{Prediction, forgotten, with_curve};
@@ -110,13 +110,14 @@ pub fn run(
         progress();
         judged
     };
-    let mut trials = Vec::with_capacity(chosen.len());
+    let (mut trials, mut prints) = (Vec::with_capacity(chosen.len()), Vec::with_capacity(chosen.len()));
     let mut problems = Vec::new();
-    for judged in chosen.par_iter().with_max_len(1).map(evaluate).collect::<Vec<_>>() {
+    for (index, judged) in chosen.iter().zip(chosen.par_iter().with_max_len(1).map(evaluate).collect::<Vec<_>>()) {
         match judged {
-            Ok((trial, found)) => {
+            Ok((trial, found, print)) => {
                 warnings.extend(found);
                 trials.push(trial);
+                prints.push((*index, print));
             }
             Err(Problems(found)) => problems.extend(found),
         }
@@ -124,6 +125,7 @@ pub fn run(
     if !problems.is_empty() {
         return Err(Problems(problems));
     }
+    refuse_copies(campaign, &prints)?;
     if trials.iter().all(|t| t.filtered.all.samples == 0) {
         let what = "no sample can be judged: the joint never moves through its clearance";
         return Problem::error(&campaign.file, what, "record motion in both directions").alone();
@@ -173,8 +175,13 @@ pub fn low_pass(campaign: &Campaign, trial: &Trial, mut signal: Vec<f64>) -> Vec
     signal
 }
 
-fn judge(campaign: &Campaign, index: usize, model: &Model, rivals: &[Rival]) -> Result<(TrialEvaluation, Vec<String>)> {
-    let trial = read_trial(campaign, index).and_then(|log| prepare(campaign, index, log))?;
+fn judge(
+    campaign: &Campaign,
+    index: usize,
+    model: &Model,
+    rivals: &[Rival],
+) -> Result<(TrialEvaluation, Vec<String>, Fingerprint)> {
+    let mut trial = read_trial(campaign, index).and_then(|log| prepare(campaign, index, log))?;
     let prediction = Prediction::new(model, &trial);
     let judged = judged(&trial, &prediction, campaign.signal.lowpass_hz);
     let filtered_nm = low_pass(campaign, &trial, prediction.torque_nm.clone());
@@ -195,7 +202,8 @@ fn judge(campaign: &Campaign, index: usize, model: &Model, rivals: &[Rival]) -> 
     let (of_rivals, rivals_nm): (Vec<Split>, Vec<Vec<f64>>) = rivals.iter().map(of_rival).unzip();
     view.rivals_nm = rivals_nm;
     let entry = trial.entry.clone();
-    Ok((TrialEvaluation { entry, filtered, raw, rivals: of_rivals, view }, warnings))
+    let evaluation = TrialEvaluation { entry, filtered, raw, rivals: of_rivals, view };
+    Ok((evaluation, warnings, std::mem::take(&mut trial.log.fingerprint)))
 }
 
 /// A word where the model follows the sign of a speed that is noise: (20) has no other way at rest.

@@ -1,5 +1,6 @@
 //! What the trials of a campaign contradict or lack together, told before anything is fitted.
 
+use super::drift::{Drift, LegTime};
 use super::legs::{LegFit, amplitude, consistent, load_of_a_nm, no_leg};
 use super::reading::Reading;
 use crate::log::{Campaign, Protocol};
@@ -10,7 +11,7 @@ use std::path::Path;
 /// Speeds that B(v) needs, in each direction.
 const SPEEDS_MIN: usize = 2;
 
-/// Why the joint of `campaign` cannot be identified from `readings`. Of trials that could not be read, whose readings are
+/// Why the joint of `campaign` cannot be identified from `readings`, or what to know of them together. Of trials that could not be read, whose readings are
 /// missing, the best is assumed.
 pub fn check(campaign: &Campaign, readings: &[Reading]) -> Vec<Problem> {
     let is_unread = |file: &str| readings.iter().all(|reading| reading.entry.file != file);
@@ -28,7 +29,9 @@ pub fn check(campaign: &Campaign, readings: &[Reading]) -> Vec<Problem> {
     let unread: Vec<f64> = unread.iter().filter_map(|protocol| protocol.speed_rad_s()).collect();
     let load_nm = load_of_a_nm(campaign);
     let in_direction = |direction| of_direction(direction, &legs, &unread, load_nm, &campaign.file);
-    Direction::BOTH.into_iter().flat_map(in_direction).collect()
+    let times: Vec<LegTime> = readings.iter().flat_map(|reading| reading.times.iter().copied()).collect();
+    let drift = Drift::of(&legs, &times).map(|drift| drift.problem(&campaign.file));
+    Direction::BOTH.into_iter().flat_map(in_direction).chain(drift).collect()
 }
 
 fn of_direction(

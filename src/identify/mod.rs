@@ -5,6 +5,7 @@ pub mod combination;
 mod confidence;
 mod covariance;
 mod doubts;
+pub mod drift;
 mod forms;
 pub mod free;
 pub mod friction;
@@ -36,6 +37,7 @@ pub use windows::Crossing;
 use crate::log::{Arm, Campaign, Protocol, TrialEntry};
 use crate::model::{Both, Combination, Confidence, Direction, Friction, Model, Status};
 use crate::problem::{Problem, Problems, Result};
+use drift::{Drift, LegTime};
 use predicted::Prepared;
 use residuals::residuals;
 use std::collections::BTreeMap;
@@ -116,11 +118,15 @@ pub fn run(campaign: &Campaign, settings: Settings, progress: &(dyn Fn() + Sync)
 pub fn identify(campaign: &Campaign, readings: Vec<Reading>, settings: Settings) -> Result<Identification> {
     Problems(check(campaign, &readings)).unless_errors(())?;
     let sweeps = readings.iter().any(|reading| reading.entry.protocol.speed_rad_s().is_some());
+    let demotes = readings.iter().any(|reading| reading.demotes);
     let mut found = if sweeps {
         from_sweeps(campaign, readings, settings)?
     } else {
         from_free_motion(campaign, readings, settings)?
     };
+    if demotes {
+        confidence::demote(found.model.confidence.values_mut());
+    }
     found.warnings.splice(0..0, campaign.warnings.iter().map(Problem::to_string));
     found.warnings.extend(doubts::doubts(&found.model, sweeps));
     Ok(found)
@@ -143,6 +149,8 @@ fn from_sweeps(campaign: &Campaign, mut readings: Vec<Reading>, settings: Settin
     let lowpass_hz = campaign.signal.lowpass_hz;
     let mut legs: Vec<LegFit> = readings.iter_mut().flat_map(|r| std::mem::take(&mut r.legs)).collect();
     let load_nm = legs::load_of_a_nm(campaign);
+    let times: Vec<LegTime> = readings.iter_mut().flat_map(|r| std::mem::take(&mut r.times)).collect();
+    let drift = Drift::of(&legs.iter().collect::<Vec<_>>(), &times);
     let a = legs::amplitudes(&legs, load_nm, &campaign.file)?;
     legs::fix_a(&mut legs, &a);
     let sliding_nm = legs::sliding_nm(&legs);
@@ -177,6 +185,10 @@ fn from_sweeps(campaign: &Campaign, mut readings: Vec<Reading>, settings: Settin
     if let Some(refined) = refinement.as_ref().filter(|r| r.kept) {
         model = Model { confidence: model.confidence, ..refined.fit.model.clone() };
         learn(&mut model, &refined.fit.confidence);
+    }
+    if let Some(drift) = drift {
+        warnings.push(drift.problem(&campaign.file).to_string());
+        confidence::demote(model.confidence.values_mut());
     }
     let residuals = residuals(&prepared, &entries, &model);
     warnings.extend(doubts::extrapolation_warning(&residuals, fits.up.points.speed_range_rad_s().1, settings.refine));

@@ -1,8 +1,9 @@
 //! Trials read in parallel, each thinned to what the stages need before the next is opened.
 
+use super::drift::{LegTime, leg_times};
 use super::legs::{LegFit, fit_legs, regressor};
 use super::predicted::Prepared;
-use crate::log::{self, Campaign, TrialEntry};
+use crate::log::{self, Campaign, Consequence, Fingerprint, TrialEntry, copies};
 use crate::model::Direction;
 use crate::prepare::{Series, Trial, prepare};
 use crate::problem::{Problem, Problems, Result, Severity};
@@ -22,6 +23,12 @@ pub struct Reading {
     pub prepared: Prepared,
     /// Rows of its log.
     pub rows: usize,
+    /// How time goes with the regressor along each leg.
+    pub times: Vec<LegTime>,
+    /// What tells its recording from others.
+    pub fingerprint: Fingerprint,
+    /// Whether a finding in its signals takes the word `pinned` from what is identified.
+    pub demotes: bool,
     /// What to know of it.
     pub warnings: Vec<Problem>,
     /// The trial to look at, if it is this one.
@@ -69,7 +76,22 @@ pub fn examine_trials(campaign: &Campaign, progress: &(dyn Fn() + Sync)) -> Vec<
     order.sort_by_cached_key(|i| std::cmp::Reverse(size(i)));
     let mut examined: Vec<_> = order.into_par_iter().with_max_len(1).map(examine).collect();
     examined.sort_by_key(|(i, _)| *i);
-    examined.into_iter().map(|(_, examined)| examined).collect()
+    let mut examined: Vec<_> = examined.into_iter().map(|(_, examined)| examined).collect();
+    refuse_copies(campaign, &mut examined);
+    examined
+}
+
+/// Says of each trial that holds the same recording as an earlier one that it does.
+fn refuse_copies(campaign: &Campaign, examined: &mut [(Option<Reading>, Vec<Problem>)]) {
+    let prints: Vec<(usize, &Fingerprint)> = examined
+        .iter()
+        .enumerate()
+        .filter_map(|(trial, (reading, _))| Some((trial, &reading.as_ref()?.fingerprint)))
+        .collect();
+    let found = copies(campaign, &prints);
+    for (trial, problem) in found {
+        examined[trial].1.push(problem);
+    }
 }
 
 fn examine_trial(campaign: &Campaign, index: usize, show: bool) -> (Option<Reading>, Vec<Problem>) {
@@ -102,6 +124,9 @@ fn reading(campaign: &Campaign, mut trial: Trial, show: bool) -> Reading {
         trace: show.then(|| trace(&trial, &legs, gravity_nm)),
         prepared: Prepared::new(series, campaign.signal.lowpass_order, campaign.signal.lowpass_hz),
         rows: trial.log.time_s.len(),
+        times: leg_times(&trial, gravity_nm),
+        fingerprint: std::mem::take(&mut trial.log.fingerprint),
+        demotes: trial.log.findings.iter().any(|finding| finding.consequence == Consequence::Demote),
         warnings: std::mem::take(&mut trial.log.warnings),
         entry: trial.entry,
         legs,

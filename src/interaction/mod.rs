@@ -17,7 +17,7 @@ pub use quiet::{Levels, Quiet};
 pub use stream::{Plausible, Stream, StreamOutput};
 
 use crate::evaluate::fitted;
-use crate::log::{Campaign, Protocol, TrialEntry, read_trial};
+use crate::log::{Campaign, Protocol, TrialEntry, read_trial, refuse_copies};
 use crate::model::Model;
 use crate::prepare::{Trial, prepare};
 use crate::problem::{Problem, Problems, Result};
@@ -164,9 +164,6 @@ fn all(
     progress: &(dyn Fn() + Sync),
 ) -> Result<(Vec<Extracted>, Vec<String>)> {
     let one = |index: &usize| {
-        let extracted = read_trial(campaign, *index)
-            .and_then(|log| prepare(campaign, *index, log))
-            .and_then(|trial| Extracted::new(campaign, model, frame, filtering, &trial));
         let is_quiet = campaign.trials[*index].protocol != Protocol::Interaction;
         let thinned = |extracted: Extracted| match is_quiet {
             true => Extracted {
@@ -175,21 +172,31 @@ fn all(
             },
             false => extracted,
         };
-        let extracted = extracted.map(thinned);
+        let extracted =
+            read_trial(campaign, *index).and_then(|log| prepare(campaign, *index, log)).and_then(|mut trial| {
+                let print = std::mem::take(&mut trial.log.fingerprint);
+                Ok((thinned(Extracted::new(campaign, model, frame, filtering, &trial)?), (*index, print)))
+            });
         progress();
         extracted
     };
     let (mut done, mut warnings, mut problems) = (Vec::with_capacity(chosen.len()), Vec::new(), Vec::new());
+    let mut prints = Vec::with_capacity(chosen.len());
     for extracted in chosen.par_iter().with_max_len(1).map(one).collect::<Vec<_>>() {
         match extracted {
-            Ok(mut extracted) => {
+            Ok((mut extracted, print)) => {
                 warnings.append(&mut extracted.warnings);
                 done.push(extracted);
+                prints.push(print);
             }
             Err(Problems(found)) => problems.extend(found),
         }
     }
-    if problems.is_empty() { Ok((done, warnings)) } else { Err(Problems(problems)) }
+    if !problems.is_empty() {
+        return Err(Problems(problems));
+    }
+    refuse_copies(campaign, &prints)?;
+    Ok((done, warnings))
 }
 
 /// A word on the part of a trial in which contacts may go unseen.

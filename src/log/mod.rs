@@ -4,11 +4,11 @@ mod arm;
 mod campaign;
 mod captured;
 mod checks;
-mod clipping;
 mod clock;
 mod columns;
 mod csv_file;
 mod entries;
+mod health;
 pub mod mixed;
 mod parquet_file;
 mod parquet_pages;
@@ -28,6 +28,7 @@ pub use captured::Captured;
 pub use checks::longest_gap_s;
 pub use clock::{clock_s, span_s};
 pub use columns::{Column, Columns, OtherColumn, ReferenceColumn};
+pub use health::{Consequence, Finding, Fingerprint, Kind, copies, refuse_copies};
 pub use samples::{Sample, Samples};
 
 use crate::problem::{Problem, Problems, Result};
@@ -69,8 +70,24 @@ pub struct Log {
     pub other_position_rad: Vec<Vec<f64>>,
     /// Samples at which the torque sensor was at the end of its range.
     pub clipped: Vec<Range<usize>>,
+    /// Samples that no fit and no figure may see, in order: those clipped, and those at which a sensor was stuck.
+    pub set_aside: Vec<Range<usize>>,
+    /// What is wrong with its signals; `warnings` tells it too.
+    pub findings: Vec<Finding>,
+    /// What tells this recording from others.
+    pub fingerprint: Fingerprint,
     /// What the reader should know of this log.
     pub warnings: Vec<Problem>,
+}
+
+impl Log {
+    /// The stretches set aside because a sensor was stuck, not clipped.
+    pub fn stuck(&self) -> Vec<Range<usize>> {
+        let is_clipped = |stretch: &&Range<usize>| {
+            self.clipped.iter().any(|run| run.start < stretch.end && stretch.start < run.end)
+        };
+        self.set_aside.iter().filter(|stretch| !is_clipped(stretch)).cloned().collect()
+    }
 }
 
 /// Reads trial `index` of `campaign`, which must be in its list: parsed, checked, put on an even grid, in SI.
@@ -100,6 +117,8 @@ pub fn examine_trial(campaign: &Campaign, index: usize) -> (Option<Log>, Vec<Pro
     let mut problems = faults.into_problems();
     let log = is_usable.then(|| log_of(file, recorded, &wanted, &campaign.signal));
     if let Some(log) = &log {
+        let refused = log.findings.iter().filter(|finding| finding.consequence == Consequence::Refuse);
+        problems.extend(refused.map(|finding| finding.problem(&log.file)));
         problems.extend(velocity::check(log, &wanted, campaign.joint.kind));
     }
     (log, problems)
@@ -130,19 +149,21 @@ fn read_columns(file: &Path, entry: &TrialEntry, wanted: &[Wanted], faults: &mut
     }
 }
 
-fn log_of(file: PathBuf, recorded: Readings, wanted: &[Wanted], signal: &Signal) -> Log {
+fn log_of(file: PathBuf, mut recorded: Readings, wanted: &[Wanted], signal: &Signal) -> Log {
+    let fingerprint = Fingerprint::of(&recorded.columns[TORQUE]);
+    let mut findings = health::mend(&mut recorded, wanted);
     let (mut columns, rate_hz, mut warnings) = resample::onto_even_grid(&file, recorded.columns, &wanted[TIME]);
-    let clipped = clipping::find(&columns[POSITION], &columns[TORQUE], rate_hz);
-    let samples = columns[TORQUE].len();
-    warnings.extend(clipped.iter().map(|end| end.warning(&file, &recorded.rows, &wanted[TORQUE], samples)));
+    let examined = health::examine(&mut columns, rate_hz, wanted, &recorded.rows);
+    findings.extend(examined.findings);
+    let told = findings.iter().filter(|finding| finding.consequence != Consequence::Refuse);
+    warnings.extend(told.map(|finding| finding.problem(&file)));
     for (column, want) in columns.iter_mut().zip(wanted) {
         let sign = if want.quantity == Quantity::Torque { signal.torque_sign } else { 1.0 };
         scale(column, sign * want.factor());
     }
-    let mut log = assemble(file, rate_hz, columns, wanted);
-    log.clipped = clipping::merge(clipped);
-    log.warnings = warnings;
-    log
+    let log = assemble(file, rate_hz, columns, wanted);
+    let (clipped, set_aside) = (examined.clipped, examined.set_aside);
+    Log { clipped, set_aside, findings, fingerprint, warnings, ..log }
 }
 
 fn scale(column: &mut [f64], factor: f64) {
@@ -166,6 +187,9 @@ fn assemble(file: PathBuf, rate_hz: f64, columns: Vec<Vec<f64>>, wanted: &[Wante
         temperature_degc: None,
         other_position_rad: Vec::new(),
         clipped: Vec::new(),
+        set_aside: Vec::new(),
+        findings: Vec::new(),
+        fingerprint: Fingerprint::default(),
         warnings: Vec::new(),
     };
     for (column, want) in columns.into_iter().zip(wanted) {

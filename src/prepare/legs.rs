@@ -29,7 +29,7 @@ pub struct Leg {
     pub direction: Direction,
     /// Its samples in the trial.
     pub samples: Range<usize>,
-    /// Those of them that a clipped sensor spoils; empty where it does not.
+    /// Those of them that a clipped or stuck sensor spoils; empty where it does not.
     pub left_out: Range<usize>,
 }
 

@@ -1,10 +1,10 @@
 //! A log made ready: torque low-passed, motion differentiated, sweeps cut into legs.
 
-mod clipped;
 mod encoder;
 mod legs;
 mod rigid;
 mod series;
+mod set_aside;
 mod stumps;
 
 pub use legs::{Leg, find_legs};
@@ -22,6 +22,7 @@ use crate::problem::{Problem, Result};
 use crate::trajectory::Trajectory;
 use encoder::Position;
 use legs::cut;
+use std::ops::Range;
 
 /// The motion is low-passed at this many times the torque's cut-off ...
 const MOTION_BANDWIDTH: f64 = 4.0;
@@ -127,17 +128,22 @@ impl Trial {
         self.load_torque_nm.as_ref().map_or(0.0, |load| load[at])
     }
 
-    /// Whether the low-passed torque at each sample is free of clipped readings, which a low-pass at `lowpass_hz` carries into
-    /// their surroundings.
+    /// Whether the low-passed torque at each sample is free of readings that were set aside; see [`Self::clear_of`].
     pub fn in_range(&self, lowpass_hz: f64) -> Vec<bool> {
-        let mut in_range = vec![true; self.torque_nm.len()];
+        self.clear_of(&self.log.set_aside, lowpass_hz)
+    }
+
+    /// Whether the low-passed torque at each sample is free of the readings in `ranges`, which a low-pass at `lowpass_hz` carries
+    /// into their surroundings.
+    pub fn clear_of(&self, ranges: &[Range<usize>], lowpass_hz: f64) -> Vec<bool> {
+        let mut clear = vec![true; self.torque_nm.len()];
         let reach = (self.log.rate_hz / lowpass_hz) as usize;
-        for range in &self.log.clipped {
-            let last = (range.end + reach).min(in_range.len());
+        for range in ranges {
+            let last = (range.end + reach).min(clear.len());
             let first = range.start.saturating_sub(reach).min(last);
-            in_range[first..last].fill(false);
+            clear[first..last].fill(false);
         }
-        in_range
+        clear
     }
 }
 
@@ -166,7 +172,7 @@ pub fn prepare(campaign: &Campaign, index: usize, mut log: Log) -> Result<Trial>
         Protocol::Uniform { speed_rad_s } => find_legs(&log, &position_rad, speed_rad_s, &campaign.joint, lowpass_hz)?,
         _ => Vec::new(),
     };
-    let (legs, warnings) = clipped::leave_out(legs, &log, lowpass_hz);
+    let (legs, warnings) = set_aside::leave_out(legs, &log, lowpass_hz);
     log.warnings.extend(warnings);
     let mut trial = Trial {
         index,

@@ -10,11 +10,7 @@
 //!   reading stands alone;
 //! - noise: a log that is at its extremes more often than not, and smooth elsewhere, was simulated without noise.
 
-use super::columns::Wanted;
-use super::readings::Rows;
-use crate::problem::Problem;
 use std::ops::Range;
-use std::path::Path;
 
 /// Equal readings in a row, from which on a run is looked at.
 const RUN_MIN: usize = 5;
@@ -42,21 +38,6 @@ pub(super) struct ClippedEnd {
     pub reading: f64,
     /// The runs of that reading, single samples too; not empty.
     pub runs: Vec<Range<usize>>,
-}
-
-impl ClippedEnd {
-    /// What the reader should know, of a log of so many `samples`.
-    pub fn warning(&self, file: &Path, rows: &Rows, want: &Wanted, samples: usize) -> Problem {
-        let clipped: usize = self.runs.iter().map(Range::len).sum();
-        let unit = want.column.unit.name();
-        let percent = 100.0 * clipped as f64 / samples as f64;
-        let what = format!(
-            "reads exactly {} {unit} in {clipped} samples ({percent:.2} % of the log): the sensor clips",
-            self.reading
-        );
-        let cure = "these samples and those beside them are left out; record with a wider range or less load";
-        Problem::warning(file, what, cure).at_row(rows.of(self.runs[0].start)).in_column(&want.column.name)
-    }
 }
 
 /// The runs of both ends, in order.
@@ -170,7 +151,7 @@ impl Inner {
 }
 
 /// Where the joint moves.
-struct Motion<'a> {
+pub(super) struct Motion<'a> {
     position: &'a [f64],
     /// Samples to either side over which speed is judged.
     reach: usize,
@@ -179,13 +160,13 @@ struct Motion<'a> {
 }
 
 impl<'a> Motion<'a> {
-    fn of(position: &'a [f64], rate_hz: f64) -> Self {
+    pub fn of(position: &'a [f64], rate_hz: f64) -> Self {
         let reach = ((rate_hz * MOVING_WINDOW_S / 2.0).ceil() as usize).max(1);
         let path: f64 = position.chunks(2 * reach).map(|chunk| (chunk[chunk.len() - 1] - chunk[0]).abs()).sum();
         Self { position, reach, mean_step: path / position.len() as f64 }
     }
 
-    fn is_moving(&self, sample: usize) -> bool {
+    pub fn is_moving(&self, sample: usize) -> bool {
         let first = sample.saturating_sub(self.reach);
         let last = (sample + self.reach).min(self.position.len() - 1);
         let way = (self.position[last] - self.position[first]).abs();
@@ -193,7 +174,7 @@ impl<'a> Motion<'a> {
     }
 
     /// Whether the joint moves on during `run` itself: at rest a constant torque is no wonder.
-    fn moves_through(&self, run: &Range<usize>) -> bool {
+    pub fn moves_through(&self, run: &Range<usize>) -> bool {
         self.travel(run) > MOVING_SHARE * self.mean_step * run.len() as f64
     }
 
