@@ -36,3 +36,4 @@ mod reference;
 mod simulate;
 mod trajectory;
 mod validate;
+mod zero;

@@ -116,7 +116,7 @@ pub fn run(arguments: &Arguments, talk: &Talk) -> Result<ExitCode> {
 impl Arguments {
     fn settings(&self) -> Settings {
         let identify =
-            identify::Settings { form: self.form.form(), combination: self.curve.settings(), refine: self.refine };
+            identify::Settings { form: self.form.form(), combination: self.curve.settings(), refine: self.refine, ..Default::default() };
         Settings { identify, diagnose: self.diagnose }
     }
 }

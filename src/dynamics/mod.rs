@@ -44,19 +44,30 @@ impl JointKind {
 }
 
 /// Rigid-body parameters of one joint moving alone.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Dynamics {
     /// Gravity torque about the joint at theta = 90 deg, N m (M3 g r3x in (17)); for a prismatic joint the constant force, N.
     pub gravity_nm: f64,
     /// Inertia about the joint, kg m^2; for a prismatic joint the moving mass, kg.
     pub inertia_kg_m2: f64,
+    /// Error of the position's zero, rad: a revolute joint is at its reading plus this. Always 0 for a prismatic joint.
+    pub position_zero_rad: f64,
 }
 
 impl Dynamics {
+    /// G and dG/dq (N m, N m/rad) computed at the position as read -> both where the joint is.
+    ///
+    /// The gravity torque about a revolute joint is a sinusoid of its own angle whatever the chain, G(q) = a sin(q) + b cos(q):
+    /// therefore G(q + z) = G(q) cos(z) + G'(q) sin(z) exactly.
+    pub fn at_true_position(&self, gravity_nm: f64, slope_nm_rad: f64) -> (f64, f64) {
+        let (sin, cos) = self.position_zero_rad.sin_cos();
+        (gravity_nm * cos + slope_nm_rad * sin, slope_nm_rad * cos - gravity_nm * sin)
+    }
+
     /// dG/dq at the joint, N m/rad.
     pub fn gravity_slope_nm_rad(&self, kind: JointKind, position_rad: f64) -> f64 {
         match kind {
-            JointKind::Revolute => self.gravity_nm * position_rad.cos(),
+            JointKind::Revolute => self.gravity_nm * (position_rad + self.position_zero_rad).cos(),
             JointKind::Prismatic => 0.0,
         }
     }
@@ -64,7 +75,7 @@ impl Dynamics {
     /// G at the joint, N m: zero when a revolute joint hangs at theta = 0.
     pub fn gravity_nm(&self, kind: JointKind, position_rad: f64) -> f64 {
         match kind {
-            JointKind::Revolute => self.gravity_nm * position_rad.sin(),
+            JointKind::Revolute => self.gravity_nm * (position_rad + self.position_zero_rad).sin(),
             JointKind::Prismatic => self.gravity_nm,
         }
     }

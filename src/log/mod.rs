@@ -15,6 +15,7 @@ mod readings;
 mod resample;
 mod samples;
 pub mod table;
+mod uncertainty;
 mod velocity;
 mod written;
 
@@ -26,6 +27,7 @@ pub use checks::longest_gap_s;
 pub use clock::{clock_s, span_s};
 pub use columns::{Column, Columns, OtherColumn, ReferenceColumn};
 pub use samples::{Sample, Samples};
+pub use uncertainty::{POSITION_ZERO_RAD, Uncertainty};
 
 use crate::problem::{Problem, Problems, Result};
 use crate::units::Quantity;
