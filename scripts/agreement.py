@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
-"""Whether tautline and SciPy find the same A and B(v) on one campaign: A within 0.2 %, B within 1e-3 N m.
+"""Whether tautline and SciPy find the same A and B(v) on one campaign: A within 0.2 %, B within 1e-3 N m. Both take
+the zero of the position as declared: the formula is (17) as printed.
 
 usage: scripts/agreement.py CAMPAIGN [--binary target/release/tautline]      (CSV campaign; needs numpy, scipy, polars)
 """
@@ -21,7 +22,7 @@ def main():
     a = arguments.parse_args()
     theirs = json.loads(subprocess.run([sys.executable, "scripts/rival.py", a.campaign], check=True, capture_output=True).stdout)
     with tempfile.TemporaryDirectory() as scratch:
-        subprocess.run([a.binary, "identify", a.campaign, "-o", f"{scratch}/o", "--quiet"], check=True)
+        subprocess.run([a.binary, "identify", a.campaign, "-o", f"{scratch}/o", "--zero", "declared", "--quiet"], check=True)
         model = json.load(open(f"{scratch}/o/model.json"))
         legs = list(csv.DictReader(open(f"{scratch}/o/trials.csv")))
     worst_a = worst_b = 0.0

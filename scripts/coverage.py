@@ -2,10 +2,13 @@
 """How often the 95 % intervals of A and of B hold the truth, over simulated campaigns.
 
 usage: scripts/coverage.py [--campaigns 500] [--binary target/release/tautline] [--within 0.93 0.97]
+                           [--zero-deg 0] [--rate-hz 200] [--noise-nm 0.02] [--speeds 20] [--jobs N]
 
-Each campaign is the whole protocol at 200 Hz with white noise, seed 1, 2, ... A: mean of the legs +- half width as reported.
-B: each leg's B +- its own standard error and that of A. Also: every friction parameter's interval, those called pinned, and p of the change-over.
-Ends with status 1 when A or B is held less or more often than `--within`. (Standard library only.)
+Each campaign is the whole protocol with white noise, seed 1, 2, ... With --zero-deg 3 the position of each campaign is off by an
+angle of its own between -3 and 3 deg that its campaign.toml does not tell. A: mean of the legs +- half width as reported.
+B: each leg's B +- its own standard error, that of A and that of the zero. Also: the zero of the position, every friction
+parameter's interval, those called pinned, by name, and p of the change-over.
+Ends with status 1 when A, B, mu_c or the pinned parameters are held less or more often than `--within`. (Standard library only.)
 """
 import argparse
 import collections
@@ -15,12 +18,15 @@ import json
 import math
 import os
 import pathlib
+import random
+import statistics
 import subprocess
 import sys
 import tempfile
 
 TRUTH = pathlib.Path("data/elbow/truth/model.json")
 T_18 = 2.101  # Student's t at 97.5 %, 20 blocks less two parameters
+JUDGED = ("A up", "A down", "B up", "B down", "mu_c", "pinned friction parameter")
 
 
 def true_values(model, direction, speed):
@@ -32,33 +38,69 @@ def true_values(model, direction, speed):
     return ratio * model["dynamics"]["gravity_nm"] / (1 - f["mu_c"]), b
 
 
-def one(binary, seed, model):
-    """Held or not: per quantity a list of truth values."""
-    held = collections.defaultdict(list)
+def shift(campaign, by_deg):
+    """Takes `by_deg` from every position: the joint is then at its reading plus that."""
+    for log in campaign.glob("*.csv"):
+        header, *rows = log.read_text().splitlines()
+        at = header.split(",").index("position_deg")
+        for i, row in enumerate(rows):
+            cells = row.split(",")
+            cells[at] = repr(float(cells[at]) - by_deg)
+            rows[i] = ",".join(cells)
+        log.write_text("\n".join([header, *rows]) + "\n")
+
+
+def half_width_of_b(leg, fit):
+    """That of the leg itself, of A, and of the zero, which moves A and the mean of the regressor alike."""
+    own = T_18 * float(leg["b_se_nm"])
+    if "position_zero_half_width_rad" not in leg:
+        return math.hypot(own, fit["a_half_width_nm"] * float(leg["mean_sine"]))
+    by_zero = fit["a_by_zero_nm_rad"] * float(leg["mean_sine"]) + fit["a_nm"] * float(leg["mean_slope"])
+    of_zero = by_zero * float(leg["position_zero_half_width_rad"])
+    return math.hypot(own, fit["a_half_width_given_zero_nm"] * float(leg["mean_sine"]), of_zero)
+
+
+def one(a, seed, model):
+    """Held or not, and widths: per quantity a list."""
+    held, widths = collections.defaultdict(list), collections.defaultdict(list)
+    zero_deg = random.Random(seed).uniform(-a.zero_deg, a.zero_deg)
     with tempfile.TemporaryDirectory() as scratch:
-        simulate = [binary, "simulate", "--model", TRUTH, "-o", f"{scratch}/c", "--rate-hz", "200", "--cosines", "1",
-                    "--seed", str(seed), "--quiet"]
+        simulate = [a.binary, "simulate", "--model", TRUTH, "-o", f"{scratch}/c", "--rate-hz", str(a.rate_hz), "--cosines", "1",
+                    "--noise-nm", str(a.noise_nm), "--speeds", str(a.speeds), "--seed", str(seed), "--quiet"]
         subprocess.run(simulate, check=True)
-        subprocess.run([binary, "identify", f"{scratch}/c", "-o", f"{scratch}/o", "--quiet"], check=True)
+        if zero_deg:
+            shift(pathlib.Path(scratch) / "c", zero_deg)
+        subprocess.run([a.binary, "identify", f"{scratch}/c", "-o", f"{scratch}/o", "--quiet"], check=True)
         found = json.load(open(f"{scratch}/o/model.json"))
         legs = list(csv.DictReader(open(f"{scratch}/o/trials.csv")))
+    inside = lambda known, truth: (known["low"] is None or known["low"] <= truth) and (known["high"] is None or truth <= known["high"])
     for direction in ("up", "down"):
         fit = found["fit"][direction]
         a_true, _ = true_values(model, direction, 1.0)
         held[f"A {direction}"].append(abs(fit["a_nm"] - a_true) <= fit["a_half_width_nm"])
         for leg in (r for r in legs if r["direction"] == direction):
             _, b_true = true_values(model, direction, float(leg["speed_rad_s"]))
-            half = math.hypot(T_18 * float(leg["b_se_nm"]), fit["a_half_width_nm"] * float(leg["mean_sine"]))
-            held[f"B {direction}"].append(abs(float(leg["b_nm"]) - b_true) <= half)
+            held[f"B {direction}"].append(abs(float(leg["b_nm"]) - b_true) <= half_width_of_b(leg, fit))
         for name, truth in model["friction"][direction].items():
             known = found["confidence"][f"friction.{direction}.{name}"]
-            inside = (known["low"] is None or known["low"] <= truth) and (known["high"] is None or truth <= known["high"])
-            held["any friction parameter"].append(inside)
+            held["any friction parameter"].append(inside(known, truth))
             if known["status"] == "pinned":
-                held["pinned friction parameter"].append(inside)
+                held["pinned friction parameter"].append(inside(known, truth))
+                held[f"  pinned {name}"].append(inside(known, truth))
+            if name == "mu_c":
+                held["mu_c"].append(inside(known, truth))
+                widths["mu_c"].append((known["high"] - known["low"]) / 2)
+    known = found["confidence"].get("dynamics.position_zero_rad")
+    if known:
+        held["zero of the position"].append(inside(known, math.radians(zero_deg)))
+        widths["zero of the position, deg"].append(math.degrees(known["high"] - known["low"]) / 2)
+        told = any("zero is off" in warning for warning in found["warnings"])
+        held["zero told as off"].append(told)
+    checks = [check for check in found.get("checks", []) if not check["passes"]]
+    held["all checks pass"].append(not checks)
     known = found["confidence"]["combination.p"]
-    held["p of the change-over"].append(known["low"] <= model["combination"]["p"] <= known["high"])
-    return held
+    held["p of the change-over"].append(inside(known, model["combination"]["p"]))
+    return held, widths
 
 
 def main():
@@ -66,20 +108,28 @@ def main():
     arguments.add_argument("--campaigns", type=int, default=500)
     arguments.add_argument("--binary", default="target/release/tautline")
     arguments.add_argument("--within", type=float, nargs=2, default=(0.93, 0.97))
+    arguments.add_argument("--zero-deg", type=float, default=0.0)
+    arguments.add_argument("--rate-hz", type=float, default=200.0)
+    arguments.add_argument("--noise-nm", type=float, default=0.02)
+    arguments.add_argument("--speeds", type=int, default=20)
+    arguments.add_argument("--jobs", type=int, default=os.cpu_count())
     a = arguments.parse_args()
     model = json.loads(TRUTH.read_text())
-    total = collections.defaultdict(list)
-    with concurrent.futures.ThreadPoolExecutor(os.cpu_count()) as pool:
-        for held in pool.map(lambda seed: one(a.binary, seed, model), range(1, a.campaigns + 1)):
+    total, widths = collections.defaultdict(list), collections.defaultdict(list)
+    with concurrent.futures.ThreadPoolExecutor(a.jobs) as pool:
+        for held, wide in pool.map(lambda seed: one(a, seed, model), range(1, a.campaigns + 1)):
             for name, values in held.items():
                 total[name] += values
+            for name, values in wide.items():
+                widths[name] += values
     failed = False
-    for name, values in total.items():
+    for name, values in sorted(total.items()):
         share = sum(values) / len(values)
-        judged = name[0] in "AB"
-        off = judged and not a.within[0] <= share <= a.within[1]
+        off = name in JUDGED and not a.within[0] <= share <= a.within[1]
         failed |= off
         print(f"{name:28}{100 * share:7.1f} % of {len(values)}{'   outside the limits' if off else ''}")
+    for name, values in widths.items():
+        print(f"half width of {name}: median {statistics.median(values):.5f}")
     sys.exit(failed)
 
 

@@ -8,7 +8,8 @@ use std::path::Path;
 use tautline::identify::friction::{Data, FrictionFit, fit_friction};
 use tautline::identify::legs::{amplitudes, fix_a};
 use tautline::identify::stribeck::Points;
-use tautline::identify::{Form, LegFit};
+use tautline::identify::{Form, LegFit, LegZero};
+use tautline::log::Uncertainty;
 use tautline::model::{Both, Direction, Friction};
 
 /// Scatter over 250 draws is known to 5 %, and the linearisation adds to it.
@@ -45,6 +46,7 @@ fn legs(random: &mut ChaCha8Rng, load_nm: f64) -> Vec<LegFit> {
                 raw_rmse_nm: 0.0,
                 mean_sine: 0.7,
                 mean_torque_nm: a_nm * 0.7 + unloaded / (1.0 - friction.mu_c) + noise(1e-3, random),
+                zero: LegZero::default(),
             });
         }
     }
@@ -56,7 +58,9 @@ fn fit(random: &mut ChaCha8Rng) -> Both<FrictionFit> {
     let mut legs = legs(random, load_nm);
     let a = amplitudes(&legs, load_nm, Path::new("test")).unwrap();
     fix_a(&mut legs, &a);
-    let data = Data { legs: &legs, a: &a, joint: &joint, load_nm, campaign: Path::new("test") };
+    let uncertainty = Uncertainty::default();
+    let data =
+        Data { legs: &legs, a: &a, joint: &joint, uncertainty: &uncertainty, load_nm, campaign: Path::new("test") };
     fit_friction(&data, Form::One, None).unwrap()
 }
 

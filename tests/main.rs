@@ -39,3 +39,4 @@ mod reference;
 mod simulate;
 mod trajectory;
 mod validate;
+mod zero;

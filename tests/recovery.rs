@@ -205,7 +205,7 @@ fn refining_keeps_the_convention() {
     }
     let (prepared, _) = of_the_joint_alone(read_trials(&campaign, &|| ()).unwrap());
     let folds: Vec<usize> = (0..prepared.len()).map(|i| i % 2).collect();
-    let fit = refine(&prepared, &folds, &model, campaign.signal.lowpass_hz, fits).fit;
+    let fit = refine(&prepared, &folds, &model, campaign.signal.lowpass_hz, fits, 0.0).fit;
     for direction in Direction::BOTH {
         let branch = fit.model.friction.of(direction);
         assert!((branch.c_c * radius_m).abs() >= branch.c_j.abs(), "{branch:?}");

@@ -9,7 +9,7 @@
 
 use super::rig::Rig;
 use crate::dynamics::JointKind;
-use crate::log::{Campaign, Captured, Column, Columns, TrialEntry};
+use crate::log::{Campaign, Captured, Column, Columns, TrialEntry, Uncertainty};
 use crate::problem::{Problem, Result};
 use crate::units::Unit;
 use std::fs::{File, OpenOptions};
@@ -201,6 +201,7 @@ fn campaign(path: &Path, rig: &Rig, trials: Vec<TrialEntry>) -> Campaign {
         joint: rig.joint.clone(),
         dynamics: rig.dynamics,
         arm: None,
+        uncertainty: Uncertainty::default(),
         signal: rig.signal,
         columns: Columns {
             time: column("time_s", Unit::Second),

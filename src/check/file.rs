@@ -89,7 +89,12 @@ fn read_recipe(s: &Section<'_>) -> Option<Recipe> {
         return Some(Recipe::Judge);
     }
     let combination = combination::Settings { wanted, estimate_backlash: estimate_backlash.unwrap_or_default() };
-    Some(Recipe::Identify(Settings { form: form.unwrap_or_default(), combination, refine: refine.unwrap_or_default() }))
+    Some(Recipe::Identify(Settings {
+        form: form.unwrap_or_default(),
+        combination,
+        refine: refine.unwrap_or_default(),
+        ..Settings::default()
+    }))
 }
 
 fn texts(s: &Section<'_>) -> Option<BTreeMap<String, String>> {

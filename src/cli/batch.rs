@@ -128,8 +128,12 @@ impl Arguments {
     }
 
     fn settings(&self) -> Settings {
-        let identify =
-            identify::Settings { form: self.form.form(), combination: self.curve.settings(), refine: self.refine };
+        let identify = identify::Settings {
+            form: self.form.form(),
+            combination: self.curve.settings(),
+            refine: self.refine,
+            ..Default::default()
+        };
         Settings { identify, diagnose: self.diagnose }
     }
 }

@@ -63,7 +63,12 @@ pub enum Format {
 
 impl Arguments {
     fn settings(&self) -> Settings {
-        Settings { form: self.form.form(), combination: self.curve.settings(), refine: self.refine }
+        Settings {
+            form: self.form.form(),
+            combination: self.curve.settings(),
+            refine: self.refine,
+            ..Default::default()
+        }
     }
 
     /// How to identify belongs to storing a baseline: afterwards the baseline says it.

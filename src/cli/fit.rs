@@ -1,12 +1,14 @@
 //! `tautline fit`: the steps of the protocol one by one, each writing what the next reads.
 
-use super::identify::{CurveArguments, FormArguments};
+use super::identify::{CurveArguments, FormArguments, ZeroArguments};
 use super::interrupt;
 use super::outcome::Talk;
 use super::progress;
 use crate::identify::combination::fit_combination;
 use crate::identify::friction::{self, fit_friction};
-use crate::identify::{Form, Reading, blank_model, legs, of_the_joint_alone, read_trials, with_friction};
+use crate::identify::{
+    Form, Reading, Settings, at_zero, blank_model, legs, of_the_joint_alone, read_trials, with_friction, zero,
+};
 use crate::log::Campaign;
 use crate::model::Model;
 use crate::prepare::read_campaign;
@@ -35,6 +37,8 @@ enum Step {
     Trials {
         #[command(flatten)]
         common: Common,
+        #[command(flatten)]
+        zero: ZeroArguments,
     },
     /// Step 5: mu_c from A, the other six parameters from B(v) -> model.json
     Friction {
@@ -72,7 +76,7 @@ struct Common {
 
 pub fn run(arguments: &Arguments, talk: &Talk) -> Result<ExitCode> {
     match &arguments.step {
-        Step::Trials { common } => trials(common, talk),
+        Step::Trials { common, zero } => trials(common, zero.is_as_declared(), talk),
         Step::Friction { common, trials, form } => friction(common, trials, form.form(), talk),
         Step::Combination { common, model, curve } => combination(common, model, curve, talk),
     }?;
@@ -86,12 +90,15 @@ fn readings(campaign: &Campaign, talk: &Talk) -> Result<Vec<Reading>> {
     readings
 }
 
-fn trials(common: &Common, talk: &Talk) -> Result<()> {
+fn trials(common: &Common, zero_as_declared: bool, talk: &Talk) -> Result<()> {
     let campaign = read_campaign(&common.campaign)?;
     let output = interrupt::output(&common.output, common.force, "fit trials")?;
     let readings = readings(&campaign, talk)?;
-    let warnings = warnings_of(&campaign, &readings);
-    let mut legs: Vec<_> = readings.into_iter().flat_map(|r| r.legs).collect();
+    let mut warnings = warnings_of(&campaign, &readings);
+    let sums: Vec<_> = readings.into_iter().flat_map(|r| r.legs).collect();
+    let settings = Settings { zero_as_declared, ..Settings::default() };
+    let (zero, mut legs) = legs::fit_legs(&sums, settings.zero_within_rad(&campaign));
+    warnings.splice(0..0, zero::warning(&zero));
     let a = legs::amplitudes(&legs, legs::load_of_a_nm(&campaign), &campaign.file)?;
     legs::fix_a(&mut legs, &a);
     write_trials(&legs, &campaign.joint.name, &output)?;
@@ -103,6 +110,8 @@ fn trials(common: &Common, talk: &Talk) -> Result<()> {
                 "legs": legs.len(),
                 "a_nm": { "up": up.a_nm, "down": down.a_nm },
                 "a_sd_nm": { "up": up.sd_nm, "down": down.sd_nm },
+                "position_zero_rad": zero.rad,
+                "position_zero_half_width_rad": zero.half_width_rad,
                 "warnings": warnings,
             })
         },
@@ -121,9 +130,11 @@ fn friction(common: &Common, trials: &Path, form: Form, talk: &Talk) -> Result<(
     let output = interrupt::output(&common.output, common.force, "fit friction")?;
     let load_nm = legs::load_of_a_nm(&campaign);
     let a = legs::amplitudes(&legs, load_nm, trials)?;
-    let data = friction::Data { legs: &legs, a: &a, joint: &campaign.joint, load_nm, campaign: trials };
+    let uncertainty = &campaign.uncertainty;
+    let data = friction::Data { legs: &legs, a: &a, joint: &campaign.joint, uncertainty, load_nm, campaign: trials };
     let fits = fit_friction(&data, form, None)?;
-    let model = with_friction(blank_model(&campaign), &fits);
+    let zero = zero::of_legs(&legs, campaign.uncertainty.position_zero_rad);
+    let model = with_friction(at_zero(blank_model(&campaign), &zero), &fits);
     let warnings: Vec<String> = [&fits.up, &fits.down].into_iter().flat_map(friction::warnings).collect();
     let mut json = model.to_json();
     json["warnings"] = json!(warnings);
@@ -164,6 +175,7 @@ fn combination(common: &Common, file: &Path, curve: &CurveArguments, talk: &Talk
     let mut readings = readings(&campaign, talk)?;
     let mut warnings = warnings_of(&campaign, &readings);
     let legs: Vec<_> = readings.iter_mut().flat_map(|r| std::mem::take(&mut r.legs)).collect();
+    let legs: Vec<_> = legs.iter().map(|leg| leg.fit(model.dynamics.position_zero_rad)).collect();
     let (prepared, _) = of_the_joint_alone(readings);
     let (lowpass_hz, sliding_nm) = (campaign.signal.lowpass_hz, legs::sliding_nm(&legs));
     let Some(fit) = fit_combination(&prepared, &model, lowpass_hz, curve.settings(), sliding_nm) else {

@@ -28,6 +28,8 @@ pub struct Arguments {
     form: FormArguments,
     #[command(flatten)]
     curve: CurveArguments,
+    #[command(flatten)]
+    zero: ZeroArguments,
     /// Polish all parameters together on the whole series, if trials that the fit did not see gain by it
     #[arg(long)]
     refine: bool,
@@ -45,6 +47,28 @@ pub struct FormArguments {
     /// Form of B(v) that the model takes
     #[arg(long, value_enum, default_value_t = FormChoice::Two)]
     form: FormChoice,
+}
+
+/// What is made of the zero of the position.
+#[derive(Debug, Clone, Copy, clap::Args)]
+pub struct ZeroArguments {
+    /// Zero of the position
+    #[arg(long, value_enum, default_value_t = ZeroChoice::Fitted)]
+    zero: ZeroChoice,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum ZeroChoice {
+    /// Fitted along with A and B, within `position_zero_rad` of [uncertainty]
+    Fitted,
+    /// Taken as right, as in the paper: no interval knows of its error
+    Declared,
+}
+
+impl ZeroArguments {
+    pub fn is_as_declared(&self) -> bool {
+        self.zero == ZeroChoice::Declared
+    }
 }
 
 /// What the combination's fit may choose.
@@ -102,8 +126,12 @@ pub fn run(arguments: &Arguments, talk: &Talk) -> Result<ExitCode> {
     let campaign = read_campaign(&arguments.campaign)?;
     let output = interrupt::output(&arguments.output, arguments.force, "identify")?;
     let bar = progress::bar(talk, "reading", campaign.trials.len());
-    let settings =
-        Settings { form: arguments.form.form(), combination: arguments.curve.settings(), refine: arguments.refine };
+    let settings = Settings {
+        form: arguments.form.form(),
+        combination: arguments.curve.settings(),
+        refine: arguments.refine,
+        zero_as_declared: arguments.zero.is_as_declared(),
+    };
     let found = identify::run(&campaign, settings, &|| {
         progress::step(&bar, "fitting");
     });

@@ -147,6 +147,10 @@ fn parameters(before: &Model, after: &Model) -> Vec<Row> {
         add("dynamics.gravity_nm", "N m", &|m| Some(m.dynamics.gravity_nm));
         add("dynamics.inertia_kg_m2", "kg m^2", &|m| Some(m.dynamics.inertia_kg_m2));
     }
+    let is_off = |m: &Model| m.dynamics.position_zero_rad != 0.0;
+    if is_off(before) || is_off(after) {
+        add("dynamics.position_zero_rad", "rad", &|m| Some(m.dynamics.position_zero_rad));
+    }
     for direction in Direction::BOTH {
         for (i, name) in Friction::NAMES.iter().enumerate() {
             let of = |m: &Model| present(m.friction.of(direction), i);

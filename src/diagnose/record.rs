@@ -266,15 +266,20 @@ impl Record {
 
     /// What the sample asks of the joint.
     pub fn asked(&self, i: usize, model: &Model) -> Asked {
-        let (torque_nm, slope_nm_rad) = match &self.chain {
-            Some(chain) => (chain[i].0.total_nm(), chain[i].1),
+        let dynamics = &model.dynamics;
+        let (gravity_nm, slope_nm_rad, beside_nm) = match &self.chain {
+            Some(chain) => {
+                let (rigid, slope_nm_rad) = chain[i];
+                (rigid.gravity_nm, slope_nm_rad, rigid.total_nm() - rigid.gravity_nm)
+            }
             None => {
                 let (share, slope) = self.gravity_shares[i];
-                let inertia_nm = model.dynamics.inertia_kg_m2 * self.own[i].acceleration;
-                (model.dynamics.gravity_nm * share + inertia_nm, model.dynamics.gravity_nm * slope)
+                let inertia_nm = dynamics.inertia_kg_m2 * self.own[i].acceleration;
+                (dynamics.gravity_nm * share, dynamics.gravity_nm * slope, inertia_nm)
             }
         };
-        Asked { torque_nm: torque_nm + self.load_nm[i], slope_nm_rad }
+        let (gravity_nm, slope_nm_rad) = dynamics.at_true_position(gravity_nm, slope_nm_rad);
+        Asked { torque_nm: gravity_nm + beside_nm + self.load_nm[i], slope_nm_rad }
     }
 
     /// K~ followed at the log's full rate and averaged over what each thinned sample stands for: a reversal between two of
@@ -326,13 +331,7 @@ impl Record {
     }
 
     /// What an effect that only adds torque adds to y, low-passed, N m.
-    fn added_nm(
-        &self,
-        model: &Model,
-        added: &Added,
-        k_tilde: &[f64],
-        branches: &[Both<f64>],
-    ) -> Vec<f64> {
+    fn added_nm(&self, model: &Model, added: &Added, k_tilde: &[f64], branches: &[Both<f64>]) -> Vec<f64> {
         let mut others = vec![Motion::default(); self.others.len()];
         let (mu_up, mu_down) = (model.friction.up.mu_c, model.friction.down.mu_c);
         let transmission = model.joint.transmission();

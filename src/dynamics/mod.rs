@@ -52,22 +52,36 @@ impl JointKind {
 }
 
 /// Rigid-body parameters of one joint moving alone.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Dynamics {
     /// Gravity torque about the joint at theta = 90 deg, N m (M3 g r3x in (17)); for a prismatic joint the constant force, N.
     pub gravity_nm: f64,
     /// Inertia about the joint, kg m^2; for a prismatic joint the moving mass, kg.
     pub inertia_kg_m2: f64,
+    /// Error of the position's zero, rad: a revolute joint is at its reading plus this. Always 0 for a prismatic joint.
+    pub position_zero_rad: f64,
 }
 
 impl Dynamics {
+    /// G and dG/dq (N m, N m/rad) computed at the position as read -> both where the joint is.
+    ///
+    /// The gravity torque about a revolute joint is a sinusoid of its own angle whatever the chain, G(q) = a sin(q) + b cos(q):
+    /// therefore G(q + z) = G(q) cos(z) + G'(q) sin(z) exactly.
+    pub fn at_true_position(&self, gravity_nm: f64, slope_nm_rad: f64) -> (f64, f64) {
+        if self.position_zero_rad == 0.0 {
+            return (gravity_nm, slope_nm_rad);
+        }
+        let (sin, cos) = self.position_zero_rad.sin_cos();
+        (gravity_nm * cos + slope_nm_rad * sin, slope_nm_rad * cos - gravity_nm * sin)
+    }
+
     /// dG/dq at the joint, N m/rad.
     pub fn gravity_slope_nm_rad(&self, kind: JointKind, position_rad: f64) -> f64 {
-        self.gravity_nm * kind.gravity_share(position_rad).1
+        self.gravity_nm * kind.gravity_share(position_rad + self.position_zero_rad).1
     }
 
     /// G at the joint, N m: zero when a revolute joint hangs at theta = 0.
     pub fn gravity_nm(&self, kind: JointKind, position_rad: f64) -> f64 {
-        self.gravity_nm * kind.gravity_share(position_rad).0
+        self.gravity_nm * kind.gravity_share(position_rad + self.position_zero_rad).0
     }
 }

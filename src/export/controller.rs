@@ -225,16 +225,20 @@ fn hooks_named(added: &Added, code: &mut Code) -> Hooks {
 /// What mass and load ask of the joint, and how gravity changes along it.
 fn rigid(model: &Model, needs_slope: bool, code: &mut Code) {
     // A chain's are the caller's to add.
-    let own = if model.chain.is_some() { Dynamics { gravity_nm: 0.0, inertia_kg_m2: 0.0 } } else { model.dynamics };
+    let own = if model.chain.is_some() { Dynamics::default() } else { model.dynamics };
     let (gravity, inertia) = (number(own.gravity_nm), number(own.inertia_kg_m2));
     let load = code.of_sample("load_nm");
     let turns = model.joint.kind == JointKind::Revolute;
-    let weight = if turns { format!("{gravity} * sin(q)") } else { gravity.clone() };
+    let angle = match own.position_zero_rad {
+        0.0 => "q".to_string(),
+        zero_rad => format!("q + {}", number(zero_rad)),
+    };
+    let weight = if turns { format!("{gravity} * sin({angle})") } else { gravity.clone() };
     code.constant("asked_nm", &format!("({inertia} * a + {weight}) + {load}"));
     if model.effects.iter().any(|e| e.id() == "cable_elasticity") {
         let slope = match (needs_slope, turns) {
             (true, _) => code.of_sample("slope_nm_rad"),
-            (false, true) => format!("{gravity} * cos(q)"),
+            (false, true) => format!("{gravity} * cos({angle})"),
             (false, false) => number(0.0),
         };
         code.constant("slope", &slope);

@@ -25,7 +25,8 @@ pub fn check(campaign: &Campaign, readings: &[Reading]) -> Vec<Problem> {
     if campaign.trials.iter().all(|entry| entry.protocol.speed_rad_s().is_none()) {
         return if unread.is_empty() { no_turn(readings, &campaign.file).into_iter().collect() } else { Vec::new() };
     }
-    let legs: Vec<&LegFit> = readings.iter().flat_map(|reading| &reading.legs).collect();
+    let legs: Vec<LegFit> = readings.iter().flat_map(|reading| &reading.legs).map(|leg| leg.fit(0.0)).collect();
+    let legs: Vec<&LegFit> = legs.iter().collect();
     let unread: Vec<f64> = unread.iter().filter_map(|protocol| protocol.speed_rad_s()).collect();
     let load_nm = load_of_a_nm(campaign);
     let in_direction = |direction| of_direction(direction, &legs, &unread, load_nm, &campaign.file);

@@ -1,8 +1,9 @@
 //! What is known of a direction's friction parameters together: their covariance to first order.
 //!
-//! Two sources that share nothing: the fit of B(v), whose coefficients and rates become parameters by `Scale`, and the error
+//! Sources that share nothing: the fit of B(v), whose coefficients and rates become parameters by `Scale`, and the error
 //! of A, which moves mu_c (18), through 1 - mu_c every force, and through B = y - A sin(theta) the constant a_j:
-//! C = S C_B S' + var(A) a a', with S the factors of the former and a the derivatives by A of the latter.
+//! C = S C_B S' + var(A) a a' + var(z) w w', with S the factors of the former, a the derivatives by A and w those by the
+//! position's zero z, which moves A too.
 
 use super::scale::Scale;
 use super::stribeck::{ExponentialFit, Points};
@@ -27,11 +28,14 @@ impl Covariance {
             if places[free[i]].in_fit == Some(j) { places[free[i]].factor } else { 0.0 }
         });
         let by_a = DVector::from_fn(free.len(), |i, _| places[free[i]].by_a);
+        let by_zero = DVector::from_fn(free.len(), |i, _| places[free[i]].by_zero);
         let variance_of_a = scale.variance_of_a();
         if !variance_of_a.is_finite() {
             return Err("A comes from a single leg: nothing is known of its error");
         }
-        let matrix = &factors * of_b * factors.transpose() + &by_a * by_a.transpose() * variance_of_a;
+        let matrix = &factors * of_b * factors.transpose()
+            + &by_a * by_a.transpose() * variance_of_a
+            + &by_zero * by_zero.transpose() * scale.variance_of_zero();
         Ok(Self { parameters: free.iter().map(|i| places[*i].name).collect(), matrix })
     }
 

@@ -6,7 +6,9 @@
 //! of its own in each direction. B of a leg is off by r times the time since the trial began, which differs from speed to
 //! speed and no interval knows of.
 
-use super::legs::{LegFit, regressor};
+use super::legs::LegFit;
+use super::sums::columns;
+use crate::dynamics::JointKind;
 use crate::model::Direction;
 use crate::numerics::statistics::{mean, student_t};
 use crate::prepare::{Leg, Trial};
@@ -30,15 +32,16 @@ pub struct LegTime {
 }
 
 /// Of every leg of `trial`, in their order.
-pub fn leg_times(trial: &Trial, gravity_nm: f64) -> Vec<LegTime> {
-    trial.legs.iter().map(|leg| leg_time(trial, leg, gravity_nm)).collect()
+pub fn leg_times(trial: &Trial, gravity_nm: f64, kind: JointKind) -> Vec<LegTime> {
+    trial.legs.iter().map(|leg| leg_time(trial, leg, gravity_nm, kind)).collect()
 }
 
-fn leg_time(trial: &Trial, leg: &Leg, gravity_nm: f64) -> LegTime {
+fn leg_time(trial: &Trial, leg: &Leg, gravity_nm: f64, kind: JointKind) -> LegTime {
     let time = |i: usize| trial.log.time_s[i] - trial.log.time_s[leg.samples.start];
     let (mut n, mut x, mut t, mut xx, mut xt) = (0.0, 0.0, 0.0, 0.0, 0.0);
     for i in leg.used() {
-        let (regressor, time) = (regressor(trial, gravity_nm, i), time(i));
+        let [gravity, _, rest] = columns(trial, gravity_nm, kind, i);
+        let (regressor, time) = (gravity + rest, time(i));
         n += 1.0;
         x += regressor;
         t += time;

@@ -7,6 +7,7 @@ use super::forms::{self, Cut, Judge, Taken};
 use super::legs::{Amplitude, LegFit, weights};
 use super::scale::{CONSPIRING, Scale};
 use super::stribeck::{ExponentialFit, Points, Profile};
+use crate::log::Uncertainty;
 use crate::model::{Both, Confidence, Direction, Friction, Joint};
 use crate::numerics::statistics::{mean, standard_deviation};
 use crate::problem::{Problem, Result};
@@ -58,6 +59,8 @@ pub struct Data<'a> {
     pub a: &'a Both<Amplitude>,
     /// The joint's geometry.
     pub joint: &'a Joint,
+    /// How far what is declared may be off.
+    pub uncertainty: &'a Uncertainty,
     /// The load at the joint that A belongs to, N m (`legs::load_of_a_nm`).
     pub load_nm: f64,
     /// The file named when the data contradict the geometry.
@@ -110,8 +113,9 @@ impl Branch {
             Form::One => 1,
             Form::Supported => supported,
         };
-        let mean_sine = mean(&mine.iter().map(|leg| leg.mean_sine).collect::<Vec<f64>>());
-        let scale = Scale::new(&a, direction, data.joint, data.load_nm, mean_sine);
+        let over_legs = |of: fn(&LegFit) -> f64| mean(&mine.iter().map(|leg| of(leg)).collect::<Vec<f64>>());
+        let means = [over_legs(|leg| leg.mean_sine), over_legs(|leg| leg.zero.mean_slope)];
+        let scale = Scale::new(&a, direction, data.joint, data.load_nm, means, data.uncertainty);
         Ok(Self { direction, a, scale, points, forms, supported, wanted })
     }
 
@@ -171,8 +175,8 @@ pub fn warnings(fit: &FrictionFit) -> Vec<String> {
     }
     if !fit.a.describes() {
         words.push(format!(
-            "moving {moving}, every leg strays from A sin(theta) + B in the same way ({:.0} times what noise would do): check \
-             the zero of the position and what else loads the joint; until then nothing of this direction counts as pinned",
+            "moving {moving}, every leg strays from A sin(theta + zero) + B in the same way ({:.0} times what noise would do): look \
+             for what else loads the joint (a spring, a ripple over the position); until then nothing of this direction counts as pinned",
             fit.a.misfit
         ));
     }

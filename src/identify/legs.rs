@@ -5,21 +5,18 @@
 //! leg, so that A and B are exact on exact data. The declared low-pass serves the figures (R^2, RMSE), as in the paper.
 //! Then A is the mean over the legs of a direction, and B of a leg its mean of y - A sin(theta).
 //!
+//! The position's zero is estimated along with them (`zero`): the regressor is sin(theta + z), or that of `sums`.
+//!
 //! A measured load stands beside gravity: then the regressor is (G sin(theta) + load) / G, and without gravity the load alone,
 //! of which A is what the winch sees of 1 N m. Without either A is fixed at zero, and y is friction.
 
+use super::sums::{BLOCKS, LegSums};
+use super::zero::{FREEDOM_OF_PLACES, Zero, common};
 use crate::log::Campaign;
 use crate::model::{Both, Direction};
 use crate::numerics::statistics::{mean, root_mean_square, standard_deviation, student_t};
-use crate::prepare::{Leg, Trial};
 use crate::problem::{Problem, Result};
 use std::path::Path;
-
-/// A load whose standard deviation along a leg is below this share of it does not change.
-const STEADY: f64 = 0.01;
-/// A leg is cut into this many blocks to judge its errors: a block outlasts the noise's memory, and 20 of them leave a
-/// standard error known to 16 %.
-const BLOCKS: usize = 20;
 
 /// The regression of one leg.
 #[derive(Debug, Clone, PartialEq)]
@@ -52,6 +49,32 @@ pub struct LegFit {
     pub mean_sine: f64,
     /// Mean torque, N m.
     pub mean_torque_nm: f64,
+    /// The zero of the position that it is fitted at, and what of it enters A and B.
+    pub zero: LegZero,
+}
+
+/// The zero of the position in the regression of one leg; all 0 where it is taken as declared and exact.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct LegZero {
+    /// The joint is at its reading plus this, rad.
+    pub zero_rad: f64,
+    /// Half width of the zero's 95 % interval, rad.
+    pub half_width_rad: f64,
+    /// What A of the leg changes by with the zero, N m/rad.
+    pub a_by_zero_nm_rad: f64,
+    /// Mean of what the regressor changes by with the zero: cos(theta) of gravity alone.
+    pub mean_slope: f64,
+    /// Standard error of the direction's A from errors that repeat at the same place in every leg, N m.
+    pub a_position_se_nm: f64,
+}
+
+impl LegFit {
+    /// Half width of the 95 % interval of B, that of `a` and of the zero in it, N m.
+    pub fn b_half_width_nm(&self, a: &Amplitude) -> f64 {
+        let own = student_t(BLOCKS as f64 - 2.0) * self.b_se_nm;
+        let of_zero = (a.by_zero_nm_rad * self.mean_sine + a.a_nm * self.zero.mean_slope) * a.zero_half_width_rad;
+        own.hypot(a.given_zero_nm * self.mean_sine).hypot(of_zero)
+    }
 }
 
 /// A of one direction.
@@ -61,8 +84,14 @@ pub struct Amplitude {
     pub a_nm: f64,
     /// Standard deviation over the legs, N m; NaN of a single leg.
     pub sd_nm: f64,
-    /// Half width of the 95 % interval of the mean, N m; infinite of a single leg.
+    /// Half width of the 95 % interval of the mean, that of the position's zero in it, N m; infinite of a single leg.
     pub half_width_nm: f64,
+    /// The same were the zero known, N m.
+    pub given_zero_nm: f64,
+    /// What A changes by with the zero, N m/rad.
+    pub by_zero_nm_rad: f64,
+    /// Half width of the zero's 95 % interval, rad.
+    pub zero_half_width_rad: f64,
     /// Legs.
     pub legs: usize,
     /// Whether A is no result but fixed at zero, there being no load.
@@ -80,7 +109,12 @@ const MISFIT_OF_FEW: f64 = 6.0;
 impl Amplitude {
     /// Whether the torque of the legs follows A sin(theta) + B.
     pub fn describes(&self) -> bool {
-        self.fixed || self.legs < 3 || self.misfit < MISFIT + MISFIT_OF_FEW / (self.legs as f64 - 1.0)
+        self.fixed || self.misfit.is_nan() || self.misfit <= self.misfit_limit()
+    }
+
+    /// The largest `misfit` of legs that follow it.
+    pub fn misfit_limit(&self) -> f64 {
+        if self.legs < 3 { f64::INFINITY } else { MISFIT + MISFIT_OF_FEW / (self.legs as f64 - 1.0) }
     }
 }
 
@@ -92,97 +126,29 @@ pub fn load_of_a_nm(campaign: &Campaign) -> f64 {
     if gravity_nm == 0.0 && loaded { 1.0 } else { gravity_nm }
 }
 
-/// The regressor of (17) at sample `i`: sin(theta), with a measured load G sin(theta) + load over the load of A; for a chain,
-/// what its mass asks of the joint.
-pub fn regressor(trial: &Trial, gravity_nm: f64, i: usize) -> f64 {
-    let sine = trial.log.position_rad[i].sin();
-    match (&trial.chain, &trial.load_torque_nm) {
-        (Some(chain), _) => chain[i].0.total_nm() + trial.load_nm(i),
-        (None, None) => sine,
-        (None, Some(load_nm)) if gravity_nm == 0.0 => load_nm[i],
-        (None, Some(load_nm)) => sine + load_nm[i] / gravity_nm,
-    }
-}
-
-/// Regresses every leg of `trial` on gravity of `gravity_nm` and any measured load.
-pub fn fit_legs(trial: &Trial, gravity_nm: f64) -> Vec<LegFit> {
-    trial.legs.iter().map(|leg| fit_leg(trial, leg, gravity_nm)).collect()
-}
-
-fn fit_leg(trial: &Trial, leg: &Leg, gravity_nm: f64) -> LegFit {
-    let used: Vec<usize> = leg.used().collect();
-    let sine: Vec<f64> = used.iter().map(|i| regressor(trial, gravity_nm, *i)).collect();
-    let raw: Vec<f64> = used.iter().map(|i| trial.log.torque_nm[*i]).collect();
-    let line = Line::fit(&sine, &raw);
-    let filtered: Vec<f64> = used.iter().map(|i| trial.torque_nm[*i]).collect();
-    let (rmse_nm, r_squared) = line.figures(&sine, &filtered);
-    LegFit {
-        file: trial.entry.file.clone(),
-        repeat: trial.entry.repeat,
-        direction: leg.direction,
-        speed_rad_s: trial.entry.protocol.speed_rad_s().unwrap_or(f64::NAN),
-        samples: used.len(),
-        a_nm: line.slope,
-        a_se_nm: line.slope_se,
-        b_nm: line.mean_y - line.slope * line.mean_x,
-        b_se_nm: line.mean_se,
-        r_squared,
-        rmse_nm,
-        raw_rmse_nm: line.figures(&sine, &raw).0,
-        mean_sine: line.mean_x,
-        mean_torque_nm: line.mean_y,
-    }
-}
-
-/// A straight line with standard errors that hold for correlated noise.
-struct Line {
-    slope: f64,
-    slope_se: f64,
-    mean_x: f64,
-    mean_y: f64,
-    mean_se: f64,
-}
-
-impl Line {
-    fn fit(x: &[f64], y: &[f64]) -> Self {
-        let (mean_x, mean_y) = (mean(x), mean(y));
-        let (mut sxx, mut sxy) = (0.0, 0.0);
-        for (a, b) in x.iter().zip(y) {
-            sxx += (a - mean_x) * (a - mean_x);
-            sxy += (a - mean_x) * (b - mean_y);
+/// Steps 2 and 3 for all legs: the zero of the position, declared within `declared_rad` (0 takes it as declared), then each
+/// leg's A and B at it.
+pub fn fit_legs(sums: &[LegSums], declared_rad: f64) -> (Zero, Vec<LegFit>) {
+    let zero = Zero::estimate(sums, declared_rad);
+    let mut legs: Vec<LegFit> = sums.iter().map(|leg| leg.fit(zero.rad)).collect();
+    for direction in Direction::BOTH {
+        let a_position_se_nm = position_se_nm(sums, direction, zero.rad);
+        for leg in legs.iter_mut().filter(|leg| leg.direction == direction) {
+            leg.zero.half_width_rad = zero.half_width_rad;
+            leg.zero.a_position_se_nm = a_position_se_nm;
         }
-        // A load that stays the same, but for its noise, is no load to tell A from.
-        let steady = (sxx / x.len() as f64).sqrt() <= STEADY * mean_x.abs();
-        let slope = if steady { f64::NAN } else { sxy / sxx };
-        // Sums of errors over blocks, not single errors: neighbours are correlated, blocks hardly.
-        let length = x.len().div_ceil(BLOCKS).max(1);
-        let (mut slope_square, mut mean_square, mut blocks) = (0.0, 0.0, 0.0);
-        for (xs, ys) in x.chunks(length).zip(y.chunks(length)) {
-            let (mut weighted, mut plain) = (0.0, 0.0);
-            for (a, b) in xs.iter().zip(ys) {
-                let error = b - mean_y - slope * (a - mean_x);
-                weighted += (a - mean_x) * error;
-                plain += error;
-            }
-            slope_square += weighted * weighted;
-            mean_square += plain * plain;
-            blocks += 1.0;
-        }
-        let small_sample = (blocks / f64::max(blocks - 2.0, 1.0)).sqrt();
-        let slope_se = slope_square.sqrt() / sxx * small_sample;
-        Self { slope, slope_se, mean_x, mean_y, mean_se: mean_square.sqrt() / x.len() as f64 * small_sample }
     }
+    (zero, legs)
+}
 
-    /// RMSE and R^2 of the line on `y`.
-    fn figures(&self, x: &[f64], y: &[f64]) -> (f64, f64) {
-        let middle = mean(y);
-        let (mut error_sum, mut spread_sum) = (0.0, 0.0);
-        for (a, b) in x.iter().zip(y) {
-            error_sum += (b - self.mean_y - self.slope * (a - self.mean_x)).powi(2);
-            spread_sum += (b - middle).powi(2);
-        }
-        ((error_sum / y.len() as f64).sqrt(), 1.0 - error_sum / spread_sum)
-    }
+/// Standard error of the mean A of `direction` from errors that repeat at the same place in every leg, N m.
+fn position_se_nm(sums: &[LegSums], direction: Direction, zero_rad: f64) -> f64 {
+    let mine: Vec<&LegSums> = sums.iter().filter(|leg| leg.direction == direction).collect();
+    let share = 1.0 / mine.len() as f64;
+    let of_leg = |leg: &&LegSums| leg.a_by_block_nm(zero_rad).iter().map(|x| share * x).collect();
+    let by_leg: Vec<Vec<f64>> = mine.iter().map(of_leg).collect();
+    let variance = common(&mine, &by_leg);
+    if variance.is_finite() { variance.sqrt() } else { 0.0 }
 }
 
 /// Step 3: A of `direction`, the mean over its legs; `None` without legs in that direction.
@@ -191,10 +157,23 @@ pub fn amplitude<'l>(legs: impl IntoIterator<Item = &'l LegFit>, direction: Dire
     let values: Vec<f64> = mine.iter().map(|leg| leg.a_nm).collect();
     let n = values.len();
     let sd_nm = standard_deviation(&values);
-    let half_width_nm = if n > 1 { student_t(n as f64 - 1.0) * sd_nm / (n as f64).sqrt() } else { f64::INFINITY };
+    let of_legs_nm = if n > 1 { student_t(n as f64 - 1.0) * sd_nm / (n as f64).sqrt() } else { f64::INFINITY };
+    let LegZero { half_width_rad: zero_half_width_rad, a_position_se_nm, .. } = mine.first()?.zero;
+    let given_zero_nm = of_legs_nm.hypot(student_t(FREEDOM_OF_PLACES) * a_position_se_nm);
+    let by_zero_nm_rad = mean(&mine.iter().map(|leg| leg.zero.a_by_zero_nm_rad).collect::<Vec<f64>>());
     let errors: Vec<f64> = mine.iter().map(|leg| leg.a_se_nm).collect();
     let misfit = root_mean_square(&errors) / sd_nm;
-    (n > 0).then(|| Amplitude { a_nm: mean(&values), sd_nm, half_width_nm, legs: n, fixed: false, misfit })
+    Some(Amplitude {
+        a_nm: mean(&values),
+        sd_nm,
+        half_width_nm: given_zero_nm.hypot(by_zero_nm_rad * zero_half_width_rad),
+        given_zero_nm,
+        by_zero_nm_rad,
+        zero_half_width_rad,
+        legs: n,
+        fixed: false,
+        misfit,
+    })
 }
 
 /// An A of more than this many half widths contradicts the statement that there is no load, ...
@@ -255,7 +234,8 @@ pub fn consistent<'l>(
             format!("gravity_nm = 0, yet moving {moving} the torque follows sin(theta) with A = {:.4} N m", a.a_nm);
         return wrong(what, "give the gravity torque at 90 deg, or a measured load_torque", "gravity_nm");
     }
-    Ok(Amplitude { a_nm: 0.0, sd_nm: 0.0, half_width_nm: 0.0, fixed: true, ..a })
+    let none = Amplitude { a_nm: 0.0, sd_nm: 0.0, half_width_nm: 0.0, given_zero_nm: 0.0, ..a };
+    Ok(Amplitude { by_zero_nm_rad: 0.0, zero_half_width_rad: 0.0, fixed: true, ..none })
 }
 
 /// Step 4: B of every leg with A of its direction fixed.

@@ -1,6 +1,7 @@
 //! The protocol: legs -> A, B(v) -> friction -> combination -> `Model` with its confidence.
 
 mod check;
+mod checks;
 pub mod combination;
 mod confidence;
 mod covariance;
@@ -16,24 +17,32 @@ pub mod predicted;
 pub mod reading;
 pub mod refine;
 mod residuals;
+mod rests_on;
 mod scale;
 pub mod stribeck;
 pub mod strokes;
+pub mod sums;
 mod support;
 pub mod whole;
 mod windows;
+pub mod zero;
 
 pub use check::check;
+pub use checks::Check;
 pub use combination::{CombinationFit, CurveFit, CurveKind};
 pub use covariance::Covariance;
 pub use free::FreeFit;
 pub use friction::{Form, FrictionFit};
-pub use legs::{Amplitude, LegFit};
+pub use legs::{Amplitude, LegFit, LegZero};
 pub use reading::{Reading, Trace, examine_trials, read_trials};
 pub use refine::Refinement;
 pub use residuals::Residual;
+pub use rests_on::RestsOn;
+pub use sums::LegSums;
 pub use windows::Crossing;
+pub use zero::Zero;
 
+use crate::dynamics::JointKind;
 use crate::log::{Arm, Campaign, Protocol, TrialEntry};
 use crate::model::{Both, Combination, Confidence, Direction, Friction, Model, Status};
 use crate::problem::{Problem, Problems, Result};
@@ -51,6 +60,18 @@ pub struct Settings {
     pub combination: combination::Settings,
     /// Whether to polish all parameters on the whole series.
     pub refine: bool,
+    /// Whether the zero of the position is taken as declared, as in the paper, rather than fitted.
+    pub zero_as_declared: bool,
+}
+
+impl Settings {
+    /// How far the zero of the position of `campaign` may be off, rad; 0 where it is not fitted: a joint that slides, or whose
+    /// gravity is 0, shows none.
+    pub fn zero_within_rad(&self, campaign: &Campaign) -> f64 {
+        let weighs = campaign.arm.is_some() || campaign.dynamics.gravity_nm != 0.0;
+        let turns = campaign.joint.kind == JointKind::Revolute;
+        if weighs && turns && !self.zero_as_declared { campaign.uncertainty.position_zero_rad } else { 0.0 }
+    }
 }
 
 /// How the model was found.
@@ -91,6 +112,10 @@ pub struct Identification {
     pub trace: Option<Trace>,
     /// What to distrust.
     pub warnings: Vec<String>,
+    /// Checks of the model on the same data; what fails takes `pinned` from the parameters that it concerns.
+    pub checks: Vec<Check>,
+    /// What each parameter's interval takes as right, by dotted name, with what an error of it moves the parameter by.
+    pub rests_on: BTreeMap<String, Vec<RestsOn>>,
     /// Trials read.
     pub trials: usize,
     /// Rows read.
@@ -145,9 +170,17 @@ pub fn blank_model(campaign: &Campaign) -> Model {
     }
 }
 
+/// `model` with the zero of the position that was found, and what is known of it.
+pub fn at_zero(mut model: Model, zero: &Zero) -> Model {
+    model.dynamics.position_zero_rad = zero.rad;
+    model.confidence.extend(zero.is_fitted().then(|| (zero::NAME.to_string(), zero.confidence())));
+    model
+}
+
 fn from_sweeps(campaign: &Campaign, mut readings: Vec<Reading>, settings: Settings) -> Result<Identification> {
     let lowpass_hz = campaign.signal.lowpass_hz;
-    let mut legs: Vec<LegFit> = readings.iter_mut().flat_map(|r| std::mem::take(&mut r.legs)).collect();
+    let sums: Vec<LegSums> = readings.iter_mut().flat_map(|r| std::mem::take(&mut r.legs)).collect();
+    let (zero, mut legs) = legs::fit_legs(&sums, settings.zero_within_rad(campaign));
     let load_nm = legs::load_of_a_nm(campaign);
     let times: Vec<LegTime> = readings.iter_mut().flat_map(|r| std::mem::take(&mut r.times)).collect();
     let drift = Drift::of(&legs.iter().collect::<Vec<_>>(), &times);
@@ -160,12 +193,15 @@ fn from_sweeps(campaign: &Campaign, mut readings: Vec<Reading>, settings: Settin
     let (prepared, entries) = of_the_joint_alone(readings);
     let compared = first_repeats(&prepared, &entries);
     let judge = |friction: &Both<Friction>| {
-        let model = Model { friction: *friction, ..blank_model(campaign) };
+        let model = Model { friction: *friction, ..at_zero(blank_model(campaign), &zero) };
         judge::left_nm(&compared, model, lowpass_hz, settings.combination)
     };
-    let data = friction::Data { legs: &legs, a: &a, joint: &campaign.joint, load_nm, campaign: &campaign.file };
+    let uncertainty = &campaign.uncertainty;
+    let data =
+        friction::Data { legs: &legs, a: &a, joint: &campaign.joint, uncertainty, load_nm, campaign: &campaign.file };
     let fits = friction::fit_friction(&data, settings.form, Some(&judge))?;
-    let mut model = with_friction(blank_model(campaign), &fits);
+    let mut model = with_friction(at_zero(blank_model(campaign), &zero), &fits);
+    warnings.splice(0..0, zero::warning(&zero));
     warnings.extend([&fits.up, &fits.down].into_iter().flat_map(friction::warnings));
     let combination = combination::fit_combination(&prepared, &model, lowpass_hz, settings.combination, sliding_nm);
     match &combination {
@@ -179,7 +215,7 @@ fn from_sweeps(campaign: &Campaign, mut readings: Vec<Reading>, settings: Settin
     }
     let refinement = settings.refine.then(|| {
         let folds: Vec<usize> = folds(&entries.iter().map(|e| e.repeat).collect::<Vec<u32>>());
-        refine::refine(&prepared, &folds, &model, lowpass_hz, &fits)
+        refine::refine(&prepared, &folds, &model, lowpass_hz, &fits, zero.declared_rad)
     });
     warnings.extend(refinement.iter().flat_map(|r| r.warnings.iter().cloned()));
     if let Some(refined) = refinement.as_ref().filter(|r| r.kept) {
@@ -190,10 +226,28 @@ fn from_sweeps(campaign: &Campaign, mut readings: Vec<Reading>, settings: Settin
         warnings.push(drift.problem(&campaign.file).to_string());
         confidence::demote(model.confidence.values_mut());
     }
+    let mut checks = checks::of_sweeps(&fits, &zero, &legs, &sums);
+    warnings.extend(checks.iter().filter_map(Check::warning));
+    checks.extend(combination.iter().flat_map(|fit| fit.checks.iter().cloned()));
+    checks.iter().for_each(|check| check.demote(&mut model));
+    let rests_on = rests_on::of_sweeps(&model, &zero, &a, load_nm);
     let residuals = residuals(&prepared, &entries, &model);
     warnings.extend(doubts::extrapolation_warning(&residuals, fits.up.points.speed_range_rad_s().1, settings.refine));
     let route = Route::Sweeps(Box::new(fits));
-    Ok(Identification { model, route, legs, combination, refinement, residuals, trace, warnings, trials, rows })
+    Ok(Identification {
+        model,
+        route,
+        legs,
+        combination,
+        refinement,
+        residuals,
+        trace,
+        warnings,
+        checks,
+        rests_on,
+        trials,
+        rows,
+    })
 }
 
 /// One repeat of each motion: enough to compare one friction with another.
@@ -235,7 +289,8 @@ fn from_free_motion(campaign: &Campaign, readings: Vec<Reading>, settings: Setti
     let (prepared, entries) = of_the_joint_alone(readings);
     let blank = blank_model(campaign);
     let folds = folds(&entries.iter().map(|e| e.repeat).collect::<Vec<u32>>());
-    let fit = free::fit_free(&prepared, &folds, &blank, lowpass_hz, settings.combination, &campaign.file)?;
+    let zero_rad = settings.zero_within_rad(campaign);
+    let fit = free::fit_free(&prepared, &folds, &blank, lowpass_hz, settings.combination, zero_rad, &campaign.file)?;
     let mut model = fit.fit.model.clone();
     let unseen = Confidence { low: f64::NEG_INFINITY, high: f64::INFINITY, cv: f64::INFINITY, status: Status::Flat };
     for direction in Direction::BOTH {
@@ -244,15 +299,32 @@ fn from_free_motion(campaign: &Campaign, readings: Vec<Reading>, settings: Setti
         }
     }
     learn(&mut model, &fit.fit.confidence);
+    let checks = fit.combination.checks.clone();
+    checks.iter().for_each(|check| check.demote(&mut model));
     if settings.refine {
         warnings.push("--refine changes nothing here: without sweeps all parameters are fitted together anyway".into());
     }
+    let rests_on = rests_on::of_free_motion(&model);
     let residuals = residuals(&prepared, &entries, &model);
+    warnings.splice(0..0, zero::warning_of_fit(&model));
     warnings.extend(fit.combination.warnings.iter().cloned());
     let combination = Some(fit.combination.clone());
     let route = Route::Free(Box::new(fit));
     let (legs, refinement, trace) = (Vec::new(), None, None);
-    Ok(Identification { model, route, legs, combination, refinement, residuals, trace, warnings, trials, rows })
+    Ok(Identification {
+        model,
+        route,
+        legs,
+        combination,
+        refinement,
+        residuals,
+        trace,
+        warnings,
+        checks,
+        rests_on,
+        trials,
+        rows,
+    })
 }
 
 /// Takes over what a fit knows of its parameters, and of k what it knows of p.

@@ -17,6 +17,8 @@ pub enum Free {
     Curve(CurveKind),
     /// X_cl, by its logarithm.
     Backlash,
+    /// The zero of the position.
+    Zero,
 }
 
 impl Free {
@@ -26,6 +28,7 @@ impl Free {
             Self::Friction(direction, i) => format!("friction.{}.{}", direction.name(), Friction::NAMES[i]),
             Self::Curve(kind) => format!("combination.{}", if kind == CurveKind::Power { "n" } else { "p" }),
             Self::Backlash => "joint.backlash_m".to_string(),
+            Self::Zero => super::zero::NAME.to_string(),
         }
     }
 
@@ -47,6 +50,7 @@ impl Free {
                 _ => 1.0,
             },
             Self::Backlash => model.joint.backlash_m,
+            Self::Zero => model.dynamics.position_zero_rad,
         };
         if self.is_logarithmic() { value.abs().max(f64::MIN_POSITIVE).ln() } else { value }
     }
@@ -63,6 +67,7 @@ impl Free {
             }
             Self::Curve(kind) => model.combination = kind.with(value),
             Self::Backlash => model.joint.backlash_m = value,
+            Self::Zero => model.dynamics.position_zero_rad = value,
         }
     }
 }
@@ -78,11 +83,13 @@ pub struct Limits {
     pub pulley_radius_m: f64,
     /// Longest stroke, rad.
     pub stroke_rad: f64,
+    /// How far the zero of the position may be off, rad; 0 where it is not fitted.
+    pub zero_rad: f64,
 }
 
 impl Limits {
     /// What the campaign's motion and torque allow of a model's parameters.
-    pub fn new(trials: &[Prepared], model: &Model) -> Self {
+    pub fn new(trials: &[Prepared], model: &Model, zero_rad: f64) -> Self {
         let over = |values: &dyn Fn(&Prepared) -> f64| trials.iter().map(values).fold(f64::MIN_POSITIVE, f64::max);
         let largest = |values: &[f64]| values.iter().fold(0f64, |m, x| m.max(x.abs()));
         let stroke = |t: &Prepared| {
@@ -94,6 +101,7 @@ impl Limits {
             speed_rad_s: over(&|t| largest(&t.series.velocity_rad_s)),
             pulley_radius_m: model.joint.pulley_radius_m,
             stroke_rad: over(&stroke),
+            zero_rad,
         }
     }
 
@@ -113,6 +121,7 @@ impl Limits {
             }
             Free::Friction(..) => (-10.0 * self.force_n, 10.0 * self.force_n),
             Free::Curve(kind) => kind.range().map_or((0.0, 1.0), |(low, high)| (low.ln(), high.ln())),
+            Free::Zero => (-self.zero_rad, self.zero_rad),
             Free::Backlash => {
                 let stroke_m = self.stroke_rad * self.pulley_radius_m;
                 ((1e-4 * stroke_m).ln(), (MAX_BACKLASH * stroke_m).ln())

@@ -59,8 +59,9 @@ impl Prepared {
 
     /// y predicted by `model` for every sample, before the low-pass, N m.
     pub fn torque_nm(&self, model: &Model, k_tilde: &[f64]) -> Vec<f64> {
-        let motion = self.series.joint_torque_nm.iter().zip(&self.series.velocity_rad_s);
-        motion.zip(k_tilde).map(|((load, v), k)| model.torque_nm(*load, *v, *k).torque_nm).collect()
+        let load_nm = self.series.joint_torque_nm(&model.dynamics);
+        let motion = self.series.velocity_rad_s.iter().zip(k_tilde).enumerate();
+        motion.map(|(i, (v, k))| model.torque_nm(load_nm(i), *v, *k).torque_nm).collect()
     }
 
     /// Measured less predicted, both through the low-pass, N m, and the first sample from which K~ is known.

@@ -1,8 +1,9 @@
 //! Trials read in parallel, each thinned to what the stages need before the next is opened.
 
 use super::drift::{LegTime, leg_times};
-use super::legs::{LegFit, fit_legs, regressor};
 use super::predicted::Prepared;
+use super::sums::{LegSums, columns};
+use crate::dynamics::JointKind;
 use crate::log::{self, Campaign, Consequence, Fingerprint, TrialEntry, copies};
 use crate::model::Direction;
 use crate::prepare::{Series, Trial, prepare};
@@ -17,8 +18,8 @@ const TRACE_SAMPLES: usize = 3000;
 pub struct Reading {
     /// What the campaign says of it.
     pub entry: TrialEntry,
-    /// The regressions of its legs.
-    pub legs: Vec<LegFit>,
+    /// Its legs, as sums.
+    pub legs: Vec<LegSums>,
     /// The trial, thinned.
     pub prepared: Prepared,
     /// Rows of its log.
@@ -50,7 +51,7 @@ pub struct Trace {
     pub filtered_nm: Vec<f64>,
     /// Whether a measured load is part of what was fitted.
     pub with_load: bool,
-    /// Fitted legs: direction, time (s) and A sin(theta) + B (N m) of the leg alone, with any measured load in it.
+    /// Fitted legs: direction, time (s) and A sin(theta + z) + B (N m) of the leg alone, with any measured load in it.
     pub legs: Vec<(Direction, Vec<(f64, f64)>)>,
 }
 
@@ -118,13 +119,14 @@ fn trial_to_show(campaign: &Campaign) -> Option<usize> {
 
 fn reading(campaign: &Campaign, mut trial: Trial, show: bool) -> Reading {
     let gravity_nm = campaign.dynamics.gravity_nm;
-    let legs = fit_legs(&trial, gravity_nm);
-    let series = Series::new(&trial, campaign.signal.lowpass_hz, campaign.joint.kind, &campaign.dynamics);
+    let kind = campaign.joint.kind;
+    let legs: Vec<LegSums> = trial.legs.iter().map(|leg| LegSums::new(&trial, leg, gravity_nm, kind)).collect();
+    let series = Series::new(&trial, campaign.signal.lowpass_hz, kind, &campaign.dynamics);
     Reading {
-        trace: show.then(|| trace(&trial, &legs, gravity_nm)),
+        trace: show.then(|| trace(&trial, &legs, gravity_nm, kind)),
         prepared: Prepared::new(series, campaign.signal.lowpass_order, campaign.signal.lowpass_hz),
         rows: trial.log.time_s.len(),
-        times: leg_times(&trial, gravity_nm),
+        times: leg_times(&trial, gravity_nm, kind),
         fingerprint: std::mem::take(&mut trial.log.fingerprint),
         demotes: trial.log.findings.iter().any(|finding| finding.consequence == Consequence::Demote),
         warnings: std::mem::take(&mut trial.log.warnings),
@@ -133,20 +135,25 @@ fn reading(campaign: &Campaign, mut trial: Trial, show: bool) -> Reading {
     }
 }
 
-fn trace(trial: &Trial, fits: &[LegFit], gravity_nm: f64) -> Trace {
+fn trace(trial: &Trial, legs: &[LegSums], gravity_nm: f64, kind: JointKind) -> Trace {
     let step = trial.torque_nm.len().div_ceil(TRACE_SAMPLES);
     let thin = |values: &[f64]| values.iter().step_by(step).copied().collect();
-    let line = |(leg, fit): (&crate::prepare::Leg, &LegFit)| {
-        let at = |i: usize| (trial.log.time_s[i], fit.a_nm * regressor(trial, gravity_nm, i) + fit.b_nm);
+    let line = |(leg, sums): (&crate::prepare::Leg, &LegSums)| {
+        let (zero_rad, fit) = sums.alone();
+        let (sin, cos) = zero_rad.sin_cos();
+        let at = |i: usize| {
+            let [gravity, slope, rest] = columns(trial, gravity_nm, kind, i);
+            (trial.log.time_s[i], fit.a_nm * (cos * gravity + sin * slope + rest) + fit.b_nm)
+        };
         (leg.direction, leg.used().step_by(step).map(at).collect())
     };
     Trace {
         file: trial.entry.file.clone(),
         with_load: trial.load_torque_nm.is_some(),
-        speed_rad_s: fits.first().map_or(f64::NAN, |fit| fit.speed_rad_s),
+        speed_rad_s: trial.entry.protocol.speed_rad_s().unwrap_or(f64::NAN),
         time_s: thin(&trial.log.time_s),
         raw_nm: thin(&trial.log.torque_nm),
         filtered_nm: thin(&trial.torque_nm),
-        legs: trial.legs.iter().zip(fits).map(line).collect(),
+        legs: trial.legs.iter().zip(legs).map(line).collect(),
     }
 }

@@ -28,18 +28,21 @@ pub struct Refinement {
     pub warnings: Vec<String>,
 }
 
-/// Refines `model` on `trials`; `folds` says which half each trial belongs to, `sweeps` what the protocol found.
+/// Refines `model` on `trials`; `folds` says which half each trial belongs to, `sweeps` what the protocol found,
+/// `zero_rad` how far the zero of the position may be off.
 pub fn refine(
     trials: &[Prepared],
     folds: &[usize],
     model: &Model,
     lowpass_hz: f64,
     sweeps: &Both<FrictionFit>,
+    zero_rad: f64,
 ) -> Refinement {
-    let free = free_parameters(model);
+    let mut free = free_parameters(model);
+    free.extend((zero_rad > 0.0).then_some(Free::Zero));
     let parts: Vec<Part> =
         trials.iter().map(|trial| Part::new(trial, model.joint.backlash_rad(), lowpass_hz)).collect();
-    let limits = Limits::new(trials, model);
+    let limits = Limits::new(trials, model, zero_rad);
     let before = trial_sums(&parts, model);
     let mut after = before.clone();
     for fold in 0..2 {

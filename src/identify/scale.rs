@@ -3,6 +3,7 @@
 use super::confidence::interval;
 use super::legs::Amplitude;
 use super::stribeck::{ExponentialFit, Points, Profile};
+use crate::log::Uncertainty;
 use crate::model::{Confidence, Direction, Friction, Joint, Status};
 use crate::numerics::statistics::{HALF_WIDTH, fisher_f};
 
@@ -25,6 +26,10 @@ pub(super) struct Scale {
     a_relative: f64,
     /// Mean over the legs of sin(theta) with any measured load: what A's error shifts B by.
     mean_sine: f64,
+    /// Mean over the legs of what that changes by with the position's zero.
+    mean_slope: f64,
+    /// How far what is declared may be off.
+    uncertainty: Uncertainty,
 }
 
 /// Where a parameter comes from.
@@ -37,13 +42,24 @@ pub(super) struct Place {
     pub factor: f64,
     /// Its derivative by A, per N m.
     pub by_a: f64,
+    /// Its derivative by the position's zero, per rad.
+    pub by_zero: f64,
     /// Whether it was not free: a rate at its limit, mu_c without a load.
     pub held: bool,
 }
 
 impl Scale {
     /// `load_nm` is the load at the joint that A belongs to: gravity's, or 1 N m of a measured one; 0 without either.
-    pub fn new(a: &Amplitude, direction: Direction, joint: &Joint, load_nm: f64, mean_sine: f64) -> Self {
+    ///
+    /// `means` are those of the regressor over the legs and of its change with the position's zero.
+    pub fn new(
+        a: &Amplitude,
+        direction: Direction,
+        joint: &Joint,
+        load_nm: f64,
+        [mean_sine, mean_slope]: [f64; 2],
+        uncertainty: &Uncertainty,
+    ) -> Self {
         // Without a load (18) says nothing of mu_c: the load term is left out and marked flat.
         let mu_c = if load_nm == 0.0 { 0.0 } else { 1.0 - joint.transmission() * load_nm / a.a_nm };
         Self {
@@ -55,6 +71,8 @@ impl Scale {
             a_relative: if load_nm == 0.0 { f64::INFINITY } else { (a.half_width_nm / a.a_nm).abs() },
             // Not told by a table that someone else wrote: then at most 1.
             mean_sine: if mean_sine.is_nan() { 1.0 } else { mean_sine },
+            mean_slope,
+            uncertainty: *uncertainty,
         }
     }
 
@@ -84,14 +102,17 @@ impl Scale {
         let relative = if with_load { 1.0 / self.a.a_nm } else { 0.0 };
         let force = |name, i: usize, factor: f64, shift: f64| {
             let by_a = -factor * (fit.coefficients[i] * relative + shift);
-            Place { name, in_fit: Some(i), factor, by_a, held: false }
+            // The zero moves A, and B = y - A R by R itself.
+            let direct = if shift == 0.0 { 0.0 } else { factor * self.a.a_nm * self.mean_slope };
+            Place { name, in_fit: Some(i), factor, by_a, by_zero: by_a * self.a.by_zero_nm_rad - direct, held: false }
         };
         let rate = |name, i: usize, factor: f64| {
             let in_fit = Some(fit.coefficients.len() + i);
-            Place { name, in_fit, factor, by_a: 0.0, held: fit.at_bound[i] }
+            Place { name, in_fit, factor, by_a: 0.0, by_zero: 0.0, held: fit.at_bound[i] }
         };
         let by_a = (1.0 - self.mu_c) * relative;
-        let mut places = vec![Place { name: "mu_c", in_fit: None, factor: 0.0, by_a, held: !with_load }];
+        let by_zero = by_a * self.a.by_zero_nm_rad;
+        let mut places = vec![Place { name: "mu_c", in_fit: None, factor: 0.0, by_a, by_zero, held: !with_load }];
         places.push(force("a_j", 0, per_nm, self.mean_sine));
         if number == 2 {
             places.push(force("b_c", 3, per_nm, 0.0));
@@ -105,9 +126,14 @@ impl Scale {
         places
     }
 
-    /// Variance of A, (N m)^2.
+    /// Variance of the position's zero, rad^2.
+    pub fn variance_of_zero(&self) -> f64 {
+        (self.a.zero_half_width_rad / HALF_WIDTH).powi(2)
+    }
+
+    /// Variance of A were the zero known, (N m)^2.
     pub fn variance_of_a(&self) -> f64 {
-        if self.a.half_width_nm == 0.0 { 0.0 } else { self.a.sd_nm.powi(2) / self.a.legs as f64 }
+        if self.a.given_zero_nm == 0.0 { 0.0 } else { self.a.sd_nm.powi(2) / self.a.legs as f64 }
     }
 
     /// What is known of each parameter, in the order of `Friction::NAMES`.
@@ -117,15 +143,22 @@ impl Scale {
         let (sign, two) = (self.direction.sign(), fit.rates.len() == 2);
         let absent =
             Confidence { low: f64::NEG_INFINITY, high: f64::INFINITY, cv: f64::INFINITY, status: Status::Flat };
-        // With mu_c left out, not estimated, its error is nobody's.
-        let scale_error = if self.a_relative.is_finite() { self.a_relative } else { 0.0 };
-        let shift_nm = self.a.half_width_nm * self.mean_sine.abs().min(1.0);
+        let places = self.places(fit);
+        // What A, the zero and what is declared add to the interval of the parameter called `name`; with mu_c left out, not
+        // estimated, its error is nobody's.
+        let beside = |name: &str, value: f64| {
+            let Some(place) = places.iter().find(|place| place.name == name) else { return 0.0 };
+            let of_a = if self.a.given_zero_nm.is_finite() { place.by_a * self.a.given_zero_nm } else { f64::INFINITY };
+            let of_torque = if name == "a_j" { place.factor * self.uncertainty.torque_zero_nm } else { 0.0 };
+            let of_zero = place.by_zero * self.a.zero_half_width_rad;
+            of_a.hypot(of_zero).hypot(of_torque).hypot(value * self.uncertainty.of_force())
+        };
         // A coefficient of B, `i`, as the parameter that is `factor` times it; without a profile nothing is known of it.
-        let linear = |i: usize, factor: f64, shift_nm: f64| {
+        let linear = |name: &str, i: usize, factor: f64| {
             let Some(profile) = profile else { return absent };
             let value = factor * fit.coefficients[i];
             let (low, high) = profile.coefficients[i];
-            let beside = (scale_error * value).hypot(factor * shift_nm);
+            let beside = beside(name, value);
             let column = points.weighted_norm(|u| basis(i, u, &fit.rates));
             let alone = sigma / column / fit.coefficients[i].abs();
             interval(value, [factor * low, factor * high], beside, known_half_widths, alone, false)
@@ -140,17 +173,17 @@ impl Scale {
         };
         let fast = fit.rates.len().saturating_sub(1);
         let per_nm = self.per_nm;
-        let mu_half = (1.0 - self.mu_c) * self.a_relative;
+        let mu_half = (1.0 - self.mu_c) * self.a_relative.hypot(self.uncertainty.of_loss());
         let mu_alone = if self.a_relative.is_finite() { 0.0 } else { f64::INFINITY };
         let any = !fit.rates.is_empty();
         [
             interval(self.mu_c, [self.mu_c - mu_half, self.mu_c + mu_half], 0.0, HALF_WIDTH, mu_alone, false),
-            linear(0, per_nm, shift_nm),
-            if two { linear(2 + fast, per_nm, 0.0) } else { absent },
+            linear("a_j", 0, per_nm),
+            if two { linear("b_c", 2 + fast, per_nm) } else { absent },
             if two { rate(fast, sign / self.pulley_radius_m) } else { absent },
-            if any { linear(2, per_nm, 0.0) } else { absent },
+            if any { linear("b_j", 2, per_nm) } else { absent },
             if any { rate(0, sign) } else { absent },
-            linear(1, sign * per_nm, 0.0),
+            linear("d", 1, sign * per_nm),
         ]
     }
 }

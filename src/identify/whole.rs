@@ -3,12 +3,13 @@
 //! Friction enters the prediction through y = N / D with N = (r1/r2) G + Bd + K~ (Bu - Bd) and
 //! D = 1 - mu_down - K~ (mu_up - mu_down), so its derivatives are exact and cheap:
 //! dy/dBu = K~/D, dy/dBd = (1 - K~)/D, dy/dmu_up = K~ y/D, dy/dmu_down = (1 - K~) y/D.
-//! The curve's parameter and the clearance move K~ itself; theirs are by difference.
+//! The position's zero moves the load: dy/dz = (r1/r2) (dG/dz) / D. The curve's parameter and the clearance move K~ itself; theirs are by difference.
 
 use super::confidence::interval;
 use super::moving::{Free, Limits};
 use super::strokes::{Part, Stroke};
-use crate::model::{Confidence, Direction, Model};
+use super::zero::known;
+use crate::model::{Both, Confidence, Direction, Model};
 use crate::numerics::cluster;
 use crate::numerics::marquardt::{Minimum, Residuals, Stopped, minimise};
 use crate::numerics::statistics::{HALF_WIDTH, student_t};
@@ -54,7 +55,7 @@ pub fn fit_whole(parts: &[Part], start: &Model, free: &[Free], limits: &Limits) 
     let problem = Whole { parts, start, free };
     let minimum = problem.minimum(limits, PATIENCE);
     let model = problem.model(&minimum.parameters);
-    let confidence = problem.confidence(&minimum);
+    let confidence = problem.confidence(&minimum, limits);
     let rmse_nm = (minimum.residual_sum / minimum.residual_count as f64).sqrt();
     WholeFit { model, rmse_nm, confidence, stopped: minimum.stopped }
 }
@@ -102,7 +103,7 @@ impl Whole<'_> {
     }
 
     /// Intervals by the sandwich over strokes: errors of one stroke hang together, those of different strokes hardly.
-    fn confidence(&self, minimum: &Minimum) -> Vec<(String, Confidence)> {
+    fn confidence(&self, minimum: &Minimum, limits: &Limits) -> Vec<(String, Confidence)> {
         let errors = self.residuals(&minimum.parameters);
         let jacobian = self.jacobian(&minimum.parameters);
         let strokes = self.strokes();
@@ -115,7 +116,7 @@ impl Whole<'_> {
         let sigma = (minimum.residual_sum / minimum.residual_count as f64).sqrt();
         let freedom = cluster::freedom(strokes.len(), self.free.len());
         let t = student_t(freedom);
-        let known = |(i, free): (usize, &Free)| {
+        let told = |(i, free): (usize, &Free)| {
             let moved = minimum.parameters[i];
             let singular = minimum.unscaled_covariance[(i, i)].is_nan();
             let se = if singular { f64::INFINITY } else { covariance[(i, i)].max(0.0).sqrt() };
@@ -134,11 +135,12 @@ impl Whole<'_> {
                 Free::Curve(_) | Free::Backlash => {
                     interval(moved.exp(), [ends[0].exp(), ends[1].exp()], 0.0, HALF_WIDTH, alone, minimum.at_bound[i])
                 }
+                Free::Zero => known(moved, (t * se).min(limits.zero_rad), limits.zero_rad),
                 Free::Friction(..) => interval(moved, ends, 0.0, HALF_WIDTH, alone / moved.abs(), minimum.at_bound[i]),
             };
             (free.name(), confidence)
         };
-        self.free.iter().enumerate().map(known).collect()
+        self.free.iter().enumerate().map(told).collect()
     }
 
     /// Rows of each stroke.
@@ -164,6 +166,11 @@ impl Whole<'_> {
                     let slope = BranchSlope { model, direction: *direction, parameter: *i };
                     Box::new(move |at| slope.at(trial.series.velocity_rad_s[at], torque[at], k_tilde[at]))
                 }
+                Free::Zero => {
+                    let by_load = ByLoad::new(model);
+                    let slope_nm_rad = trial.series.slope_nm_rad(&model.dynamics);
+                    Box::new(move |at| by_load.at(slope_nm_rad(at), k_tilde[at]))
+                }
                 Free::Curve(_) | Free::Backlash => {
                     let mut moved = model.clone();
                     free.write(&mut moved, free.read(model) + STEP);
@@ -180,6 +187,23 @@ impl Whole<'_> {
             together.into_iter().take(group.len())
         });
         columns.collect()
+    }
+}
+
+/// dy by the torque that the load asks of the joint: (r1/r2) / D.
+struct ByLoad {
+    transmission: f64,
+    mu: Both<f64>,
+}
+
+impl ByLoad {
+    fn new(model: &Model) -> Self {
+        Self { transmission: model.joint.transmission(), mu: Both::make(|d| model.friction.of(d).mu_c) }
+    }
+
+    /// For a change of the load of `slope_nm_rad` at K~ `k`.
+    fn at(&self, slope_nm_rad: f64, k: f64) -> f64 {
+        self.transmission * slope_nm_rad / (1.0 - self.mu.down - k * (self.mu.up - self.mu.down))
     }
 }
 

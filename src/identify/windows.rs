@@ -67,7 +67,8 @@ impl<'a> Window<'a> {
         let branch = |direction, i: usize| {
             model.friction.of(direction).unloaded_nm(direction, trial.series.velocity_rad_s[i], r1, r2)
         };
-        let rigid = |i: usize| model.joint.transmission() * trial.series.joint_torque_nm[i];
+        let load_nm = trial.series.joint_torque_nm(&model.dynamics);
+        let rigid = |i: usize| model.joint.transmission() * load_nm(i);
         Self {
             base_nm: padded.clone().map(|i| rigid(i) + branch(Direction::Down, i)).collect(),
             change_nm: padded.clone().map(|i| branch(Direction::Up, i) - branch(Direction::Down, i)).collect(),

@@ -146,13 +146,15 @@ impl Estimator {
             Place::Column(at) => others[*at],
         };
         let moved: Vec<Motion> = places.iter().map(place).collect();
-        let slope_nm_rad = if self.model.effects.is_empty() {
+        let slope_nm_rad = if self.model.effects.is_empty() && dynamics.position_zero_rad == 0.0 {
             0.0
         } else {
             let at = |position| chain.torque(Motion { position, ..own }, &moved).gravity_nm;
             (at(own.position + STEP_RAD) - at(own.position - STEP_RAD)) / (2.0 * STEP_RAD)
         };
-        Asked { torque_nm: chain.torque(own, &moved).total_nm(), slope_nm_rad }
+        let rigid = chain.torque(own, &moved);
+        let (gravity_nm, slope_nm_rad) = dynamics.at_true_position(rigid.gravity_nm, slope_nm_rad);
+        Asked { torque_nm: gravity_nm + rigid.inertia_nm + rigid.coriolis_nm, slope_nm_rad }
     }
 
     /// Where friction stands once the joint has moved on, and K~.

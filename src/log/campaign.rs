@@ -4,6 +4,7 @@ use super::arm::{Arm, Declared};
 use super::captured::Captured;
 use super::columns::{Columns, OtherColumn, Wanted};
 use super::entries::Entries;
+use super::uncertainty::Uncertainty;
 use crate::document::{Document, Section};
 use crate::dynamics::{Dynamics, JointKind};
 use crate::model::Joint;
@@ -28,6 +29,8 @@ pub struct Campaign {
     pub dynamics: Dynamics,
     /// The whole chain that it belongs to, where the campaign names a URDF.
     pub arm: Option<Arm>,
+    /// How far what is declared may be off.
+    pub uncertainty: Uncertainty,
     /// What is done to the torque signal.
     pub signal: Signal,
     /// Which column holds what.
@@ -144,6 +147,7 @@ impl Survey {
         let (columns, named) = columns.section(|section| Some(Columns::read(section, kind))).unwrap_or_default();
         let others = columns.as_ref().map(|columns| &columns.other_position[..]);
         let dynamics = dynamics_field.section(|section| dynamics(section, folder, kind, others));
+        let uncertainty = root.may("uncertainty").section(Uncertainty::read);
         let entries = Entries::read(root, folder, kind);
         let is_whole = format.is_some()
             && entries.are_whole
@@ -154,8 +158,9 @@ impl Survey {
             folder: folder.to_path_buf(),
             file: file.to_path_buf(),
             joint: joint.unwrap_or_else(|| unknown_joint(kind)),
-            dynamics: dynamics.as_ref().map_or(Dynamics { gravity_nm: 0.0, inertia_kg_m2: 0.0 }, |found| found.0),
+            dynamics: dynamics.as_ref().map_or_else(Dynamics::default, |found| found.0),
             arm: dynamics.and_then(|found| found.1),
+            uncertainty: uncertainty.unwrap_or_default(),
             signal,
             columns,
             trials: entries.trials.clone(),
@@ -189,12 +194,13 @@ fn dynamics(
     if section.keys().any(|key| key == "urdf") {
         let declared = Declared::read(section, folder)?;
         let arm = declared.arm(section, kind, others?)?;
-        return Some((Dynamics { gravity_nm: 0.0, inertia_kg_m2: 0.0 }, Some(arm)));
+        return Some((Dynamics::default(), Some(arm)));
     }
     let means = "the gravity torque about the joint at 90 deg, N m";
     let gravity_nm = section.need("gravity_nm").such_as("0.6916", means).number();
     let inertia_kg_m2 = section.may("inertia_kg_m2").not_negative();
-    Some((Dynamics { gravity_nm: gravity_nm?, inertia_kg_m2: inertia_kg_m2.unwrap_or(0.0) }, None))
+    let inertia_kg_m2 = inertia_kg_m2.unwrap_or(0.0);
+    Some((Dynamics { gravity_nm: gravity_nm?, inertia_kg_m2, ..Dynamics::default() }, None))
 }
 
 impl Signal {

@@ -18,6 +18,7 @@ mod resample;
 mod samples;
 mod source;
 pub mod table;
+mod uncertainty;
 mod velocity;
 mod written;
 
@@ -30,6 +31,7 @@ pub use clock::{clock_s, span_s};
 pub use columns::{Column, Columns, OtherColumn, ReferenceColumn};
 pub use health::{Consequence, Finding, Fingerprint, Kind, copies, refuse_copies};
 pub use samples::{Sample, Samples};
+pub use uncertainty::{POSITION_ZERO_RAD, Uncertainty};
 
 use crate::problem::{Problem, Problems, Result};
 use crate::units::Quantity;
@@ -83,9 +85,8 @@ pub struct Log {
 impl Log {
     /// The stretches set aside because a sensor was stuck, not clipped.
     pub fn stuck(&self) -> Vec<Range<usize>> {
-        let is_clipped = |stretch: &&Range<usize>| {
-            self.clipped.iter().any(|run| run.start < stretch.end && stretch.start < run.end)
-        };
+        let is_clipped =
+            |stretch: &&Range<usize>| self.clipped.iter().any(|run| run.start < stretch.end && stretch.start < run.end);
         self.set_aside.iter().filter(|stretch| !is_clipped(stretch)).cloned().collect()
     }
 }

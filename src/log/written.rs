@@ -25,6 +25,10 @@ impl Campaign {
             ],
         );
         write_pairs(&mut text, "\n[dynamics]\n", &self.dynamics_pairs());
+        let uncertain = self.uncertainty.pairs();
+        if !uncertain.is_empty() {
+            write_pairs(&mut text, "\n[uncertainty]\n", &uncertain);
+        }
         let signal = &self.signal;
         write_pairs(
             &mut text,
@@ -46,7 +50,7 @@ impl Campaign {
 
     fn dynamics_pairs(&self) -> Vec<(&'static str, Value)> {
         let Some(arm) = &self.arm else {
-            let Dynamics { gravity_nm, inertia_kg_m2 } = self.dynamics;
+            let Dynamics { gravity_nm, inertia_kg_m2, .. } = self.dynamics;
             return vec![("gravity_nm", gravity_nm.into()), ("inertia_kg_m2", inertia_kg_m2.into())];
         };
         let mut pairs = vec![("urdf", arm.urdf.as_str().into()), ("joint", arm.chain.joint().into())];

@@ -12,8 +12,8 @@ use std::path::Path;
 const FORMAT: &str = "model/1";
 
 /// Keys that an identification adds for people to read; nothing is computed from them.
-pub const EXTRA_KEYS: [&str; 7] =
-    ["fit", "forms", "combinations", "refinement", "free_motion", "warnings", "provenance"];
+pub const EXTRA_KEYS: [&str; 9] =
+    ["fit", "forms", "combinations", "refinement", "free_motion", "warnings", "provenance", "rests_on", "checks"];
 
 impl Model {
     /// Reads a model; keys that an identification adds may be absent.
@@ -42,7 +42,8 @@ impl Model {
             let inertia_kg_m2 = s.need("inertia_kg_m2").not_negative();
             let (urdf, joint) = (s.may("urdf").text(), s.may("joint").text());
             let chain = urdf.zip(joint).map(|(urdf, joint)| ChainName { urdf, joint });
-            Some((Dynamics { gravity_nm: gravity_nm?, inertia_kg_m2: inertia_kg_m2? }, chain))
+            let position_zero_rad = s.may("position_zero_rad").number().unwrap_or(0.0);
+            Some((Dynamics { gravity_nm: gravity_nm?, inertia_kg_m2: inertia_kg_m2?, position_zero_rad }, chain))
         });
         let friction = root.need("friction").section(|s| {
             let up = s.need("up").section(|s| read_friction(s, Direction::Up));
@@ -93,6 +94,9 @@ impl Model {
             "gravity_nm": self.dynamics.gravity_nm,
             "inertia_kg_m2": self.dynamics.inertia_kg_m2,
         });
+        if self.dynamics.position_zero_rad != 0.0 {
+            dynamics["position_zero_rad"] = json!(self.dynamics.position_zero_rad);
+        }
         if let Some(ChainName { urdf, joint }) = &self.chain {
             (dynamics["urdf"], dynamics["joint"]) = (json!(urdf), json!(joint));
         }

@@ -97,7 +97,10 @@ impl Trial {
     /// What mass asks of the joint at sample `at`, N m: by the chain where the campaign has one, else by `dynamics`.
     pub fn rigid(&self, at: usize, kind: JointKind, dynamics: &Dynamics) -> RigidTorque {
         match &self.chain {
-            Some(chain) => chain[at].0,
+            Some(chain) => {
+                let (rigid, slope_nm_rad) = chain[at];
+                RigidTorque { gravity_nm: dynamics.at_true_position(rigid.gravity_nm, slope_nm_rad).0, ..rigid }
+            }
             None => RigidTorque {
                 gravity_nm: dynamics.gravity_nm(kind, self.position_rad[at]),
                 inertia_nm: dynamics.inertia_kg_m2 * self.acceleration_rad_s2(at),
@@ -109,7 +112,7 @@ impl Trial {
     /// What the sample `at` asks of the joint: mass and measured load.
     pub fn asked(&self, at: usize, kind: JointKind, dynamics: &Dynamics) -> Asked {
         let slope_nm_rad = match &self.chain {
-            Some(chain) => chain[at].1,
+            Some(chain) => dynamics.at_true_position(chain[at].0.gravity_nm, chain[at].1).1,
             None => dynamics.gravity_slope_nm_rad(kind, self.position_rad[at]),
         };
         Asked { torque_nm: self.rigid(at, kind, dynamics).total_nm() + self.load_nm(at), slope_nm_rad }

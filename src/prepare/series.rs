@@ -20,8 +20,10 @@ pub struct Series {
     pub position_rad: Vec<f64>,
     /// Speed, rad/s.
     pub velocity_rad_s: Vec<f64>,
-    /// Rigid-body torque at the joint with any measured load, N m.
-    pub joint_torque_nm: Vec<f64>,
+    /// Rigid-body torque at the joint with any measured load, the position's zero taken as right, N m.
+    joint_torque_nm: Vec<f64>,
+    /// G and dG/dq within it, N m and N m/rad.
+    gravity_nm: Vec<(f64, f64)>,
     /// y after the low-pass, N m.
     pub torque_nm: Vec<f64>,
     /// Whether the sensor was in range.
@@ -33,12 +35,14 @@ pub struct Series {
 }
 
 impl Series {
-    /// `trial` thinned for a low-pass at `lowpass_hz`, with the rigid-body torque of `dynamics`.
+    /// `trial` thinned for a low-pass at `lowpass_hz`, with the rigid-body torque of `dynamics`, whose zero of position is 0.
     pub fn new(trial: &Trial, lowpass_hz: f64, kind: JointKind, dynamics: &Dynamics) -> Self {
         let step = ((trial.log.rate_hz / (SAMPLES_PER_PERIOD * lowpass_hz)) as usize).max(1);
         let n = trial.torque_nm.len();
         let thin = |values: &[f64]| values.iter().step_by(step).copied().collect::<Vec<f64>>();
         let joint_torque = |i: usize| trial.rigid(i, kind, dynamics).total_nm() + trial.load_nm(i);
+        let gravity =
+            |i: usize| (trial.rigid(i, kind, dynamics).gravity_nm, trial.asked(i, kind, dynamics).slope_nm_rad);
         Self {
             trial: trial.index,
             rate_hz: trial.log.rate_hz / step as f64,
@@ -46,10 +50,24 @@ impl Series {
             position_rad: thin(trial.followed_rad()),
             velocity_rad_s: (0..n).step_by(step).map(|i| trial.velocity_rad_s(i)).collect(),
             joint_torque_nm: (0..n).step_by(step).map(joint_torque).collect(),
+            gravity_nm: (0..n).step_by(step).map(gravity).collect(),
             torque_nm: thin(&trial.torque_nm),
             in_range: trial.in_range(lowpass_hz).into_iter().step_by(step).collect(),
             deadband_rad: trial.deadband_rad,
             step_rad: trial.step_rad,
         }
+    }
+
+    /// Rigid-body torque at the joint with any measured load where the zero of `dynamics` says that the joint is, sample by
+    /// sample, N m.
+    pub fn joint_torque_nm(&self, dynamics: &Dynamics) -> impl Fn(usize) -> f64 + '_ {
+        let (sin, less) = (dynamics.position_zero_rad.sin(), dynamics.position_zero_rad.cos() - 1.0);
+        move |i| self.joint_torque_nm[i] + self.gravity_nm[i].0 * less + self.gravity_nm[i].1 * sin
+    }
+
+    /// How that changes with the position's zero, N m/rad.
+    pub fn slope_nm_rad(&self, dynamics: &Dynamics) -> impl Fn(usize) -> f64 + '_ {
+        let (sin, cos) = dynamics.position_zero_rad.sin_cos();
+        move |i| self.gravity_nm[i].1 * cos - self.gravity_nm[i].0 * sin
     }
 }

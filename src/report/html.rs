@@ -4,7 +4,7 @@ use super::forms::{FormsTable, forms_of, note};
 use super::identification::{overall_rmse_nm, parameter};
 use super::number::{as_precise_as, count, percent, r_squared, significant, with_spread};
 use super::page::Card;
-use super::parameters::{Parameter, combination, friction};
+use super::parameters::{Parameter, combination, friction, rests_on};
 use super::plots::Figure;
 use super::verdict::{Verdict, verdict};
 use super::wording::{
@@ -27,6 +27,7 @@ struct Page<'a> {
     cards: Vec<Card>,
     branches: Vec<ParameterRow>,
     others: Vec<ParameterRow>,
+    rests_on: Option<String>,
     statuses: Vec<Chip>,
     forms: Vec<FormsTable>,
     free_forms: Vec<FreeFormRow>,
@@ -107,6 +108,7 @@ pub fn report<'a>(
         cards: cards(found, &units),
         branches: up.iter().zip(&down).map(|(up, down)| parameter_row(up, Some(down))).collect(),
         others: combination(&found.model).iter().map(|row| parameter_row(row, None)).collect(),
+        rests_on: rests_on(found, &units).map(|text| kept_together(&text)),
         statuses: Status::ALL.into_iter().map(status_chip).chain([left_out_chip()]).collect(),
         forms: forms(found, &units),
         free_forms: free_forms(found, &units),

@@ -4,7 +4,9 @@
 //! that are not finite are null.
 
 use crate::identify::stribeck::ExponentialFit;
-use crate::identify::{CombinationFit, CurveFit, FreeFit, FrictionFit, Identification, LegFit, Refinement, Route};
+use crate::identify::{
+    Check, CombinationFit, CurveFit, FreeFit, FrictionFit, Identification, LegFit, Refinement, RestsOn, Route,
+};
 use crate::model::{Combination, Direction};
 use crate::numerics::statistics::mean;
 use serde_json::{Map, Value, json};
@@ -29,6 +31,9 @@ pub fn to_json(identification: &Identification, campaign: &str) -> Value {
     root["fit"] = fit.into();
     root["combinations"] = identification.combination.as_ref().map_or(Value::Null, combinations);
     root["refinement"] = identification.refinement.as_ref().map_or(Value::Null, refinement);
+    root["checks"] = identification.checks.iter().map(check).collect::<Vec<Value>>().into();
+    let rests_on = |(name, all): (&String, &Vec<RestsOn>)| (name.clone(), all.iter().map(rests_on).collect());
+    root["rests_on"] = identification.rests_on.iter().map(rests_on).collect::<Map<String, Value>>().into();
     root["warnings"] = json!(identification.warnings);
     root["provenance"] = json!({
         "tautline": env!("CARGO_PKG_VERSION"),
@@ -37,6 +42,20 @@ pub fn to_json(identification: &Identification, campaign: &str) -> Value {
         "rows": identification.rows,
     });
     root
+}
+
+fn check(check: &Check) -> Value {
+    json!({
+        "check": check.name,
+        "passes": check.passes(),
+        "value": check.value,
+        "limit": check.limit,
+        "concerns": check.concerns,
+    })
+}
+
+fn rests_on(one: &RestsOn) -> Value {
+    json!({ "on": one.on, "fitted": one.fitted, "change": one.change, "moves": one.moves })
 }
 
 /// How well one direction's legs and B(v) were met.
@@ -48,6 +67,8 @@ fn branch_fit(fit: &FrictionFit, legs: &[LegFit]) -> Value {
         "a_nm": fit.a.a_nm,
         "a_sd_nm": fit.a.sd_nm,
         "a_half_width_nm": fit.a.half_width_nm,
+        "a_half_width_given_zero_nm": fit.a.given_zero_nm,
+        "a_by_zero_nm_rad": fit.a.by_zero_nm_rad,
         "rmse_nm": fit.taken.rmse_nm,
         "r_squared": fit.r_squared,
         "points": fit.points.b_nm.len(),

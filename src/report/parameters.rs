@@ -1,8 +1,8 @@
 //! The parameters of a model as rows, for every table and figure that shows them.
 
-use super::number::interval;
+use super::number::{interval, significant};
 use super::wording::{FRICTION_MEANINGS, Units};
-use crate::identify::FrictionFit;
+use crate::identify::{FrictionFit, Identification, zero};
 use crate::model::{Both, Combination, Confidence, Direction, Friction, Joint, Model, Status};
 
 /// One parameter, in the unit in which it is shown.
@@ -121,4 +121,36 @@ pub fn combination(model: &Model) -> Vec<Parameter> {
     let meaning = "clearance of the cable, X_cl";
     add("backlash", "joint.backlash_m", meaning, "mm", 1e3, model.joint.backlash_m);
     rows
+}
+
+/// What the intervals of the friction parameters take as right, in a sentence; `None` where they do not come from sweeps.
+pub fn rests_on(found: &Identification, units: &Units) -> Option<String> {
+    found.route.sweeps()?;
+    let largest = |name: &str, on: &str| {
+        let of = |direction: Direction| found.rests_on.get(&format!("friction.{}.{name}", direction.name()));
+        let moves =
+            Direction::BOTH.into_iter().filter_map(of).flatten().filter(|one| one.on == on).map(|one| one.moves);
+        moves.fold(0.0, f64::max)
+    };
+    let of_load = largest("mu_c", "gravity or measured load");
+    let of_torque = largest("a_j", "zero of the torque");
+    let zero = found.model.confidence.get(zero::NAME).map(|known| {
+        let at_deg = found.model.dynamics.position_zero_rad.to_degrees();
+        let half_deg = (known.high - known.low).to_degrees() / 2.0;
+        format!("the position's zero is fitted: {at_deg:.3} deg +- {half_deg:.3}")
+    });
+    let declared = (of_load > 0.0).then(|| {
+        format!(
+            "gravity or the load, the radii and the torque's scale (1 % of any moves mu_c by {})",
+            significant(of_load, 1)
+        )
+    });
+    let torque = (of_torque > 0.0).then(|| {
+        let milli = units.torque(1e-3);
+        format!("the torque's zero ({milli} moves a_j by {} N)", significant(of_torque, 2))
+    });
+    let rests: Vec<String> = declared.into_iter().chain(torque).collect();
+    let rests = (!rests.is_empty()).then(|| format!("intervals take as right: {}", rests.join(", ")));
+    let all: Vec<String> = rests.into_iter().chain(zero).collect();
+    (!all.is_empty()).then(|| all.join("; "))
 }

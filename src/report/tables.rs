@@ -1,7 +1,7 @@
 //! `trials.csv`: one row per leg, written for people and programs, read back by `fit friction`.
 
 use crate::document::{nearest, suggest};
-use crate::identify::LegFit;
+use crate::identify::{LegFit, LegZero};
 use crate::log::mixed::{cell_text, text_cell};
 use crate::log::{Campaign, TrialEntry};
 use crate::model::Direction;
@@ -18,6 +18,10 @@ pub const REQUIRED: [&str; 9] =
 /// The columns that this program adds.
 pub const EXTRA: [&str; 5] = ["a_se_nm", "b_se_nm", "raw_rmse_nm", "mean_sine", "mean_torque_nm"];
 
+/// And of these the position's zero, all 0 where it is taken as declared.
+pub const ZERO: [&str; 5] =
+    ["position_zero_rad", "position_zero_half_width_rad", "a_by_zero_nm_rad", "mean_slope", "a_position_se_nm"];
+
 /// And the last, the joint's name.
 const JOINT: &str = "joint";
 
@@ -27,7 +31,7 @@ const FAULTS_TOLD: usize = 20;
 /// `legs` of the joint called `joint` as a table; numbers in the shortest form that reads back to the same bits.
 pub fn trials_csv(legs: &[LegFit], joint: &str) -> std::result::Result<String, csv::Error> {
     let mut writer = csv::Writer::from_writer(Vec::new());
-    writer.write_record(REQUIRED.iter().chain(&EXTRA).chain(&[JOINT]))?;
+    writer.write_record(REQUIRED.iter().chain(&EXTRA).chain(&ZERO).chain(&[JOINT]))?;
     for leg in legs {
         // What is not known is empty.
         let number = |x: f64| if x.is_nan() { String::new() } else { format!("{x:?}") };
@@ -46,6 +50,11 @@ pub fn trials_csv(legs: &[LegFit], joint: &str) -> std::result::Result<String, c
             number(leg.raw_rmse_nm),
             number(leg.mean_sine),
             number(leg.mean_torque_nm),
+            number(leg.zero.zero_rad),
+            number(leg.zero.half_width_rad),
+            number(leg.zero.a_by_zero_nm_rad),
+            number(leg.zero.mean_slope),
+            number(leg.zero.a_position_se_nm),
             text_cell(joint).into_owned(),
         ])?;
     }
@@ -53,7 +62,7 @@ pub fn trials_csv(legs: &[LegFit], joint: &str) -> std::result::Result<String, c
     Ok(String::from_utf8_lossy(&bytes).into_owned())
 }
 
-/// The legs of `campaign` in the table at `path`. The columns of `EXTRA` may be absent and are then NaN, so may the joint's
+/// The legs of `campaign` in the table at `path`. The columns of `EXTRA` may be absent and are then NaN, those of `ZERO` and are then 0, so may the joint's
 /// name; others are not looked at.
 ///
 /// Errors: the file cannot be read, lacks a column, holds no row, a field is no number, or a row is of another joint or
@@ -107,8 +116,10 @@ fn unreadable(path: &Path, error: &csv::Error) -> Problem {
 /// Errors: a column that seems misspelt, by its likely name; all others that are missing, together.
 fn check_headers(path: &Path, headers: &StringRecord) -> Result<()> {
     let missing: Vec<&str> = REQUIRED.into_iter().filter(|name| !headers.iter().any(|h| h == *name)).collect();
-    let strange: Vec<&str> =
-        headers.iter().filter(|h| !REQUIRED.contains(h) && !EXTRA.contains(h) && *h != JOINT).collect();
+    let strange: Vec<&str> = headers
+        .iter()
+        .filter(|h| !REQUIRED.contains(h) && !EXTRA.contains(h) && !ZERO.contains(h) && *h != JOINT)
+        .collect();
     let mut faults = Vec::new();
     let mut absent = Vec::new();
     for name in missing {
@@ -151,6 +162,11 @@ impl Row<'_> {
         };
         let [r_squared, rmse_nm] = ["r_squared", "rmse_nm"].map(&mut known_or_nan);
         let [a_se_nm, b_se_nm, raw_rmse_nm, mean_sine, mean_torque_nm] = EXTRA.map(&mut known_or_nan);
+        let [zero_rad, half_width_rad, a_by_zero_nm_rad, mean_slope, a_position_se_nm] =
+            ZERO.map(|name| match self.field(name) {
+                None | Some("") => Some(0.0),
+                Some(_) => self.number(name, "a finite number", |x: &f64| x.is_finite()),
+            });
         Some(LegFit {
             file: file?,
             repeat: repeat?,
@@ -166,6 +182,13 @@ impl Row<'_> {
             raw_rmse_nm: raw_rmse_nm?,
             mean_sine: mean_sine?,
             mean_torque_nm: mean_torque_nm?,
+            zero: LegZero {
+                zero_rad: zero_rad?,
+                half_width_rad: half_width_rad?,
+                a_by_zero_nm_rad: a_by_zero_nm_rad?,
+                mean_slope: mean_slope?,
+                a_position_se_nm: a_position_se_nm?,
+            },
         })
     }
 

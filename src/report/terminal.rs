@@ -5,7 +5,7 @@
 
 use super::identification::{overall_rmse_nm, parameter};
 use super::number::{counted, r_squared, significant};
-use super::parameters::{Parameter, combination, friction};
+use super::parameters::{Parameter, combination, friction, rests_on};
 use super::verdict::refinement;
 use super::wording::{LEFT_OUT, Units, met, moving, status_word};
 use crate::identify::stribeck::exponentials;
@@ -42,6 +42,9 @@ pub fn write_summary(
         curves(out, fit, &units)?;
     }
     combination_table(out, &found.model)?;
+    if let Some(text) = rests_on(found, &units) {
+        writeln!(out, "  {DIM}{}{DIM:#}", wrapped(&text, 2))?;
+    }
     heading(out, "Whole series")?;
     writeln!(out, "  RMSE over all trials {}", units.torque(overall_rmse_nm(found)))?;
     if let Some(refined) = &found.refinement {

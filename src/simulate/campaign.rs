@@ -2,7 +2,7 @@
 
 use super::{Plan, PlannedTrial};
 use crate::dynamics::{Dynamics, JointKind};
-use crate::log::{Arm, Campaign, Column, Columns, OtherColumn, Place, ReferenceColumn};
+use crate::log::{Arm, Campaign, Column, Columns, OtherColumn, Place, ReferenceColumn, Uncertainty};
 use crate::model::Model;
 use crate::units::Unit;
 use std::collections::BTreeMap;
@@ -42,13 +42,18 @@ impl Plan {
             folder: folder.to_path_buf(),
             file: folder.join("campaign.toml"),
             joint: model.joint.clone(),
-            dynamics: if arm.is_some() { Dynamics { gravity_nm: 0.0, inertia_kg_m2: 0.0 } } else { model.dynamics },
+            dynamics: if arm.is_some() {
+                Dynamics::default()
+            } else {
+                Dynamics { position_zero_rad: 0.0, ..model.dynamics }
+            },
             arm: arm.map(|arm| Arm {
                 urdf: arm.urdf.clone(),
                 others: (0..other_position.len()).map(Place::Column).collect(),
                 chain: arm.chain.clone(),
                 held_rad: BTreeMap::new(),
             }),
+            uncertainty: Uncertainty::default(),
             signal: self.signal,
             columns: Columns {
                 time: column(("time_s", Unit::Second)),

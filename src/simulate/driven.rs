@@ -35,8 +35,11 @@ pub(super) fn asked(model: &Model, chain: Option<&Chain>, own: Motion, others: &
         Some(chain) => {
             // Only a joint that lags its encoder asks for the slope, and a chain's takes as long as its torque.
             let lags = model.effects.iter().any(|e| e.effect.position_lag_rad(&e.parameters, 1.0, 1.0) != 0.0);
-            let slope_nm_rad = if lags { chain.gravity_slope_nm_rad(own.position, others) } else { 0.0 };
-            Asked { torque_nm: chain.torque(own, others).total_nm(), slope_nm_rad }
+            let needs_slope = lags || dynamics.position_zero_rad != 0.0;
+            let slope_nm_rad = if needs_slope { chain.gravity_slope_nm_rad(own.position, others) } else { 0.0 };
+            let rigid = chain.torque(own, others);
+            let (gravity_nm, slope_nm_rad) = dynamics.at_true_position(rigid.gravity_nm, slope_nm_rad);
+            Asked { torque_nm: gravity_nm + rigid.inertia_nm + rigid.coriolis_nm, slope_nm_rad }
         }
         None => Asked {
             torque_nm: dynamics.gravity_nm(kind, own.position) + dynamics.inertia_kg_m2 * own.acceleration,

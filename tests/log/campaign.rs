@@ -4,7 +4,9 @@ use super::{CAMPAIGN, folder, sweep};
 use proptest::prelude::*;
 use std::path::Path;
 use tautline::dynamics::{Dynamics, JointKind};
-use tautline::log::{Campaign, Column, Columns, OtherColumn, Protocol, ReferenceColumn, Signal, TrialEntry};
+use tautline::log::{
+    Campaign, Column, Columns, OtherColumn, Protocol, ReferenceColumn, Signal, TrialEntry, Uncertainty,
+};
 use tautline::model::Joint;
 use tautline::problem::Problem;
 use tautline::units::Unit;
@@ -206,6 +208,7 @@ prop_compose! {
         speed_rad_s in 1e-6..1e6,
         gravity_nm in -1e9..1e9,
         backlash_m in 0.0..1.0,
+        position_zero_rad in 0.0..1.5,
         is_uniform in any::<bool>(),
         repeat in 1..u32::MAX,
     ) -> Campaign {
@@ -215,8 +218,9 @@ prop_compose! {
             folder: "".into(),
             file: "".into(),
             joint,
-            dynamics: Dynamics { gravity_nm, inertia_kg_m2: 0.012 },
+            dynamics: Dynamics { gravity_nm, inertia_kg_m2: 0.012, ..Dynamics::default() },
             arm: None,
+            uncertainty: Uncertainty { position_zero_rad, ..Uncertainty::default() },
             signal: Signal { torque_sign: -1.0, lowpass_hz: 5.0, lowpass_order: 4 },
             columns,
             trials: vec![TrialEntry { file: "a.csv".into(), protocol, repeat, trajectory, capture: None }],

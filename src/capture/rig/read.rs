@@ -88,7 +88,7 @@ fn read_dynamics(section: &Section<'_>) -> Option<Dynamics> {
     let gravity_nm = section.need("gravity_nm").such_as("0.7", "gravity torque about the joint at 90 deg, N m");
     let gravity_nm = gravity_nm.number();
     let inertia_kg_m2 = section.may("inertia_kg_m2").not_negative().unwrap_or(0.0);
-    Some(Dynamics { gravity_nm: gravity_nm?, inertia_kg_m2 })
+    Some(Dynamics { gravity_nm: gravity_nm?, inertia_kg_m2, ..Dynamics::default() })
 }
 
 fn read_bus(section: &Section<'_>) -> Option<Bus> {

@@ -1,7 +1,9 @@
 //! One curve on the windows: its parameter, the clearance, their intervals.
 
 use super::{CurveFit, CurveKind, NEGLIGIBLE};
+use crate::identify::checks::Check;
 use crate::identify::confidence::{interval, of_k};
+use crate::identify::support::excess;
 use crate::identify::windows::Window;
 use crate::model::{Combination, Confidence, Model};
 use crate::numerics::cluster;
@@ -15,14 +17,18 @@ use rayon::prelude::*;
 const SYSTEMATIC: f64 = 2e-3;
 /// Golden sections: each leaves 0.618 of the log range, and a parabola ends it.
 const SECTIONS: usize = 14;
-/// A curve that leaves less than this many times what sliding leaves is beyond doubt.
-const AT_FLOOR: f64 = 1.5;
-/// Clearances smaller or larger by these factors, ...
-const BACKLASH_STEPS: [f64; 3] = [1.3, 2.0, 5.0];
+/// Clearances smaller ...
+const SMALLER: [f64; 5] = [1.3, 2.0, 5.0, 12.0, 30.0];
+/// ... or larger by these factors, ...
+const LARGER: [f64; 3] = [1.3, 2.0, 5.0];
 /// ... or, where next to none is declared, of this share of a stroke ...
 const BACKLASH_PROBE: f64 = 0.01;
-/// ... that leaves less than this share of the sum of squares contradicts the declared one.
-const BACKLASH_DOUBT: f64 = 0.8;
+/// ... contradict the declared one when they take away more than this share of what noise does not explain ...
+const BACKLASH_DOUBT: f64 = 0.2;
+/// ... and that by more than this many standard errors over the reversals.
+const BACKLASH_CHANCE: f64 = 4.0;
+/// Reversals compared for it: their number tells chance from more, and these are enough.
+const WINDOWS_COMPARED: usize = 60;
 
 /// All curves are fitted to these.
 pub(super) struct Fitting<'a> {
@@ -98,18 +104,11 @@ impl Fitting<'_> {
         (fit, window_sums)
     }
 
-    /// Intervals of p or n and X_cl by the sandwich over windows, whose errors are independent where samples' are not; and
-    /// a word when the reversals contradict the declared clearance.
-    pub fn confidence(&self, fit: &CurveFit, declared_rad: f64) -> (Vec<(String, Confidence)>, Vec<String>) {
+    /// Intervals of p or n and X_cl by the sandwich over windows, whose errors are independent where samples' are not.
+    pub fn confidence(&self, fit: &CurveFit) -> Vec<(String, Confidence)> {
         let mut known = Vec::new();
-        let mut warnings = Vec::new();
-        let floor_nm = self.noise_nm.map_or(0.0, |noise_nm| AT_FLOOR * noise_nm).max(self.negligible_nm(fit));
-        let at_floor = fit.rmse_nm < floor_nm;
-        if !at_floor {
-            warnings.extend(self.doubt(fit, declared_rad));
-        }
         if fit.kind == CurveKind::Sign || fit.backlash_m <= 0.0 {
-            return (known, warnings);
+            return known;
         }
         let backlash_rad = fit.backlash_m / self.model.joint.pulley_radius_m;
         let (names, start): (Vec<&str>, Vec<f64>) = match fit.curve {
@@ -140,30 +139,59 @@ impl Fitting<'_> {
         }
         let p = known.iter().find(|(name, _)| name == "combination.p").map(|(_, of_p)| *of_p);
         known.extend(p.map(|of_p| ("combination.k".to_string(), of_k(of_p))));
-        (known, warnings)
+        known
     }
 
-    /// A word when another clearance leaves much less than the declared one, the curve fitted anew to each.
-    fn doubt(&self, fit: &CurveFit, declared_rad: f64) -> Option<String> {
+    /// Whether the reversals contradict the declared clearance: another one, the curve fitted anew, leaves clearly less. `None`
+    /// where the clearance is estimated or the curve knows none.
+    ///
+    /// Clearly: more than chance over the reversals, more than what is negligible, and a share of what noise does not explain.
+    pub fn clearance(&self, fit: &CurveFit, declared_rad: f64) -> Option<Check> {
         if self.backlash_span_rad.is_some() {
             return None;
         }
         // A jump does not know the clearance; a straight line through one does.
         let kind = if fit.kind == CurveKind::Sign { CurveKind::Linear } else { fit.kind };
-        let cost = |backlash_rad: f64| match kind.range() {
-            None => self.cost(&kind.with(1.0), backlash_rad),
-            Some(range) => golden(range, |x| self.cost(&kind.with(x), backlash_rad)).1,
+        let step = self.windows.len().div_ceil(WINDOWS_COMPARED);
+        let some: Vec<&Window> = self.windows.iter().step_by(step).collect();
+        let samples = some.iter().map(|w| w.judged.len()).sum::<usize>() as f64;
+        let sums = |curve: &Combination, backlash_rad: f64| -> Vec<f64> {
+            let sum = |w: &&Window| w.residual_nm(self.model, curve, backlash_rad).iter().map(|r| r * r).sum();
+            some.par_iter().map(sum).collect()
         };
-        let here = self.cost(&fit.curve, declared_rad);
+        let best_at = |backlash_rad: f64| {
+            let cost = |x: f64| sums(&kind.with(x), backlash_rad).iter().sum();
+            let parameter = kind.range().map_or(1.0, |range| golden(range, cost).0);
+            sums(&kind.with(parameter), backlash_rad)
+        };
+        let here = sums(&fit.curve, declared_rad);
         let probe_rad = BACKLASH_PROBE * self.stroke_rad;
-        let smaller = BACKLASH_STEPS.map(|step| ("smaller", declared_rad / step));
-        let larger = BACKLASH_STEPS.map(|step| ("larger", (declared_rad * step).max(probe_rad)));
-        let better = smaller.into_iter().chain(larger).find(|(_, at)| cost(*at) < BACKLASH_DOUBT * here)?;
-        Some(format!(
-            "the reversals ask for a {} clearance than the declared backlash_m = {:.2} mm; try --estimate-backlash",
-            better.0,
-            1e3 * fit.backlash_m
-        ))
+        let smaller = SMALLER.map(|step| declared_rad / step);
+        let larger = LARGER.map(|step| (declared_rad * step).max(probe_rad));
+        let total = |sums: &[f64]| sums.iter().sum::<f64>();
+        let others = smaller.into_iter().chain(larger).map(|at| (at, best_at(at)));
+        let (other_rad, there) = others.min_by(|a, b| total(&a.1).total_cmp(&total(&b.1)))?;
+        let (gain, error) = excess(&here, &there);
+        let square_nm2 = |sums: &[f64]| total(sums) / samples;
+        let gained_nm2 = square_nm2(&here) - square_nm2(&there);
+        let negligible_nm2 = self.negligible_nm(fit).powi(2);
+        let noise_nm2 = self.noise_nm.map_or(0.0, |noise_nm| noise_nm.powi(2));
+        let unexplained_nm2 = (square_nm2(&here) - noise_nm2).max(negligible_nm2);
+        let is_clear = gained_nm2 > negligible_nm2 && gained_nm2 > BACKLASH_DOUBT * unexplained_nm2;
+        let value = if is_clear && gain > 0.0 { gain / error } else { 0.0 };
+        let mm = |rad: f64| 1e3 * rad * self.model.joint.pulley_radius_m;
+        let failure = format!(
+            "the reversals ask for a {} clearance than the declared backlash_m = {:.2} mm: one of about {:.2} mm leaves {:.1} mN m \
+             after reversals, the declared one {:.1}; correct it, or try --estimate-backlash; until then the curve's parameters do \
+             not count as pinned",
+            if other_rad < declared_rad { "smaller" } else { "larger" },
+            mm(declared_rad),
+            mm(other_rad),
+            1e3 * square_nm2(&there).sqrt(),
+            1e3 * square_nm2(&here).sqrt(),
+        );
+        let concerns = vec!["combination.".to_string(), "joint.backlash_m".to_string()];
+        Some(Check { name: "clearance", concerns, value, limit: BACKLASH_CHANCE, failure })
     }
 }
 

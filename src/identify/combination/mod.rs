@@ -6,6 +6,7 @@
 
 mod fitting;
 
+use super::checks::Check;
 use super::confidence::demote;
 use super::predicted::Prepared;
 use super::support::supported;
@@ -139,6 +140,8 @@ pub struct CombinationFit {
     pub crossings: Vec<Crossing>,
     /// What to distrust.
     pub warnings: Vec<String>,
+    /// Checks of the curve and of the clearance; `confidence` is demoted already where one fails.
+    pub checks: Vec<Check>,
 }
 
 impl CombinationFit {
@@ -167,11 +170,12 @@ pub fn fit_combination(
     let supported = best_supported(&sums);
     let taken = settings.wanted.and_then(|w| curves.iter().position(|c| c.kind == w)).unwrap_or(supported);
     let backlash_rad = curves[taken].backlash_m / model.joint.pulley_radius_m;
-    let (mut confidence, mut warnings) = fitting.confidence(&curves[taken], declared_rad);
+    let mut confidence = fitting.confidence(&curves[taken]);
     let negligible_nm = fitting.negligible_nm(&curves[taken]);
-    let misfits = |noise_nm: &f64| curves[taken].rmse_nm > (MISFIT * noise_nm).max(negligible_nm);
-    if let Some(noise_nm) = noise_nm.filter(misfits) {
-        warnings.push(misfit(&curves[taken], noise_nm));
+    let mut checks: Vec<Check> = fitting.clearance(&curves[taken], declared_rad).into_iter().collect();
+    checks.extend(noise_nm.map(|noise_nm| curve_check(&curves[taken], noise_nm, negligible_nm)));
+    let warnings = checks.iter().filter_map(Check::warning).collect();
+    if checks.iter().any(|check| !check.passes()) {
         demote(confidence.iter_mut().map(|(_, known)| known));
     }
     Some(CombinationFit {
@@ -184,6 +188,7 @@ pub fn fit_combination(
         judged_on: JudgedOn::Reversals,
         confidence,
         warnings,
+        checks,
     })
 }
 
@@ -229,6 +234,19 @@ impl Reach {
     }
 }
 
+/// Whether the curve describes the change-over, where sliding leaves `noise_nm`.
+fn curve_check(fit: &CurveFit, noise_nm: f64, negligible_nm: f64) -> Check {
+    let value = fit.rmse_nm / noise_nm;
+    let limit = MISFIT.max(negligible_nm / noise_nm);
+    Check {
+        name: "curve_describes",
+        concerns: vec!["combination.".into()],
+        value,
+        limit,
+        failure: misfit(fit, noise_nm),
+    }
+}
+
 fn misfit(fit: &CurveFit, noise_nm: f64) -> String {
     format!(
         "no curve describes the change-over: `{}` leaves {:.1} mN m after reversals where sliding leaves {:.1}; its parameters \
@@ -262,6 +280,7 @@ pub fn overlay(
         judged_on: JudgedOn::UnseenStrokes,
         confidence: Vec::new(),
         warnings: Vec::new(),
+        checks: Vec::new(),
     }
 }
 

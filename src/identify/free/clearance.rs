@@ -3,6 +3,7 @@
 use super::FreeForm;
 use super::halves::Halves;
 use super::search::{Judged, Search};
+use crate::identify::checks::Check;
 use crate::identify::combination::CurveKind;
 use crate::identify::moving::{Limits, MAX_BACKLASH};
 use crate::identify::predicted::Prepared;
@@ -30,7 +31,7 @@ pub struct Question<'a> {
 
 /// A word when another clearance than the declared one meets strokes that its fit did not see clearly better, with the form
 /// and the curve that were taken.
-pub fn doubt(trials: &[Prepared], declared: &Search, asked: &Question) -> Option<String> {
+pub fn doubt(trials: &[Prepared], declared: &Search, asked: &Question) -> Option<Check> {
     // A jump does not know the clearance; a straight line through one does.
     let kind = if asked.kind == CurveKind::Sign { CurveKind::Linear } else { asked.kind };
     let widest_rad = MAX_BACKLASH * declared.limits.stroke_rad;
@@ -53,13 +54,15 @@ pub fn doubt(trials: &[Prepared], declared: &Search, asked: &Question) -> Option
         Some(limit) => limit,
         None => format!("near {:.3} mm", 1e3 * fit.model.joint.backlash_m),
     };
-    Some(format!(
+    let failure = format!(
         "the reversals ask for a clearance {clearance}, not the declared backlash_m = {:.3} mm: on strokes not seen it leaves \
          {:.2} mN m, the declared one {:.2}; try --estimate-backlash",
         1e3 * declared.start.joint.backlash_m,
         1e3 * free_nm,
         1e3 * kept_nm
-    ))
+    );
+    let concerns = vec!["combination.".to_string()];
+    Some(Check { name: "clearance", concerns, value: kept_nm / free_nm, limit: 1.0 / DOUBT, failure })
 }
 
 /// A word when the estimate of the clearance ended where the search for it does.

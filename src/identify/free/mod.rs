@@ -9,6 +9,7 @@ mod clearance;
 mod halves;
 mod search;
 
+use super::checks::Check;
 use super::combination::{CombinationFit, CurveFit, CurveKind, Settings, overlay};
 use super::moving::{Limits, MAX_BACKLASH};
 use super::predicted::Prepared;
@@ -73,6 +74,7 @@ pub struct FreeFit {
 
 /// Fits `trials`, starting from `model`'s geometry and rigid body; `folds` says which half each trial belongs to where whole
 /// trials are held out.
+/// `zero_rad` is how far the zero of the position may be off: it is fitted once form and curve are chosen.
 ///
 /// Errors: too few strokes to fit and to judge; `campaign` is the file named.
 pub fn fit_free(
@@ -81,9 +83,10 @@ pub fn fit_free(
     model: &Model,
     lowpass_hz: f64,
     settings: Settings,
+    zero_rad: f64,
     campaign: &Path,
 ) -> Result<FreeFit> {
-    let limits = Limits::new(trials, model);
+    let limits = Limits::new(trials, model, zero_rad);
     let estimate_backlash = settings.estimate_backlash;
     let widest_rad = if estimate_backlash { MAX_BACKLASH * limits.stroke_rad } else { model.joint.backlash_rad() };
     let halves = Halves::new(trials, folds, widest_rad, lowpass_hz, campaign)?;
@@ -103,10 +106,12 @@ pub fn fit_free(
     let curves = CurveKind::ALL.par_iter().map(curve).collect();
     let mut combination = overlay(trials, &fit.model, lowpass_hz, curves, choice.supported as usize, kind as usize);
     let asked = Question { kind, form, folds, lowpass_hz, campaign };
-    combination.warnings.extend(match estimate_backlash {
-        true => limit_warning(&fit, &limits),
-        false => doubt(trials, &search, &asked),
-    });
+    if estimate_backlash {
+        combination.warnings.extend(limit_warning(&fit, &limits));
+    } else {
+        combination.checks.extend(doubt(trials, &search, &asked));
+        combination.warnings.extend(combination.checks.iter().filter_map(Check::warning));
+    }
     Ok(FreeFit {
         forms: FreeForm::ALL.map(|form| (form, rmse_nm(&choice.judged(kind, form).sums))).to_vec(),
         held_out_nm: rmse_nm(&choice.judged(kind, form).sums),

@@ -70,7 +70,9 @@ impl Search<'_> {
 
     /// The fit of `form` with the curve of `kind` to all strokes, from the better of those to the halves.
     pub fn fit(&self, kind: CurveKind, form: FreeForm, judged: &Judged) -> WholeFit {
-        fit_whole(&self.halves.all, self.better(judged), &self.free(kind, form), self.limits)
+        let mut free = self.free(kind, form);
+        free.extend((self.limits.zero_rad > 0.0).then_some(Free::Zero));
+        fit_whole(&self.halves.all, self.better(judged), &free, self.limits)
     }
 
     /// The model alone of the same fit, to be compared with others.
@@ -130,9 +132,10 @@ pub fn start(trials: &[Prepared], model: &Model) -> Model {
         let (mut sum, mut count) = (0.0, 0.0);
         for trial in trials {
             let series = &trial.series;
-            for ((y, load), v) in series.torque_nm.iter().zip(&series.joint_torque_nm).zip(&series.velocity_rad_s) {
+            let load_nm = series.joint_torque_nm(&model.dynamics);
+            for (i, (y, v)) in series.torque_nm.iter().zip(&series.velocity_rad_s).enumerate() {
                 if v * direction.sign() > 0.0 {
-                    sum += y - model.joint.transmission() * load;
+                    sum += y - model.joint.transmission() * load_nm(i);
                     count += 1.0;
                 }
             }

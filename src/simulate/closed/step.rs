@@ -67,7 +67,11 @@ impl Plant<'_> {
         let (still, pushed) =
             (asked(self.model, self.chain, at(0.0), others), asked(self.model, self.chain, at(1.0), others));
         let slope_nm_rad = match self.chain {
-            Some(chain) => chain.gravity_slope_nm_rad(position_rad, others),
+            Some(chain) => {
+                let of_reading = chain.torque(at(0.0), others).gravity_nm;
+                let slope_nm_rad = chain.gravity_slope_nm_rad(position_rad, others);
+                self.model.dynamics.at_true_position(of_reading, slope_nm_rad).1
+            }
             None => still.slope_nm_rad,
         };
         let inertia_kg_m2 = pushed.torque_nm - still.torque_nm;
