@@ -132,6 +132,14 @@ impl Memory {
         *status = *status & !8 | u8::from(full) << 3;
     }
 
+    /// The device has written the whole buffer of sync manager `index`: of its three buffers the next is the last written one (bits
+    /// 4 and 5 of the status; Beckhoff's ESC data sheet, section II, register 0x0805).
+    pub fn turn_buffer(&mut self, index: usize) {
+        let status = &mut self.bytes_mut(at::SYNC_MANAGER + 8 * index as u16 + 5, 1)[0];
+        let next = ((*status >> 4 & 3) + 1) % 3;
+        *status = *status & !0x30 | next << 4;
+    }
+
     /// Opens or shuts sync manager `index` from the device's side.
     pub fn shut(&mut self, index: usize, shut: bool) {
         self.shut = self.shut & !(1 << index) | u8::from(shut) << index;
@@ -239,8 +247,10 @@ impl Memory {
             address >= start && usize::from(address) < usize::from(start) + usize::from(size) * count
         };
         // Of a sync manager the status and the device's own control are read only.
+        // While it is active only its activation can be written: place, length and control stay.
         let manager = within(at::SYNC_MANAGER, 8, self.sync_managers) && ![5, 7].contains(&(address & 7));
-        manager
+        let is_active = manager && self.u8(address & !7 | 6) & 1 != 0;
+        manager && (!is_active || address & 7 == 6)
             || within(at::FMMU, 16, self.fmmus)
             || at::WRITABLE.iter().any(|(from, to)| (*from..*to).contains(&address))
     }

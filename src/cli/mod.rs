@@ -21,6 +21,7 @@ mod import;
 mod interaction;
 mod interrupt;
 mod judged;
+mod keyboard;
 mod live;
 mod man;
 mod outcome;
