@@ -247,10 +247,8 @@ impl Memory {
             address >= start && usize::from(address) < usize::from(start) + usize::from(size) * count
         };
         // Of a sync manager the status and the device's own control are read only.
-        // While it is active only its activation can be written: place, length and control stay.
         let manager = within(at::SYNC_MANAGER, 8, self.sync_managers) && ![5, 7].contains(&(address & 7));
-        let is_active = manager && self.u8(address & !7 | 6) & 1 != 0;
-        manager && (!is_active || address & 7 == 6)
+        manager
             || within(at::FMMU, 16, self.fmmus)
             || at::WRITABLE.iter().any(|(from, to)| (*from..*to).contains(&address))
     }

@@ -153,7 +153,7 @@ impl Axis {
                 runs_away: false,
                 cycles: 0,
             },
-            follow: Follow::new(&soft(rig), period_s),
+            follow: Follow::new(&soft(rig), period_s, rig.drive.mode == Mode::Torque, 1.0 / rig.drive.counts_per_rad),
             fresh: Freshness::default(),
             sent: Sent::default(),
             way_rad: 0.0,

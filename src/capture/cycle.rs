@@ -147,8 +147,7 @@ impl<'a, 's, W: Wire, C> Cycle<'a, 's, W, C> {
             Err(Failure::TimedOut | Failure::Stack(_)) => self.missed(1),
             Err(Failure::Panic(words)) => {
                 self.missed(1);
-                self.line.drop_out();
-                self.axis.blame(Cause::Panic(words));
+                self.panicked(words);
             }
         }
         if self.missed_in_a_row == 0 {
@@ -198,13 +197,21 @@ impl<'a, 's, W: Wire, C> Cycle<'a, 's, W, C> {
         now_ns
     }
 
+    /// The stack panicked with these words: past it the devices are told to leave OP.
+    fn panicked(&mut self, words: String) {
+        self.line.drop_out();
+        self.axis.blame(Cause::Panic(words));
+    }
+
     /// Whether the drive has filled its buffer anew, where no counter of its own tells.
     fn look_for_news(&mut self, until_ns: u64) {
         let Some(inputs) = self.drive_inputs.filter(|_| !self.axis.has_counter()) else { return };
         let Ok(drive) = self.exchange.group.subdevice(self.main, self.rig.drive.identity.place) else { return };
         let asked = self.line.run_until(until_ns, drive.register_read::<u8>(inputs.status_at()));
-        if let Ok(status) = asked {
-            self.axis.freshen(u32::from(status >> 4 & 3));
+        match asked {
+            Ok(status) => self.axis.freshen(u32::from(status >> 4 & 3)),
+            Err(Failure::Panic(words)) => self.panicked(words),
+            Err(_) => {}
         }
     }
 

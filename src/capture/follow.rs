@@ -1,8 +1,9 @@
 //! Whether the joint does what it is told: the way that was commanded against the way that is measured.
 //!
-//! Two rules. Where the command has gone on by `stuck_rad` in one direction, the measurement must have gone at least a tenth of it
+//! Three rules. Where the command has gone on by `stuck_rad` in one direction, the measurement must have gone at least a tenth of it
 //! the same way: else the encoder is frozen, the joint is blocked, or a sign is wrong. And the mean speeds over the last cycles must
-//! not differ by more than half the limit of speed.
+//! not differ by more than half the limit of speed (all of it in torque mode). And a position that moved must not stand, to the count,
+//! from one cycle to the next while the command goes on: no joint stops so.
 //!
 //! What cannot be known from positions: whether the joint or only its encoder stands still, and, while nothing is commanded,
 //! whether an encoder that shows no change is alive (see `fresh`).
@@ -17,15 +18,37 @@ const FOLLOWED: f64 = 0.1;
 const MARKS: usize = 8;
 /// Share of the limit of speed by which measured and commanded speed may differ ...
 const SPEED_GAP: f64 = 0.5;
+/// ... the same in torque mode, where our own loop is soft: a joint that friction held slips forward faster than it is told ...
+const SOFT_SPEED_GAP: f64 = 1.0;
 /// ... and at least what the limit of acceleration makes of a delay of so long, s.
 const DELAY_S: f64 = 0.02;
+
+/// Cycles for which a position must stand to the count, ...
+const STANDS: u32 = 4;
+/// ... while the command goes on by so many counts at least, ...
+const STANDS_COUNTS: f64 = 3.0;
+/// ... both, before and meanwhile, faster than this share of the limit of speed.
+const MOVES: f64 = 0.15;
+
+/// A position that has begun to stand.
+#[derive(Debug, Clone, Copy)]
+struct Stand {
+    /// The commanded way then, rad.
+    way_rad: f64,
+    /// The measured speed until then, rad/s.
+    speed_rad_s: f64,
+    cycles: u32,
+}
 
 /// Commanded and measured way of the last cycles.
 #[derive(Debug, Clone)]
 pub struct Follow {
     stuck_rad: f64,
     gap_rad_s: f64,
+    moves_rad_s: f64,
+    count_rad: f64,
     period_s: f64,
+    stand: Option<Stand>,
     /// Along the commanded way, `stuck_rad / MARKS` apart: way and position.
     marks: VecDeque<(f64, f64)>,
     /// Way, position and periods of the last cycles.
@@ -33,12 +56,16 @@ pub struct Follow {
 }
 
 impl Follow {
-    /// Watches cycles of `period_s`.
-    pub fn new(limits: &Limits, period_s: f64) -> Self {
+    /// Watches cycles of `period_s` of a joint whose position loop is soft, or stiff, and counts in steps of `count_rad`.
+    pub fn new(limits: &Limits, period_s: f64, is_soft: bool, count_rad: f64) -> Self {
+        let share = if is_soft { SOFT_SPEED_GAP } else { SPEED_GAP };
         Self {
             stuck_rad: limits.stuck_rad,
-            gap_rad_s: (SPEED_GAP * limits.speed_rad_s).max(DELAY_S * limits.acceleration_rad_s2),
+            gap_rad_s: (share * limits.speed_rad_s).max(DELAY_S * limits.acceleration_rad_s2),
+            moves_rad_s: MOVES * limits.speed_rad_s,
+            count_rad,
             period_s,
+            stand: None,
             marks: VecDeque::with_capacity(MARKS + 2),
             recent: VecDeque::with_capacity(SPEED_CYCLES + 2),
         }
@@ -48,6 +75,7 @@ impl Follow {
     pub fn forget(&mut self) {
         self.marks.clear();
         self.recent.clear();
+        self.stand = None;
     }
 
     /// The joint is measured at `position_rad`, `periods` after the last time, having been told to go `way_rad` in all.
@@ -62,10 +90,31 @@ impl Follow {
         if self.marks.len() > MARKS {
             self.marks.pop_front();
         }
+        let froze = self.froze(way_rad, position_rad);
         self.recent.push_back((way_rad, position_rad, periods));
         let stuck = (told_rad.abs() >= self.stuck_rad * (1.0 - 1e-9) && followed_rad < FOLLOWED * told_rad.abs())
             .then_some(Cause::NotFollowing(Beyond { found: followed_rad, limit: told_rad.abs() }));
-        stuck.or_else(|| self.gap())
+        let gap = self.gap();
+        froze.or(stuck).or(gap)
+    }
+
+    /// A position that moved until the last cycle, and stands now to the count.
+    fn froze(&mut self, way_rad: f64, position_rad: f64) -> Option<Cause> {
+        let last = self.recent.back().filter(|(_, last_rad, _)| *last_rad == position_rad);
+        let (Some((last_way_rad, ..)), Some(first)) = (last.copied(), self.recent.front().copied()) else {
+            self.stand = None;
+            return None;
+        };
+        let periods: u32 = self.recent.iter().skip(1).map(|(_, _, periods)| periods).sum();
+        let speed_rad_s = (position_rad - first.1) / (f64::from(periods.max(1)) * self.period_s);
+        let stand = self.stand.get_or_insert(Stand { way_rad: last_way_rad, speed_rad_s, cycles: 0 });
+        stand.cycles += 1;
+        let told_rad = way_rad - stand.way_rad;
+        let told_rad_s = told_rad.abs() / (f64::from(stand.cycles) * self.period_s);
+        let is_told = told_rad.abs() >= STANDS_COUNTS * self.count_rad && told_rad_s >= self.moves_rad_s;
+        let moved = stand.speed_rad_s * told_rad.signum() >= self.moves_rad_s;
+        (stand.cycles >= STANDS && is_told && moved)
+            .then_some(Cause::NotFollowing(Beyond { found: 0.0, limit: told_rad.abs() }))
     }
 
     /// Commanded and measured mean speed, too far apart.
@@ -100,7 +149,12 @@ mod tests {
 
     /// After how many cycles of `way` and `position` (rad, of the cycle's number) it complains, and of what.
     fn told(way: impl Fn(f64) -> f64, position: impl Fn(f64) -> f64) -> Option<(u32, &'static str)> {
-        let mut follow = Follow::new(&LIMITS, 0.001);
+        counted(1e-5, way, position)
+    }
+
+    /// The same of an encoder that counts in steps of `count_rad`.
+    fn counted(count_rad: f64, way: impl Fn(f64) -> f64, position: impl Fn(f64) -> f64) -> Option<(u32, &'static str)> {
+        let mut follow = Follow::new(&LIMITS, 0.001, false, count_rad);
         (0..3000u32).find_map(|i| {
             let t = f64::from(i) * 1e-3;
             follow.step(way(t), position(t), 1).map(|cause| (i, cause.name()))
@@ -112,7 +166,7 @@ mod tests {
         let wave = |t: f64| 0.3 - 0.3 * (1.5 * t).cos();
         assert_eq!(told(wave, |t| wave((t - 0.02).max(0.0))), None);
         // Held by friction for a moment where it turns round, and counted coarsely.
-        assert_eq!(told(wave, |t| (wave((t - 0.005).max(0.0)) * 2000.0).round() / 2000.0), None);
+        assert_eq!(counted(5e-4, wave, |t| (wave((t - 0.005).max(0.0)) * 2000.0).round() / 2000.0), None);
     }
 
     #[test]
@@ -125,6 +179,14 @@ mod tests {
         // Frozen on the way: no later than after twice that.
         let (cycles, _) = told(|t| 0.1 * t, |t| 0.1 * t.min(1.0)).unwrap();
         assert!((1000..1100).contains(&cycles), "{cycles}");
+    }
+
+    #[test]
+    fn what_freezes_in_motion_is_told_within_a_few_cycles() {
+        for speed in [0.1, 0.2, 0.4] {
+            let (cycles, name) = told(|t| speed * t, |t| speed * t.min(1.0)).unwrap();
+            assert!(name == "not_following" && (1003..1006).contains(&cycles), "{speed}: {cycles}");
+        }
     }
 
     #[test]

@@ -30,6 +30,8 @@ const BRIEFED_CYCLES: u32 = 500;
 const MISSED_SHARE: f64 = 0.01;
 /// How long after a gap the motion takes to be at full speed again, as a share of what the limit of acceleration would need.
 const GENTLE: f64 = 2.0;
+/// Share of a cycle's way that the target goes back in a cycle of a gap.
+const BACK: f64 = 0.25;
 
 /// The trials as they run.
 pub(super) struct Run<'a, 's, W, C> {
@@ -176,12 +178,12 @@ impl<'a, 's, W: Wire, C> Run<'a, 's, W, C> {
     }
 
     /// Along `positions_rad`, one a cycle, each told to `each`; false where that broke off. While answers fail to come the target
-    /// stands, as the drive does; then the motion gets under way again no faster than the limits allow.
+    /// goes back to where a drive stands that bridged one cycle; then the motion gets under way again no faster than the limits allow.
     fn follow(&mut self, positions_rad: &[f64], mut each: impl FnMut(&mut Self, usize)) -> bool {
         let Some(last) = positions_rad.len().checked_sub(1) else { return true };
         let (limits, period_s) = (&self.task.rig.limits, self.task.rig.bus.period_s());
         let faster = limits.acceleration_rad_s2 / GENTLE * period_s / limits.speed_rad_s;
-        let (mut at, mut pace) = (0.0f64, 1.0f64);
+        let (mut at, mut pace, mut stands_at) = (0.0f64, 1.0f64, None);
         loop {
             let (before, share) = (at as usize, at.fract());
             let after = (before + 1).min(last);
@@ -194,13 +196,19 @@ impl<'a, 's, W: Wire, C> Run<'a, 's, W, C> {
                 return true;
             }
             if self.cycle.is_gap() {
+                stands_at = stands_at.or(Some((at - 1.0).max(0.0)));
                 pace = 0.0;
                 self.cycle.axis.resume();
             } else {
+                stands_at = None;
                 pace = (pace + faster).min(1.0);
             }
             // Whole samples stay whole.
-            at = if pace >= 1.0 && share == 0.0 { at + 1.0 } else { (at + pace).min(last as f64) };
+            at = match stands_at {
+                Some(stands_at) => (at - BACK).max(stands_at),
+                None if pace >= 1.0 && share == 0.0 => at + 1.0,
+                None => (at + pace).min(last as f64),
+            };
         }
     }
 

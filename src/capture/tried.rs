@@ -21,7 +21,8 @@ const GENTLE: f64 = 0.1;
 const ERRORS: f64 = 5.0;
 const SHARE_OF_TORQUE: f64 = 0.002;
 
-/// Up and back from `from_rad`, sampled every period: away from the nearer end of the range.
+/// Up and back from `from_rad`, sampled every period: away from the nearer end of the range; back no farther than to its end, where
+/// the joint hangs outside.
 pub(super) fn motion(rig: &Rig, from_rad: f64) -> [Vec<f64>; 2] {
     let (limits, period_s) = (&rig.limits, rig.bus.period_s());
     let way_rad = TRIED_RAD.min(SHARE_OF_RANGE * (limits.high_rad - limits.low_rad));
@@ -32,7 +33,7 @@ pub(super) fn motion(rig: &Rig, from_rad: f64) -> [Vec<f64>; 2] {
         let ramp = Ramp::new(from_rad, to_rad, speed_rad_s, GENTLE * limits.acceleration_rad_s2);
         ramp.positions_rad(period_s)
     };
-    [sampled(from_rad, to_rad), sampled(to_rad, from_rad)]
+    [sampled(from_rad, to_rad), sampled(to_rad, from_rad.clamp(limits.low_rad, limits.high_rad))]
 }
 
 /// What the torques of the two ways, going up and going down, say of the signs: a cause, a line of a report, or both.

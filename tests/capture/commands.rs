@@ -69,7 +69,7 @@ fn the_fault_matrix_names_what_is_beyond_the_limits() {
     let done = tautline(&["rig", "faults", "--only", "csv FrozenEncoder", "--json"]);
     let told: Value = serde_json::from_slice(&done.stdout).unwrap();
     assert_eq!((&told["wrong"], done.status.code()), (&0.into(), Some(0)), "{told}");
-    assert_eq!(told["cases"][0]["cause"], "not_following");
+    assert_eq!(told["cases"][0]["cause"], "not_following", "{told}");
     assert!(told["cases"][0]["speed_rad_s"].as_f64().unwrap() < 0.625, "{told}");
 }
 

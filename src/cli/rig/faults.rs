@@ -216,6 +216,10 @@ fn moments(mode: usize) -> Result<(u64, u64)> {
             }
         }
     })?;
+    if moving == 0 || holding == 0 {
+        let what = format!("in {} the joint does not get through its sweep without a fault", MODES[mode].0);
+        return Problem::error("demo", what, "report it").alone();
+    }
     Ok((moving, holding))
 }
 
