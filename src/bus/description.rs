@@ -17,6 +17,8 @@ const INPUTS_AT: u16 = 0x1400;
 const MAILBOX: [(u16, u16); 2] = [(0x1000, 128), (0x1080, 128)];
 /// How a sync manager is controlled: mailboxes, outputs with watchdog, inputs.
 const CONTROLS: [u8; 4] = [0x26, 0x22, 0x64, 0x20];
+/// The bit of it that has outputs feed the watchdog.
+const FEEDS_WATCHDOG: u8 = 0x40;
 
 /// What a device is, for [`Device::new`].
 #[derive(Debug)]
@@ -31,12 +33,14 @@ pub struct Description<'a> {
     pub mailbox: bool,
     /// Its clock, if it has one.
     pub clock: Option<Clock>,
+    /// Whether the EEPROM has the outputs' sync manager feed the watchdog (bit 6 of its control byte).
+    pub feeds_watchdog: bool,
 }
 
 impl Device {
     /// A device as described, switched on and in INIT.
     pub fn new(description: Description<'_>, application: Box<dyn Application>) -> Self {
-        let Description { identity, names, mut dictionary, mailbox, clock } = description;
+        let Description { identity, names, mut dictionary, mailbox, clock, feeds_watchdog } = description;
         let pdos = |assignment: u16, sync_manager: usize| -> Vec<Pdo> {
             let entries = dictionary.mapping(assignment);
             let index = dictionary.unsigned(assignment, 1) as u16;
@@ -50,7 +54,8 @@ impl Device {
         if mailbox {
             managers.extend((0..2).map(|i| (MAILBOX[i].0, MAILBOX[i].1, CONTROLS[i], i as u8 + 1)));
         }
-        managers.push((OUTPUTS_AT, length(&outputs), CONTROLS[2], 3));
+        let control = if feeds_watchdog { CONTROLS[2] } else { CONTROLS[2] & !FEEDS_WATCHDOG };
+        managers.push((OUTPUTS_AT, length(&outputs), control, 3));
         managers.push((INPUTS_AT, length(&inputs), CONTROLS[3], 4));
         let eeprom = Eeprom::new(&Information {
             identity,
@@ -76,6 +81,8 @@ impl Device {
             eeprom,
             application,
             worked_ns: 0,
+            is_frozen: false,
+            is_unwatched: false,
         };
         device.show_state();
         device

@@ -30,6 +30,10 @@ pub struct Device {
     pub(super) eeprom: Eeprom,
     pub(super) application: Box<dyn Application>,
     pub(super) worked_ns: u64,
+    /// Whether what it sends stays as it is.
+    pub(super) is_frozen: bool,
+    /// Whether its output watchdog does nothing.
+    pub(super) is_unwatched: bool,
 }
 
 impl Device {
@@ -98,10 +102,11 @@ impl Device {
         }
         let warning =
             self.application.work(&mut self.dictionary, world, Moment { now_ns, operational, fresh, samples });
-        if self.states.exchanges() {
+        if self.states.exchanges() && !self.is_frozen {
             let start = self.memory.sync_manager(into).start;
             let length = process::length(&self.inputs);
             process::pack(&self.inputs, &self.dictionary, self.memory.bytes_mut(start, length));
+            self.memory.turn_buffer(into);
         }
         if let (Some(mailbox), Some(warning)) = (&mut self.mailbox, warning) {
             mailbox.warn(warning);
@@ -122,6 +127,11 @@ impl Device {
         match fault {
             Fault::SafeOp { code, .. } => self.fall(code),
             Fault::Watchdog { .. } => self.starve(),
+            Fault::WatchdogOff { .. } => {
+                self.is_unwatched = true;
+                self.memory.put(at::WATCHDOG_OUTPUTS, &[0, 0]);
+            }
+            Fault::FrozenInputs { .. } => self.is_frozen = true,
             Fault::Emergency { code, .. } => {
                 if let Some(mailbox) = &mut self.mailbox {
                     mailbox.warn(super::coe::Emergency { code, register: 1 });
@@ -199,7 +209,11 @@ impl Device {
     /// The master writes; registers may set things off.
     fn write(&mut self, offset: u16, data: &[u8], times_ns: (u64, Option<u64>), touched: &mut Touched) -> bool {
         let has = |register: u16, length: usize| overlaps(offset, data.len(), register, length);
-        if self.clock.is_none() && (0x0900..0x0A00).contains(&offset) || !self.memory.write(offset, data, touched) {
+        // What has no watchdog takes no time for it.
+        if self.is_unwatched && has(at::WATCHDOG_OUTPUTS, 2)
+            || self.clock.is_none() && (0x0900..0x0A00).contains(&offset)
+            || !self.memory.write(offset, data, touched)
+        {
             return false;
         }
         if has(at::AL_CONTROL, 2) {

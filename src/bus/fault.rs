@@ -88,6 +88,27 @@ pub enum Fault {
     SaturatedSensor,
     /// The torque sensor's reading is not a number (a float terminal), or has its error bit set.
     NotANumber,
+    /// A device's firmware hangs on its input side: what it sends stays as it is, while its bus interface goes on answering.
+    FrozenInputs {
+        /// Which device.
+        device: usize,
+    },
+    /// The drive's encoder, as it is reported, stands still: the motor still moves as it is told.
+    FrozenEncoder,
+    /// The drive ignores its control word from now on.
+    IgnoredControl,
+    /// The drive ignores a quick stop, and obeys every other command.
+    IgnoredQuickStop,
+    /// In speed mode the drive runs at so many times the speed it is told.
+    Runaway {
+        /// How many times.
+        factor: f64,
+    },
+    /// The output watchdog of a device no longer acts; its time reads 0 and is not taken.
+    WatchdogOff {
+        /// Which device.
+        device: usize,
+    },
 }
 
 /// When a fault strikes.

@@ -132,6 +132,14 @@ impl Memory {
         *status = *status & !8 | u8::from(full) << 3;
     }
 
+    /// The device has written the whole buffer of sync manager `index`: of its three buffers the next is the last written one (bits
+    /// 4 and 5 of the status; Beckhoff's ESC data sheet, section II, register 0x0805).
+    pub fn turn_buffer(&mut self, index: usize) {
+        let status = &mut self.bytes_mut(at::SYNC_MANAGER + 8 * index as u16 + 5, 1)[0];
+        let next = ((*status >> 4 & 3) + 1) % 3;
+        *status = *status & !0x30 | next << 4;
+    }
+
     /// Opens or shuts sync manager `index` from the device's side.
     pub fn shut(&mut self, index: usize, shut: bool) {
         self.shut = self.shut & !(1 << index) | u8::from(shut) << index;

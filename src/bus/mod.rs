@@ -30,7 +30,7 @@ pub use clock::Clock;
 pub use coe::{Access, Dictionary, Emergency, Entry};
 pub use description::Description;
 pub use device::Device;
-pub use drive::{COUNTS_PER_REVOLUTION, RATED_TORQUE_MNM, device as drive};
+pub use drive::{COUNTS_PER_REVOLUTION, RATED_TORQUE_MNM, device as drive, device_with as drive_with};
 pub use fault::{Fault, When};
 pub use terminal::{Terminal, VOLTS_PER_NM};
 pub use world::{Joint, Law, Motor, World};
@@ -206,7 +206,11 @@ impl Bus {
                 self.reached = self.reached.min(device);
                 self.link();
             }
-            Fault::SafeOp { device, .. } | Fault::Emergency { device, .. } | Fault::Watchdog { device } => {
+            Fault::SafeOp { device, .. }
+            | Fault::Emergency { device, .. }
+            | Fault::Watchdog { device }
+            | Fault::WatchdogOff { device }
+            | Fault::FrozenInputs { device } => {
                 if let Some(device) = self.devices.get_mut(device) {
                     device.fail(fault, now_ns);
                 }

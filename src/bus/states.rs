@@ -91,7 +91,7 @@ impl Device {
     /// When the output watchdog expires.
     pub(super) fn watchdog_ns(&self) -> Option<u64> {
         let manager = self.memory.sync_manager(self.process_managers().0);
-        if !self.states.is_operational() || self.outputs.is_empty() || !manager.feeds_watchdog() {
+        if !self.states.is_operational() || self.outputs.is_empty() || !manager.feeds_watchdog() || self.is_unwatched {
             return None;
         }
         let tick_ns = (u64::from(self.memory.u16(at::WATCHDOG_DIVIDER)) + 2) * 40;

@@ -76,6 +76,7 @@ impl Terminal {
             dictionary,
             mailbox: self.mailbox,
             clock: Some(Clock::new(9_876_543_210, drift_ppb)),
+            feeds_watchdog: true,
         };
         Device::new(description, Box::new(Input { terminal: self, toggle: false, fault: None }))
     }

@@ -46,6 +46,23 @@ pub enum Cause {
     FollowingError,
     /// The joint is farther from its command than the rig allows, rad.
     Lag(Beyond),
+    /// The joint does not go the way that it is told: found and commanded, rad.
+    NotFollowing(Beyond),
+    /// Measured and commanded speed differ by too much, rad/s.
+    SpeedGap(Beyond),
+    /// The drive has sent nothing new for so many cycles, though it answers.
+    DriveStale(u32),
+    /// In the first small motion torque and position had opposite signs: torque up less torque down, N m.
+    Signs(f64),
+    /// Too many cycles were missed while nothing moved: so many of so many.
+    CycleQuality {
+        /// Missed.
+        missed: u32,
+        /// In all.
+        cycles: u32,
+    },
+    /// A device has no output watchdog that works.
+    Watchdog(String),
     /// The joint is outside its range, rad.
     Position(Beyond),
     /// The joint is too fast, rad/s.
@@ -109,6 +126,12 @@ impl Cause {
             Self::InternalLimit => "internal_limit",
             Self::FollowingError => "following_error",
             Self::Lag(_) => "lag",
+            Self::NotFollowing(_) => "not_following",
+            Self::SpeedGap(_) => "speed_gap",
+            Self::DriveStale(_) => "drive_stale",
+            Self::Signs(_) => "signs",
+            Self::CycleQuality { .. } => "cycle_quality",
+            Self::Watchdog(_) => "watchdog",
             Self::Position(_) => "position",
             Self::Speed(_) => "speed",
             Self::Restless(_) => "restless",
@@ -126,6 +149,16 @@ impl Cause {
             Self::Stack(_) => "stack",
             Self::Panic(_) => "panic",
         }
+    }
+}
+
+impl Cause {
+    /// Whether it says that the measured position is not to be trusted.
+    pub fn blinds(&self) -> bool {
+        matches!(
+            self,
+            Self::NotFollowing(_) | Self::DriveStale(_) | Self::EncoderJump(_) | Self::SpeedGap(_) | Self::Lag(_)
+        )
     }
 }
 
@@ -147,6 +180,24 @@ impl fmt::Display for Cause {
             Self::InternalLimit => write!(f, "the drive is at a limit of its own (status bit 11)"),
             Self::FollowingError => write!(f, "the drive reports a following error (status bit 13)"),
             Self::Lag(beyond) => write!(f, "the joint is {} rad off its command", beyond),
+            Self::NotFollowing(Beyond { found, limit }) => write!(
+                f,
+                "the joint moved {found:.4} rad where it was told to move {limit:.4}: it is blocked, its encoder stands still, \
+                 or the drive's sign is wrong"
+            ),
+            Self::SpeedGap(beyond) => write!(f, "measured and commanded speed differ by {} rad/s", beyond),
+            Self::DriveStale(n) => {
+                write!(f, "the drive's inputs are frozen: it has sent nothing new for {n} cycles, though it answers")
+            }
+            Self::Signs(torque_nm) => write!(
+                f,
+                "the torque going up is {torque_nm:+.4} N m above that going down, and friction makes that positive: the sign of \
+                 the drive (sign) or of the sensor (nm_per_count, torque_sign) is wrong"
+            ),
+            Self::CycleQuality { missed, cycles } => {
+                write!(f, "{missed} of {cycles} cycles were missed: this computer does not keep the cycle")
+            }
+            Self::Watchdog(why) => write!(f, "{why}"),
             Self::Position(beyond) => write!(f, "the joint is at {} rad", beyond),
             Self::Speed(beyond) => write!(f, "the joint moves at {} rad/s", beyond),
             Self::Restless(beyond) => {

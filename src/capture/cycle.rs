@@ -4,12 +4,14 @@ use super::axis::{Axis, Inputs, Now};
 use super::cause::Cause;
 use super::line::{Failure, Line};
 use super::mailbox;
+use super::managers::{Manager, managers};
 use super::master::{Exchange, states};
 use super::recorder::{Recorder, Sample};
 use super::rig::Rig;
 use super::safety::{Request, State};
+use super::watchdog;
 use super::wire::Wire;
-use ethercrab::{MainDevice, SubDeviceState};
+use ethercrab::{Command, MainDevice, SubDeviceState};
 use std::sync::atomic::{AtomicBool, Ordering};
 
 /// A cycle that begins later than this share of its period counts as late.
@@ -21,6 +23,11 @@ const ANSWER: f64 = 0.8;
 const MAILBOX_CYCLES: u64 = 10;
 /// What is taken out of it until then was there before we came.
 const OLD_MAIL_CYCLES: u64 = 100;
+
+/// A drive that must leave OP is told so again after so many cycles.
+const TOLD_AGAIN: u64 = 20;
+/// Cycles missed one after the other from which on a drive stands still: one it bridges.
+const GAP_CYCLES: u32 = 2;
 
 /// Share of the distance from the middle between two pulses of the devices' clocks that a cycle makes good, and the most of a
 /// period that it does.
@@ -55,6 +62,8 @@ pub struct Cycle<'a, 's, W, C> {
     began_ns: u64,
     origin_ns: u64,
     missed_in_a_row: u32,
+    /// Where the drive's inputs stand in its memory, if that is known.
+    drive_inputs: Option<Manager>,
     bus_time_origin_ns: Option<u64>,
     /// s from the beginning of the campaign to that of this run.
     began_s: f64,
@@ -72,6 +81,11 @@ impl<'a, 's, W: Wire, C> Cycle<'a, 's, W, C> {
         interrupted: &'a AtomicBool,
         began_s: f64,
     ) -> Self {
+        let drive_inputs = exchange
+            .group
+            .subdevice(main, rig.drive.identity.place)
+            .ok()
+            .and_then(|drive| managers(line, &drive).into_iter().find(Manager::is_inputs));
         let origin_ns = line.wire.now_ns();
         Self {
             line,
@@ -88,6 +102,7 @@ impl<'a, 's, W: Wire, C> Cycle<'a, 's, W, C> {
             began_ns: origin_ns,
             origin_ns,
             missed_in_a_row: 0,
+            drive_inputs,
             bus_time_origin_ns: None,
             began_s,
             command_rad: 0.0,
@@ -102,6 +117,18 @@ impl<'a, 's, W: Wire, C> Cycle<'a, 's, W, C> {
     /// Cycles so far.
     pub fn number(&self) -> u64 {
         self.number
+    }
+
+    /// Whether answers fail to come for so long that the drive stands still.
+    pub fn is_gap(&self) -> bool {
+        self.missed_in_a_row >= GAP_CYCLES
+    }
+
+    /// Whether the drive's output watchdog runs now; nothing where it does not tell.
+    pub fn is_watched(&mut self) -> Option<bool> {
+        let until_ns = self.line.wire.now_ns() + self.period_ns() / 2;
+        let drive = self.exchange.group.subdevice(self.main, self.rig.drive.identity.place).ok()?;
+        watchdog::is_fed(self.line, &drive, until_ns)
     }
 
     /// One cycle: the frame of its moment, with what was decided in the last one, and the next decision.
@@ -120,9 +147,13 @@ impl<'a, 's, W: Wire, C> Cycle<'a, 's, W, C> {
             Err(Failure::TimedOut | Failure::Stack(_)) => self.missed(1),
             Err(Failure::Panic(words)) => {
                 self.missed(1);
-                self.line.drop_out();
-                self.axis.blame(Cause::Panic(words));
+                self.panicked(words);
             }
+        }
+        if self.missed_in_a_row == 0 {
+            self.look_for_news(until_ns);
+        } else if self.axis.state().is_ending() {
+            self.ask_drive(until_ns);
         }
         if self.number.is_multiple_of(MAILBOX_CYCLES) && self.missed_in_a_row == 0 {
             self.look_for_mail(until_ns);
@@ -134,6 +165,10 @@ impl<'a, 's, W: Wire, C> Cycle<'a, 's, W, C> {
             self.axis.blame(Cause::Interrupted);
         }
         self.axis.step(request, command_rad);
+        let is_leaving = self.axis.state() == State::Leaving;
+        if is_leaving && (before != State::Leaving || self.number.is_multiple_of(TOLD_AGAIN)) {
+            self.line.drop_out();
+        }
         self.command_rad = self.axis.target_rad();
         self.write();
         if self.axis.state() != before {
@@ -160,6 +195,37 @@ impl<'a, 's, W: Wire, C> Cycle<'a, 's, W, C> {
         let late_ns = now_ns - (self.origin_ns + self.number * period_ns).min(now_ns);
         self.counts.late += u32::from(late_ns as f64 > LATE * period_ns as f64);
         now_ns
+    }
+
+    /// The stack panicked with these words: past it the devices are told to leave OP.
+    fn panicked(&mut self, words: String) {
+        self.line.drop_out();
+        self.axis.blame(Cause::Panic(words));
+    }
+
+    /// Whether the drive has filled its buffer anew, where no counter of its own tells.
+    fn look_for_news(&mut self, until_ns: u64) {
+        let Some(inputs) = self.drive_inputs.filter(|_| !self.axis.has_counter()) else { return };
+        let Ok(drive) = self.exchange.group.subdevice(self.main, self.rig.drive.identity.place) else { return };
+        let asked = self.line.run_until(until_ns, drive.register_read::<u8>(inputs.status_at()));
+        match asked {
+            Ok(status) => self.axis.freshen(u32::from(status >> 4 & 3)),
+            Err(Failure::Panic(words)) => self.panicked(words),
+            Err(_) => {}
+        }
+    }
+
+    /// Asks the drive alone where it stands, by its memory, in a stop in which not all devices answer: out of OP, or with another
+    /// device gone, it still tells.
+    fn ask_drive(&mut self, until_ns: u64) {
+        let Some(inputs) = self.drive_inputs else { return };
+        let Some(place) = self.rig.drive.inputs.place("status_word") else { return };
+        let Ok(drive) = self.exchange.group.subdevice(self.main, self.rig.drive.identity.place) else { return };
+        let memory = Command::fprd(drive.configured_address(), inputs.start);
+        let asked = async { memory.receive_slice(self.main, inputs.length).await.map(|bytes| place.get(&bytes)) };
+        if let Ok(status_word) = self.line.run_until(until_ns, asked) {
+            self.axis.take_status(status_word as u16);
+        }
     }
 
     /// Whether the drive has sent an emergency message. One that was there before we came, or that comes with a fault being
@@ -261,8 +327,7 @@ impl<'a, 's, W: Wire, C> Cycle<'a, 's, W, C> {
     }
 
     fn name(&self, place: usize) -> String {
-        let known = [&self.rig.drive.identity, &self.rig.sensor.identity].into_iter().find(|i| i.place == place);
-        known.map_or(format!("device {place}"), |identity| format!("`{}`", identity.name))
+        self.rig.name(place).unwrap_or_else(|| format!("device {place}"))
     }
 
     /// A change of state, to the campaign's log.

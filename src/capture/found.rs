@@ -1,7 +1,7 @@
 //! What devices report of themselves, and whether it is what the rig says.
 
 use super::line::{Failure, Line};
-use super::rig::{Entry, Identity, Kind, ProcessData};
+use super::rig::{AXIS_OBJECTS, Entry, Identity, Kind, ProcessData};
 use super::wire::Wire;
 use ethercrab::error::{Error, MailboxError};
 use ethercrab::{MainDevice, SubDeviceRef};
@@ -21,6 +21,8 @@ pub struct Found {
     pub revision: u32,
     /// Serial number.
     pub serial: u32,
+    /// Station alias, 0 where it has none.
+    pub alias: u16,
     /// Whether it has a clock of its own that can be held to the others'.
     pub has_clock: bool,
     /// What it sends and takes as it is set up now; nothing of a device without an object dictionary.
@@ -38,6 +40,8 @@ impl Found {
         differs("vendor", self.vendor, identity.vendor)
             .or_else(|| differs("product code", self.product, identity.product))
             .or_else(|| identity.revision.and_then(|revision| differs("revision", self.revision, revision)))
+            .or_else(|| identity.serial.and_then(|serial| differs("serial number", self.serial, serial)))
+            .or_else(|| identity.alias.and_then(|alias| differs("station alias", self.alias.into(), alias.into())))
     }
 }
 
@@ -84,7 +88,9 @@ where
 /// The entry of a mapping word; its kind is a guess by the object, where that is one of a drive's.
 fn entry(mapping: u32) -> Entry {
     let (index, sub, bits) = ((mapping >> 16) as u16, (mapping >> 8) as u8, (mapping & 0xFF) as usize);
-    let (role, signed) = match index {
+    // Of a drive with several axes the objects of each are those of the first, further on.
+    let of_first = if index >= 0x6000 { 0x6000 + (index - 0x6000) % AXIS_OBJECTS } else { index };
+    let (role, signed) = match of_first {
         0x6040 => (Some("control_word"), false),
         0x6041 => (Some("status_word"), false),
         0x6060 | 0x6061 => (Some("mode"), true),
@@ -125,6 +131,7 @@ where
         product: identity.product_id,
         revision: identity.revision,
         serial: identity.serial,
+        alias: device.alias_address(),
         has_clock: device.dc_support().any(),
         inputs: mapped(line, device, ASSIGNED_INPUTS),
         outputs: mapped(line, device, ASSIGNED_OUTPUTS),

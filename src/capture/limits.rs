@@ -22,12 +22,18 @@ pub struct Limits {
     pub lag_rad: f64,
     /// Speed of the moves between trials, rad/s.
     pub approach_rad_s: f64,
+    /// Way that may be commanded before the joint must be seen to follow, rad.
+    pub stuck_rad: f64,
+    /// Way that a stop may take, rad: beyond it voltage is taken away at once.
+    pub stop_rad: f64,
 }
 
 /// By how much the measured speed may be above the limit, as a share: noise and the controller's own swing.
 const SPEED_ROOM: f64 = 1.25;
 /// How many times the limit of speed a jump of the position is: no joint gets there in one cycle.
 const JUMP_SPEEDS: f64 = 5.0;
+/// Share of the largest lag by which a command may go on before the joint must be seen to follow, where the rig says nothing else.
+const STUCK: f64 = 0.1;
 /// A move between trials at less than this takes half an hour and more, rad/s.
 const SLOWEST_RAD_S: f64 = 0.001;
 /// Cycles over which the measured speed is taken: in one, a count of the encoder more or less is a lot.
@@ -45,6 +51,8 @@ impl Limits {
         let torque_step_nm = positive("torque_step_nm", "0.3", "the largest change from one sample to the next, N m");
         let lag_rad = positive("lag_rad", "0.05", "the largest distance from the command, rad");
         let approach_rad_s = section.may("approach_rad_s").positive();
+        let stuck_rad = section.may("stuck_rad").positive();
+        let stop_rad = section.may("stop_rad").positive();
         if let (Some(low), Some(high)) = (low_rad, high_rad)
             && low >= high
         {
@@ -67,6 +75,9 @@ impl Limits {
             torque_step_nm: torque_step_nm?,
             lag_rad: lag_rad?,
             approach_rad_s: approach_rad_s.unwrap_or(speed_rad_s / 4.0),
+            stuck_rad: stuck_rad.unwrap_or(STUCK * lag_rad?),
+            // v^2 / 2a, as far as the command's own ramp would take, and what it may lag behind that.
+            stop_rad: stop_rad.unwrap_or(speed_rad_s.powi(2) / (2.0 * acceleration_rad_s2?) + lag_rad?),
         })
     }
 
@@ -147,6 +158,11 @@ impl Watch {
         if self.recent.len() <= SPEED_CYCLES { 0.0 } else { (last.0 - first.0) / (f64::from(periods) * self.period_s) }
     }
 
+    /// The last measured position, rad.
+    pub fn position_rad(&self) -> Option<f64> {
+        self.last.map(|last| last.position_rad)
+    }
+
     /// The first limit that `now` breaks.
     pub fn step(&mut self, now: &Measured) -> Option<Cause> {
         if self.recent.len() > SPEED_CYCLES {
@@ -196,6 +212,8 @@ mod tests {
         torque_step_nm: 0.3,
         lag_rad: 0.05,
         approach_rad_s: 0.1,
+        stuck_rad: 0.005,
+        stop_rad: 0.1,
     };
 
     fn at(position_rad: f64) -> Measured {

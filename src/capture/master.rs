@@ -5,6 +5,7 @@ use super::found::{ASSIGNED_INPUTS, ASSIGNED_OUTPUTS, Found, entries, found};
 use super::line::{Failure, Line};
 use super::own_limits;
 use super::rig::{Identity, ProcessData, Rig};
+use super::watchdog;
 use super::wire::Wire;
 use ethercrab::subdevice_group::{DcConfiguration, HasDc, NoDc, Op, PreOp, PreOpPdi};
 use ethercrab::{AlStatusCode, Command, DcSync, DefaultLock, MainDevice, SubDevice, SubDeviceGroup, SubDeviceRef};
@@ -24,6 +25,8 @@ const CLOCK_START: Duration = Duration::from_millis(20);
 const CLOCK_EXCHANGES: usize = 20;
 /// Cycles with everybody at work that end the way up: by then the clocks' pulses have begun.
 const SETTLED: u32 = 50;
+/// How long that lasts at least, s: at short cycles a device may still send zeros for its first measurements.
+const SETTLED_S: f64 = 0.05;
 /// How long the devices may take to get to OP while data flow, s.
 const TO_OP_S: f64 = 5.0;
 
@@ -36,6 +39,15 @@ const AL_ERROR: u8 = 1 << 4;
 /// Why the bus did not start, in words with the device at fault.
 #[derive(Debug, Clone, PartialEq)]
 pub struct NotStarted(pub String);
+
+/// What was found on the way up.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Findings {
+    /// Lines of a report.
+    pub report: Vec<String>,
+    /// The device without an output watchdog that works, and why.
+    pub unwatched: Option<String>,
+}
 
 impl NotStarted {
     pub(super) fn of<T>(what: impl Into<String>) -> Result<T, Self> {
@@ -86,7 +98,7 @@ pub fn prepare<W: Wire>(
     main: &MainDevice<'_>,
     group: &Group<PreOp, NoDc>,
     rig: &Rig,
-) -> Result<Vec<String>, NotStarted> {
+) -> Result<Findings, NotStarted> {
     let mut report = Vec::new();
     let devices: Vec<_> = group.iter(main).collect();
     for identity in [&rig.drive.identity, &rig.sensor.identity] {
@@ -105,7 +117,7 @@ pub fn prepare<W: Wire>(
     map(line, drive, &rig.drive.identity, ASSIGNED_INPUTS, &rig.drive.inputs, &mut report)?;
     map(line, sensor, &rig.sensor.identity, ASSIGNED_INPUTS, &rig.sensor.inputs, &mut report)?;
     own_limits::set_all(line, drive, rig, &mut report)?;
-    Ok(report)
+    Ok(Findings { report, unwatched: None })
 }
 
 fn described(found: &Found) -> String {
@@ -181,14 +193,16 @@ pub fn with_clocks<W: Wire>(
     line: &mut Line<'_, W>,
     main: &MainDevice<'_>,
     mut group: Group<PreOp, NoDc>,
-    period: Duration,
+    rig: &Rig,
+    findings: &mut Findings,
 ) -> Result<Group<PreOpPdi, HasDc>, NotStarted> {
+    let period = Duration::from_micros(rig.bus.cycle_us.into());
     for mut device in group.iter_mut(main) {
         if device.dc_support().any() {
             device.set_dc_sync(DcSync::Sync0);
         }
     }
-    let group = with_data(line, main, group)?;
+    let group = with_data(line, main, group, rig, findings)?;
     for _ in 0..CLOCK_EXCHANGES {
         line.run(group.tx_rx_sync_system_time(main)).map_err(while_doing("bringing the clocks together"))?;
         let next_ns = line.wire.now_ns() + period.as_nanos() as u64;
@@ -199,16 +213,20 @@ pub fn with_clocks<W: Wire>(
         .map_err(while_doing("setting the clocks' pulses (a bus without clocks takes `clocks = false`)"))
 }
 
-/// Lays out the process data.
+/// Lays out the process data, and sets the watchdogs of what is sent.
 ///
-/// Errors: a device whose data cannot be laid out.
+/// Errors: a device whose data cannot be laid out, or that takes outputs and is unknown to the rig.
 pub fn with_data<W: Wire>(
     line: &mut Line<'_, W>,
     main: &MainDevice<'_>,
     group: Group<PreOp, NoDc>,
+    rig: &Rig,
+    findings: &mut Findings,
 ) -> Result<Group<PreOpPdi, NoDc>, NotStarted> {
     let done = line.run(group.into_pre_op_pdi(main));
-    of_all(line, main, "laying out the process data", done)
+    let group = of_all(line, main, "laying out the process data", done)?;
+    findings.unwatched = watchdog::set_all(line, main, &group, rig, &mut findings.report)?;
+    Ok(group)
 }
 
 /// From PRE-OP to OP, data flowing all the way: a device that waits for them would stall otherwise. Outputs are zero.
@@ -221,6 +239,7 @@ pub fn to_op<W: Wire, C>(
     rig: &Rig,
 ) -> Result<Exchange<C>, NotStarted> {
     let period_ns = u64::from(rig.bus.cycle_us) * 1000;
+    let settled = SETTLED.max((SETTLED_S / rig.bus.period_s()) as u32);
     let done = line.run(group.into_safe_op(main));
     let group = of_all(line, main, "going to SAFE-OP", done)?;
     let done = line.run(group.request_into_op(main));
@@ -235,7 +254,7 @@ pub fn to_op<W: Wire, C>(
         // A counter that has not settled is none to compare with.
         alike = if seen.all_op() && seen.working_counter == last { alike + 1 } else { 0 };
         last = seen.working_counter;
-        if alike >= SETTLED && last > 0 {
+        if alike >= settled && last > 0 {
             return Ok(Exchange { group, working_counter: last });
         }
     }
@@ -267,10 +286,7 @@ fn check_lengths<C>(main: &MainDevice<'_>, group: &Group<Op, C>, rig: &Rig) -> R
 
 /// Where each device is, and why, in words.
 pub fn states<W: Wire, C>(line: &mut Line<'_, W>, main: &MainDevice<'_>, group: &Group<Op, C>, rig: &Rig) -> String {
-    let named = |place: usize| {
-        let known = [&rig.drive.identity, &rig.sensor.identity].into_iter().find(|identity| identity.place == place);
-        known.map_or(format!("device {place}"), |identity| format!("`{}`", identity.name))
-    };
+    let named = |place: usize| rig.name(place).unwrap_or_else(|| format!("device {place}"));
     let one = |(place, device): (usize, SubDeviceRef<'_, _>)| {
         let state = line.run(device.status());
         match state {

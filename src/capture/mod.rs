@@ -8,29 +8,39 @@
 //! | file | what it does |
 //! |---|---|
 //! | `rig`, `plan` | what is on the bus and what is to be recorded |
-//! | `wire`, `socket`, `in_process`, `clock`, `line` | frames and time, real or virtual, and the EtherCAT stack on them |
-//! | `found`, `master`, `own_limits` | who is there; the way to OP; what the drive itself watches over |
-//! | `mailbox` | messages that nobody asked for |
+//! | `wire`, `socket`, `lock`, `in_process`, `clock`, `line` | frames and time, real or virtual, and the EtherCAT stack on them |
+//! | `found`, `master`, `own_limits`, `watchdog` | who is there; the way to OP; what drive and bus interfaces watch over |
+//! | `mailbox`, `managers` | messages that nobody asked for; where process data stand in a device |
 //! | `drive`, `sensor` | what the words on the wire mean |
 //! | `safety` | the machine that decides what the drive is told: every state, every transition |
 //! | `cause`, `limits`, `ramp` | why to stop, what is allowed, moves without corners |
+//! | `bound`, `follow`, `fresh` | what is sent kept within the limits; whether the joint follows; whether inputs are new |
 //! | `axis`, `cycle` | one cycle as a pure step; the exchange |
-//! | `run`, `session` | the trials one after the other; a whole capture |
+//! | `operator`, `briefing` | who is asked before there is torque, and what is shown first |
+//! | `run`, `tried`, `session` | the trials one after the other, after a first small motion; a whole capture |
 //! | `folder`, `recorder` | samples to the disk as they come |
 //! | `realtime` | what the operating system grants |
 
 pub mod axis;
+mod bound;
+mod briefing;
 pub mod cause;
 mod clock;
 pub mod cycle;
 pub mod drive;
 pub mod folder;
+mod follow;
 pub mod found;
+mod fresh;
 pub mod in_process;
 pub mod limits;
 pub mod line;
+#[cfg(target_os = "linux")]
+mod lock;
 mod mailbox;
+mod managers;
 pub mod master;
+pub mod operator;
 mod own_limits;
 pub mod plan;
 pub mod ramp;
@@ -43,4 +53,6 @@ pub mod sensor;
 pub mod session;
 #[cfg(target_os = "linux")]
 pub mod socket;
+mod tried;
+mod watchdog;
 pub mod wire;

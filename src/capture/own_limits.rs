@@ -8,10 +8,6 @@ use super::wire::Wire;
 use ethercrab::{EtherCrabWireReadSized, EtherCrabWireWrite, SubDevice, SubDeviceRef};
 use std::ops::Deref;
 
-/// Ticks of 40 ns, less 2, in a tick of the watchdogs; and how many of those the outputs' watchdog waits.
-const WATCHDOG_DIVIDER: u16 = 0x0400;
-const WATCHDOG_OUTPUTS: u16 = 0x0420;
-
 /// Reads what the drive does on a stop, and sets and reads back what it allows itself; adds lines to `report`.
 ///
 /// Errors: the first thing that the drive does not have, or not as it should be, with its object.
@@ -22,31 +18,32 @@ pub(super) fn set_all<W: Wire, S: Deref<Target = SubDevice>>(
     report: &mut Vec<String>,
 ) -> Result<(), NotStarted> {
     let drive = &rig.drive;
-    let option: i16 = object(line, device, drive, 0x605A, "quick-stop option")?;
-    if !brakes(option) {
+    let option: Option<i16> = object(line, device, drive, 0x605A, "quick-stop option", report)?;
+    if let Some(option) = option.filter(|option| !brakes(*option)) {
         return NotStarted::of(format!(
             "`{}` does not brake on a quick stop: its option (0x605A) is {option}; set it to 2 in the drive's own tool",
             drive.identity.name
         ));
     }
-    let modes = line.run(device.sdo_read::<u32>(0x6502, 0u8));
+    let modes = line.run(device.sdo_read::<u32>(drive.object(0x6502), 0u8));
     let (name, code) = (&drive.identity.name, drive.mode.code());
     if modes.is_ok_and(|modes| modes >> (code - 1) & 1 == 0) {
         return NotStarted::of(format!(
             "`{name}` does not know mode {code} (0x6502): choose another `mode` in the rig"
         ));
     }
-    let reaction: i16 = object(line, device, drive, 0x605E, "fault reaction")?;
-    let ramp: u32 = object(line, device, drive, 0x6085, "quick-stop deceleration")?;
-    if ramp == 0 {
+    let reaction: Option<i16> = object(line, device, drive, 0x605E, "fault reaction", report)?;
+    let ramp: Option<u32> = object(line, device, drive, 0x6085, "quick-stop deceleration", report)?;
+    if ramp == Some(0) {
         return NotStarted::of(format!("`{}` has a quick-stop deceleration (0x6085) of 0", drive.identity.name));
     }
-    let ramp_rad_s2 = f64::from(ramp) / drive.counts_per_rad;
-    report.push(format!(
-        "quick stop: option {option}, {ramp_rad_s2:.1} rad/s^2 if its unit is counts/s^2; fault reaction: option {reaction}"
-    ));
-    report.push(watchdog(line, device));
-    report.extend(interpolate(line, device, rig.bus.cycle_us));
+    let told = |value: Option<i16>| value.map_or("unknown".to_string(), |value| value.to_string());
+    let ramp = ramp.map_or("deceleration unknown".to_string(), |ramp| {
+        format!("{:.1} rad/s^2 if its unit is counts/s^2", f64::from(ramp) / drive.counts_per_rad)
+    });
+    report.push(format!("quick stop: option {}, {ramp}; fault reaction: option {}", told(option), told(reaction)));
+    report.extend(interpolate(line, device, drive, rig.bus.cycle_us));
+    report.push(range(line, device, rig)?);
     allow(line, device, drive, report)
 }
 
@@ -61,12 +58,12 @@ fn allow<W: Wire, S: Deref<Target = SubDevice>>(
     let time_ms = (drive.following_error_s * 1e3).round() as u16;
     let torque = (drive.torque_max_nm / drive.rated_torque_nm * 1e3).round().clamp(0.0, 65_535.0) as u16;
     let mode = drive.mode.code();
-    set(line, device, drive, 0x6065, "following-error window", window)?;
-    set(line, device, drive, 0x6066, "following-error time", time_ms)?;
-    set(line, device, drive, 0x6072, "maximum torque", torque)?;
+    set(line, device, drive, 0x6065, "following-error window", window, report)?;
+    set(line, device, drive, 0x6066, "following-error time", time_ms, report)?;
+    set(line, device, drive, 0x6072, "maximum torque", torque, report)?;
     // Where it is exchanged every cycle, that is what counts, and a drive need not take it otherwise.
     if drive.outputs.place("mode").is_none() {
-        set(line, device, drive, 0x6060, "mode", mode as u8)?;
+        set(line, device, drive, 0x6060, "mode", mode as u8, report)?;
     }
     report.push(format!(
         "drive's own limits, read back: following error {window} counts for {time_ms} ms, torque {torque} per mille"
@@ -79,11 +76,13 @@ fn allow<W: Wire, S: Deref<Target = SubDevice>>(
 fn interpolate<W: Wire, S: Deref<Target = SubDevice>>(
     line: &mut Line<'_, W>,
     device: &SubDeviceRef<'_, S>,
+    drive: &Drive,
     cycle_us: u32,
 ) -> Option<String> {
+    let index = drive.object(0x60C2);
     let found = |line: &mut Line<'_, W>| {
-        let exponent = line.run(device.sdo_read::<i8>(0x60C2, 2u8)).ok()?;
-        Some((line.run(device.sdo_read::<u8>(0x60C2, 1u8)).ok()?, exponent))
+        let exponent = line.run(device.sdo_read::<i8>(index, 2u8)).ok()?;
+        Some((line.run(device.sdo_read::<u8>(index, 1u8)).ok()?, exponent))
     };
     let before = found(line)?;
     // As many of 1 ms, 0.1 ms, 10 us or 1 us as make the cycle, if they fit a byte.
@@ -93,8 +92,8 @@ fn interpolate<W: Wire, S: Deref<Target = SubDevice>>(
     });
     if let Some((units, exponent)) = wanted.filter(|wanted| *wanted != before) {
         // What is not taken is seen when it is read back.
-        let _ = line.run(device.sdo_write(0x60C2, 2u8, exponent));
-        let _ = line.run(device.sdo_write(0x60C2, 1u8, units));
+        let _ = line.run(device.sdo_write(index, 2u8, exponent));
+        let _ = line.run(device.sdo_write(index, 1u8, units));
     }
     let after = found(line)?;
     let (units, exponent) = after;
@@ -102,32 +101,59 @@ fn interpolate<W: Wire, S: Deref<Target = SubDevice>>(
     Some(format!("time between targets: {units} x 10^{exponent} s{stays}"))
 }
 
-/// After how long without data the device leaves OP by itself, which a drive answers by stopping: what is left of safety where this
-/// program or its computer dies. In words.
-fn watchdog<W: Wire, S: Deref<Target = SubDevice>>(line: &mut Line<'_, W>, device: &SubDeviceRef<'_, S>) -> String {
-    let divider = line.run(device.register_read::<u16>(WATCHDOG_DIVIDER));
-    let ticks = line.run(device.register_read::<u16>(WATCHDOG_OUTPUTS));
-    match (divider, ticks) {
-        (Ok(_), Ok(0)) => {
-            "OUTPUT WATCHDOG OFF: should this computer die, the drive keeps its last target; switch it on".to_string()
-        }
-        (Ok(divider), Ok(ticks)) => {
-            let ms = (f64::from(divider) + 2.0) * 40e-6 * f64::from(ticks);
-            format!("output watchdog: {ms:.0} ms")
-        }
-        _ => "output watchdog: the drive does not tell".to_string(),
+/// Sets the drive's own limits of position (0x607D) to the rig's range and the lag that it allows, where it has them, and reads them
+/// back. In words.
+///
+/// Errors: it has them, and does not take them.
+fn range<W: Wire, S: Deref<Target = SubDevice>>(
+    line: &mut Line<'_, W>,
+    device: &SubDeviceRef<'_, S>,
+    rig: &Rig,
+) -> Result<String, NotStarted> {
+    let (drive, limits) = (&rig.drive, &rig.limits);
+    let index = drive.object(0x607D);
+    if drive.without.contains(&0x607D) || line.run(device.sdo_read::<i32>(index, 1u8)).is_err() {
+        return Ok("THE DRIVE HAS NO LIMITS OF POSITION of its own (0x607D): only software keeps the range".to_string());
     }
+    let ends =
+        [limits.low_rad - limits.lag_rad, limits.high_rad + limits.lag_rad].map(|end| drive.counts(end).round() as i32);
+    let (low, high) = (ends[0].min(ends[1]), ends[0].max(ends[1]));
+    for (sub, value) in [(1u8, low), (2, high)] {
+        let setting =
+            format!("`{}` does not take a limit of position ({index:#06x}:{sub}) of {value}", drive.identity.name);
+        line.run(device.sdo_write(index, sub, value)).map_err(while_doing(&setting))?;
+        let found = line.run(device.sdo_read::<i32>(index, sub)).map_err(while_doing(&setting))?;
+        if found != value {
+            return NotStarted::of(format!("{setting}: it reads back {found}"));
+        }
+    }
+    Ok(format!("drive's limits of position, read back: {low} to {high} counts"))
 }
 
+/// What the drive says under `index`; nothing where the rig says that it has no such object, which is then reported.
+///
+/// Errors: it does not tell, and the rig does not say so.
 fn object<W: Wire, S: Deref<Target = SubDevice>, T: EtherCrabWireReadSized>(
     line: &mut Line<'_, W>,
     device: &SubDeviceRef<'_, S>,
     drive: &Drive,
     index: u16,
     what: &str,
-) -> Result<T, NotStarted> {
-    let asking = format!("`{}` does not tell its {what} ({index:#06x})", drive.identity.name);
-    line.run(device.sdo_read::<T>(index, 0u8)).map_err(while_doing(&asking))
+    report: &mut Vec<String>,
+) -> Result<Option<T>, NotStarted> {
+    if drive.without.contains(&index) {
+        report
+            .push(format!("THE DRIVE'S {} IS UNKNOWN: the rig says that it has no {index:#06x}", what.to_uppercase()));
+        return Ok(None);
+    }
+    let at = drive.object(index);
+    line.run(device.sdo_read::<T>(at, 0u8)).map(Some).or_else(|failure| {
+        NotStarted::of(format!(
+            "`{}` does not tell its {what} ({at:#06x}): {failure}; if its manual says that it has no such object and how it stops \
+             without, add `without = [{index:#06x}]` to [drive]",
+            drive.identity.name
+        ))
+    })
 }
 
 fn set<W: Wire, S: Deref<Target = SubDevice>, T>(
@@ -137,16 +163,19 @@ fn set<W: Wire, S: Deref<Target = SubDevice>, T>(
     index: u16,
     what: &str,
     value: T,
+    report: &mut Vec<String>,
 ) -> Result<(), NotStarted>
 where
     T: EtherCrabWireReadSized + EtherCrabWireWrite + PartialEq + std::fmt::Display + Copy,
 {
-    let name = &drive.identity.name;
-    let setting = format!("`{name}` does not take a {what} ({index:#06x}) of {value}");
-    line.run(device.sdo_write(index, 0u8, value)).map_err(while_doing(&setting))?;
-    let found: T = object(line, device, drive, index, what)?;
-    match found == value {
-        true => Ok(()),
-        false => NotStarted::of(format!("{setting}: it reads back {found}")),
+    if object::<_, _, T>(line, device, drive, index, what, report)?.is_none() {
+        return Ok(());
+    }
+    let (name, at) = (&drive.identity.name, drive.object(index));
+    let setting = format!("`{name}` does not take a {what} ({at:#06x}) of {value}");
+    line.run(device.sdo_write(at, 0u8, value)).map_err(while_doing(&setting))?;
+    match line.run(device.sdo_read::<T>(at, 0u8)).map_err(while_doing(&setting))? {
+        found if found == value => Ok(()),
+        found => NotStarted::of(format!("{setting}: it reads back {found}")),
     }
 }

@@ -25,6 +25,12 @@ impl Ramp {
         self.duration_s
     }
 
+    /// Where it is after each of the periods that it takes.
+    pub fn positions_rad(&self, period_s: f64) -> Vec<f64> {
+        let steps = (self.duration_s / period_s).ceil() as usize;
+        (1..=steps).map(|step| self.position_rad(step as f64 * period_s)).collect()
+    }
+
     /// Where it is after `time_s`, rad.
     pub fn position_rad(&self, time_s: f64) -> f64 {
         if time_s >= self.duration_s {

@@ -8,15 +8,25 @@
 //!    '-------------------------- off --------------------- Releasing <-------------------'             |
 //!                                                            |                                          |
 //!  any of them but Watching, a cause ------------> Stopping <-------------------------------------------'
-//!                                                     | at rest and let go, or too long
-//!                                                     v
-//!                                                  Stopped   (for good: only a new start leads out)
+//!                                                     |  quick stop, until at rest or off; at once if it is not obeyed,
+//!                                                     v  if the joint runs away, or after too long
+//!                                                  Cutting ------> Stopped   (off; for good: only a new start leads out)
+//!                                                     |  disable voltage     ^ ^
+//!                                                     v  still on            | | off after all
+//!                                                  Leaving ------------------' |
+//!                                                     |  out of OP             |
+//!                                                     v  still not seen off    |
+//!                                                   Lost ----------------------'
 //! ```
 //!
 //! A dry run stays in Watching: no word that could give torque is ever sent there. Where nothing is wanted any more, the way up
 //! ends in Releasing (from Disarming in Watching). Torque comes to a joint at rest, in the mode asked for, and not before: until
 //! then limits and sensor have been looked at for as long as it takes to see that it rests. Two things are told to the drive: a command
 //! (its control word) and what becomes of the target.
+//!
+//! A stop escalates by what the drive answers. Torque is off only where a fresh answer of the drive says so: no answer, an old one
+//! or frozen inputs show nothing. A drive that does not obey the quick stop loses its voltage; one that keeps it is made to leave
+//! OP; and one that is not seen off even then is Lost: whoever runs this must tell the operator so.
 
 use super::drive::{Condition, Control};
 
@@ -39,6 +49,12 @@ pub enum State {
     Releasing,
     /// A cause came up: quick stop.
     Stopping,
+    /// At rest, or quick stop did not help: no voltage.
+    Cutting,
+    /// Disabling voltage did not help: the drive is made to leave OP.
+    Leaving,
+    /// Nothing has shown that torque is off.
+    Lost,
     /// Stopped, without voltage.
     Stopped,
 }
@@ -67,6 +83,12 @@ pub struct Seen {
     pub at_rest: bool,
     /// Whether the drive is in the mode asked for, as far as it tells.
     pub in_mode: bool,
+    /// Whether `drive` is of this cycle: an answer came, and its inputs are alive.
+    pub is_fresh: bool,
+    /// Whether the measured position is not to be trusted: then rest is not seen.
+    pub is_blind: bool,
+    /// Whether the joint goes faster or farther than a stop may.
+    pub runs_away: bool,
     /// Cycles since this state was entered.
     pub cycles: u32,
 }
@@ -80,6 +102,9 @@ pub enum Target {
     Held,
     /// It goes along the trajectory.
     Follows,
+    /// It comes to rest along a ramp of its own, whatever is measured: a drive that does not obey must not run after a position
+    /// that runs away.
+    Brakes,
 }
 
 /// How long the drive may take for each step, in cycles.
@@ -87,8 +112,12 @@ pub enum Target {
 pub struct Patience {
     /// To get torque, or lose it.
     pub switching: u32,
+    /// To leave "operation enabled" on a quick stop.
+    pub obeying: u32,
     /// To come to rest.
     pub stopping: u32,
+    /// To lose torque without voltage, and again once out of OP.
+    pub cutting: u32,
 }
 
 /// Cycles at a fault-reset bit that is low, then high: its rise is what counts.
@@ -96,7 +125,7 @@ const RESET_CYCLES: u32 = 10;
 
 impl State {
     /// Every state that there is.
-    pub const ALL: [Self; 9] = [
+    pub const ALL: [Self; 12] = [
         Self::Watching,
         Self::Disarming,
         Self::Clearing,
@@ -105,21 +134,31 @@ impl State {
         Self::Moving,
         Self::Releasing,
         Self::Stopping,
+        Self::Cutting,
+        Self::Leaving,
+        Self::Lost,
         Self::Stopped,
     ];
 
     /// The state of the next cycle.
     pub fn next(self, seen: &Seen, patience: Patience) -> Self {
-        let is_off = !seen.drive.has_torque();
+        let is_off = seen.is_fresh && !seen.drive.has_torque();
         let waited = seen.cycles >= patience.switching;
         match self {
             Self::Stopped => Self::Stopped,
-            Self::Stopping if seen.cycles >= patience.stopping => Self::Stopped,
-            Self::Stopping if seen.at_rest && seen.cycles > 0 => Self::Stopped,
+            Self::Stopping if is_off || seen.runs_away || seen.cycles >= patience.stopping => Self::Cutting,
+            Self::Stopping if seen.at_rest && !seen.is_blind && seen.cycles > 0 => Self::Cutting,
+            Self::Stopping if seen.drive == Condition::Enabled && seen.cycles >= patience.obeying => Self::Cutting,
             Self::Stopping => Self::Stopping,
+            Self::Cutting | Self::Leaving | Self::Lost if is_off && seen.cycles > 0 => Self::Stopped,
+            Self::Cutting if seen.cycles >= patience.cutting => Self::Leaving,
+            Self::Leaving if seen.cycles >= patience.cutting => Self::Lost,
+            Self::Cutting | Self::Leaving | Self::Lost => self,
             // A dry run has nothing to stop; what it sees is told all the same.
             Self::Watching if seen.request == Request::Watch => Self::Watching,
             _ if seen.has_cause => Self::Stopping,
+            // Who does not answer is not taken over.
+            Self::Watching if !seen.is_fresh => Self::Watching,
             Self::Watching => match seen.drive {
                 Condition::Fault => Self::Clearing,
                 _ if is_off => Self::Readying,
@@ -131,7 +170,7 @@ impl State {
             },
             Self::Clearing | Self::Readying if seen.request == Request::Watch => Self::Releasing,
             Self::Clearing if is_off && seen.drive != Condition::Fault => Self::Readying,
-            Self::Readying if seen.drive == Condition::Enabled => Self::Holding,
+            Self::Readying if seen.is_fresh && seen.drive == Condition::Enabled => Self::Holding,
             Self::Disarming | Self::Clearing | Self::Readying if waited => Self::Stopping,
             Self::Disarming | Self::Clearing | Self::Readying => self,
             Self::Holding | Self::Moving => match seen.request {
@@ -148,7 +187,7 @@ impl State {
     /// What the drive is told in this state, where it stands so.
     pub fn control(self, seen: &Seen) -> Control {
         match self {
-            Self::Watching | Self::Stopped => Control::DisableVoltage,
+            Self::Watching | Self::Cutting | Self::Leaving | Self::Lost | Self::Stopped => Control::DisableVoltage,
             // Braking first, and no voltage once the joint rests.
             Self::Disarming if seen.drive.has_torque() && !seen.at_rest => Control::QuickStop,
             Self::Disarming => Control::DisableVoltage,
@@ -171,15 +210,24 @@ impl State {
         match self {
             Self::Holding | Self::Releasing => Target::Held,
             Self::Moving => Target::Follows,
-            Self::Watching | Self::Disarming | Self::Clearing | Self::Readying | Self::Stopping | Self::Stopped => {
-                Target::Actual
-            }
+            Self::Stopping | Self::Cutting | Self::Leaving | Self::Lost => Target::Brakes,
+            Self::Watching | Self::Disarming | Self::Clearing | Self::Readying | Self::Stopped => Target::Actual,
         }
     }
 
     /// Whether the drive is asked for torque: then everything that can be wrong is a cause.
     pub fn is_armed(self) -> bool {
         matches!(self, Self::Readying | Self::Holding | Self::Moving | Self::Releasing)
+    }
+
+    /// Whether a stop is under way: where the drive stands is then asked for in every way.
+    pub fn is_ending(self) -> bool {
+        matches!(self, Self::Stopping | Self::Cutting | Self::Leaving | Self::Lost | Self::Stopped)
+    }
+
+    /// Whether nothing more will happen here by itself.
+    pub fn is_over(self) -> bool {
+        matches!(self, Self::Watching | Self::Lost | Self::Stopped)
     }
 
     /// Its name in recordings.
@@ -193,6 +241,9 @@ impl State {
             Self::Moving => "moving",
             Self::Releasing => "releasing",
             Self::Stopping => "stopping",
+            Self::Cutting => "cutting",
+            Self::Leaving => "leaving",
+            Self::Lost => "lost",
             Self::Stopped => "stopped",
         }
     }
@@ -202,21 +253,23 @@ impl State {
 mod tests {
     use super::*;
 
-    const PATIENCE: Patience = Patience { switching: 100, stopping: 1000 };
+    const PATIENCE: Patience = Patience { switching: 100, obeying: 50, stopping: 1000, cutting: 99 };
 
     /// Everything that can be seen, at the counts of cycles that matter.
     fn everything() -> impl Iterator<Item = Seen> {
         let requests = [Request::Watch, Request::Hold, Request::Move];
-        let flags = [0, 1, 2, 3, 4, 5, 6, 7].map(|bits| (bits & 1 != 0, bits & 2 != 0, bits & 4 != 0));
         requests.into_iter().flat_map(move |request| {
             Condition::ALL.into_iter().flat_map(move |drive| {
-                flags.into_iter().flat_map(move |(has_cause, at_rest, in_mode)| {
-                    [0, 1, 99, 100, 1000].into_iter().map(move |cycles| Seen {
+                (0..64u32).flat_map(move |bits| {
+                    [0, 1, 49, 50, 99, 100, 1000].into_iter().map(move |cycles| Seen {
                         request,
                         drive,
-                        has_cause,
-                        at_rest,
-                        in_mode,
+                        has_cause: bits & 1 != 0,
+                        at_rest: bits & 2 != 0,
+                        in_mode: bits & 4 != 0,
+                        is_fresh: bits & 8 != 0,
+                        is_blind: bits & 16 != 0,
+                        runs_away: bits & 32 != 0,
                         cycles,
                     })
                 })
@@ -225,7 +278,17 @@ mod tests {
     }
 
     fn seen(request: Request, drive: Condition) -> Seen {
-        Seen { request, drive, has_cause: false, at_rest: true, in_mode: true, cycles: 0 }
+        Seen {
+            request,
+            drive,
+            has_cause: false,
+            at_rest: true,
+            in_mode: true,
+            is_fresh: true,
+            is_blind: false,
+            runs_away: false,
+            cycles: 0,
+        }
     }
 
     #[test]
@@ -235,7 +298,7 @@ mod tests {
                 let next = state.next(&seen, PATIENCE);
                 assert_eq!(next, State::Stopping, "{state:?} {seen:?}");
                 assert_eq!(next.control(&seen), Control::QuickStop);
-                assert_eq!(next.target(), Target::Actual);
+                assert_eq!(next.target(), Target::Brakes);
             }
         }
     }
@@ -245,10 +308,82 @@ mod tests {
         for seen in everything() {
             assert_eq!(State::Stopped.next(&seen, PATIENCE), State::Stopped);
             assert_eq!(State::Stopped.control(&seen), Control::DisableVoltage);
-            let after = State::Stopping.next(&seen, PATIENCE);
-            assert!(matches!(after, State::Stopping | State::Stopped), "{seen:?}");
-            assert!(seen.cycles < PATIENCE.stopping || after == State::Stopped, "a stop ends: {seen:?}");
+            let ways = [
+                (State::Stopping, &[State::Stopping, State::Cutting][..]),
+                (State::Cutting, &[State::Cutting, State::Leaving, State::Stopped]),
+                (State::Leaving, &[State::Leaving, State::Lost, State::Stopped]),
+                (State::Lost, &[State::Lost, State::Stopped]),
+            ];
+            for (state, to) in ways {
+                let after = state.next(&seen, PATIENCE);
+                assert!(to.contains(&after), "{state:?} {seen:?}");
+                assert!(
+                    seen.cycles < 1000 || after != state || state == State::Lost,
+                    "every step ends: {state:?} {seen:?}"
+                );
+                assert_ne!(state.target(), Target::Actual, "no target runs after a position in {state:?}");
+            }
         }
+    }
+
+    /// What counts as off is a fresh answer of the drive that says so, and nothing else.
+    #[test]
+    fn a_stop_is_over_only_where_torque_is_seen_off() {
+        for seen in everything() {
+            for state in State::ALL.into_iter().filter(|state| *state != State::Stopped) {
+                if state.next(&seen, PATIENCE) == State::Stopped {
+                    assert!(seen.is_fresh && !seen.drive.has_torque(), "{state:?} {seen:?}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn a_stop_escalates_by_what_the_drive_answers() {
+        let walk = |answer: &dyn Fn(State, u32) -> Seen| {
+            let (mut state, mut cycles, mut way) = (State::Stopping, 0, vec![State::Stopping]);
+            for at in 0..3000 {
+                let next = state.next(&Seen { cycles, ..answer(state, at) }, PATIENCE);
+                cycles = if next == state { cycles + 1 } else { 0 };
+                if next != state {
+                    way.push(next);
+                }
+                state = next;
+            }
+            way
+        };
+        let moving = |drive| Seen { at_rest: false, ..seen(Request::Move, drive) };
+        use State::*;
+        // Obeys: brakes, rests, is off.
+        let obeys = |state: State, at: u32| match state {
+            Stopping => Seen { at_rest: at > 60, ..seen(Request::Move, Condition::QuickStop) },
+            _ => seen(Request::Move, Condition::SwitchOnDisabled),
+        };
+        assert_eq!(walk(&obeys), [Stopping, Cutting, Stopped]);
+        // Ignores the quick stop only; ignores every command until it leaves OP; ignores everything; is not there.
+        let deaf = |state: State, _| match state {
+            Stopping => moving(Condition::Enabled),
+            _ => seen(Request::Move, Condition::SwitchOnDisabled),
+        };
+        assert_eq!(walk(&deaf), [Stopping, Cutting, Stopped]);
+        let deafer = |state: State, _| match state {
+            Leaving => seen(Request::Move, Condition::Fault),
+            _ => moving(Condition::Enabled),
+        };
+        assert_eq!(walk(&deafer), [Stopping, Cutting, Leaving, Stopped]);
+        assert_eq!(walk(&|_, _| moving(Condition::Enabled)), [Stopping, Cutting, Leaving, Lost]);
+        let gone = |_, _| Seen { is_fresh: false, ..seen(Request::Move, Condition::SwitchOnDisabled) };
+        assert_eq!(walk(&gone), [Stopping, Cutting, Leaving, Lost]);
+        // Runs away on its quick stop.
+        let away = |_, at| Seen { runs_away: at > 5, ..moving(Condition::QuickStop) };
+        assert_eq!(walk(&away)[..2], [Stopping, Cutting]);
+    }
+
+    #[test]
+    fn a_position_that_is_not_trusted_shows_no_rest() {
+        let blind = Seen { is_blind: true, cycles: 5, ..seen(Request::Move, Condition::QuickStop) };
+        assert_eq!(State::Stopping.next(&blind, PATIENCE), State::Stopping);
+        assert_eq!(State::Stopping.next(&Seen { is_blind: false, ..blind }, PATIENCE), State::Cutting);
     }
 
     #[test]
@@ -339,7 +474,7 @@ mod tests {
     #[test]
     fn the_transitions_are_those_of_the_drawing() {
         use State::*;
-        let drawn: [(State, &[State]); 9] = [
+        let drawn: [(State, &[State]); 12] = [
             (Watching, &[Watching, Disarming, Clearing, Readying, Stopping]),
             (Disarming, &[Watching, Disarming, Readying, Stopping]),
             (Clearing, &[Clearing, Readying, Releasing, Stopping]),
@@ -347,7 +482,10 @@ mod tests {
             (Holding, &[Holding, Moving, Releasing, Stopping]),
             (Moving, &[Holding, Moving, Releasing, Stopping]),
             (Releasing, &[Watching, Releasing, Stopping]),
-            (Stopping, &[Stopping, Stopped]),
+            (Stopping, &[Stopping, Cutting]),
+            (Cutting, &[Cutting, Leaving, Stopped]),
+            (Leaving, &[Leaving, Lost, Stopped]),
+            (Lost, &[Lost, Stopped]),
             (Stopped, &[Stopped]),
         ];
         for (from, expected) in drawn {
@@ -361,13 +499,13 @@ mod tests {
     fn where_nothing_is_wanted_no_torque_comes() {
         for drive in Condition::ALL {
             let (mut state, mut cycles) = (State::Readying, 0);
-            while !matches!(state, State::Watching | State::Stopped) && cycles < 2000 {
+            while !state.is_over() && cycles < 2000 {
                 let now = Seen { cycles, ..seen(Request::Watch, drive) };
                 state = state.next(&now, PATIENCE);
                 assert_ne!(state.control(&now), Control::Enable, "{drive}");
                 cycles += 1;
             }
-            assert!(matches!(state, State::Watching | State::Stopped), "{drive} ends in {state:?}");
+            assert!(state.is_over(), "{drive} ends in {state:?}");
         }
     }
 }

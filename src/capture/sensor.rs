@@ -101,7 +101,15 @@ mod tests {
         let entry = |role: &str, kind| Entry { role: Some(role.to_string()), index: 0x6000, sub: 1, kind };
         let entries = vec![entry("status", Kind::Unsigned(16)), entry("torque", Kind::Signed(16))];
         SensorReader::new(&Sensor {
-            identity: Identity { place: 1, name: "sensor".to_string(), vendor: 1, product: 1, revision: None },
+            identity: Identity {
+                place: 1,
+                name: "sensor".to_string(),
+                vendor: 1,
+                product: 1,
+                revision: None,
+                serial: None,
+                alias: None,
+            },
             nm_per_count: 1e-3,
             zero_counts: 100.0,
             saturated_counts: 32_767.0,

@@ -1,11 +1,12 @@
 //! A capture from end to end: the bus to OP, the trials of a plan one after the other, and back to no torque.
 
-use super::axis::Now;
+use super::axis::{Axis, Now};
 use super::cause::Cause;
 use super::cycle::{Counts, Cycle};
 use super::folder::{Folder, Origin};
 use super::line::{Line, with_line, words};
-use super::master::{self, Exchange, NotStarted};
+use super::master::{self, Exchange, Findings, NotStarted};
+use super::operator::Operator;
 use super::plan::Plan;
 use super::realtime::Granted;
 use super::recorder::Recorder;
@@ -17,7 +18,6 @@ use ethercrab::MainDevice;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::atomic::AtomicBool;
 use std::sync::{Arc, Mutex};
-use std::time::Duration;
 
 /// What is to be done.
 #[derive(Debug, Clone, Copy)]
@@ -30,6 +30,8 @@ pub struct Task<'t> {
     pub armed: bool,
     /// Ends it early, by a quick stop.
     pub interrupted: &'t AtomicBool,
+    /// Whoever is asked before there is torque.
+    pub operator: &'t dyn Operator,
 }
 
 /// What is happening, for whoever watches.
@@ -91,6 +93,45 @@ pub struct Outcome {
     pub now: Option<Now>,
     /// Why not everything is on the disk, if so.
     pub unwritten: Option<String>,
+    /// Whether the operator, asked, did not want it.
+    pub declined: bool,
+    /// What is known of the drive's torque at the end.
+    pub torque: Torque,
+}
+
+/// The drive's torque at the end of a capture.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum Torque {
+    /// A fresh answer of the drive has shown that it is off, or it was never asked for and not seen on.
+    Off,
+    /// Nothing has shown that it is off: what was last seen, in words.
+    NotShownOff(String),
+}
+
+impl Torque {
+    /// What the operator must be told, if it is not off.
+    pub fn warning(&self) -> Option<String> {
+        match self {
+            Self::Off => None,
+            Self::NotShownOff(seen) => Some(format!(
+                "TORQUE IS NOT SHOWN TO BE OFF: {seen}. PRESS THE EMERGENCY STOP, AND KEEP AWAY FROM THE JOINT"
+            )),
+        }
+    }
+
+    fn of(axis: &Axis, watchdog_ms: u32) -> Self {
+        let drive = axis.drive();
+        if axis.is_seen_off() || !axis.was_armed() && !drive.has_torque() {
+            return Self::Off;
+        }
+        Self::NotShownOff(match axis.was_answered() {
+            true => format!("the drive says `{drive}`"),
+            false => format!(
+                "the drive does not answer, or its answers are old; the last one said `{drive}`; its own watchdog of \
+                 {watchdog_ms} ms may have stopped it, which cannot be seen from here"
+            ),
+        })
+    }
 }
 
 /// Captures `task` over `wire` into `folder`, telling `live`.
@@ -142,20 +183,29 @@ impl Session<'_> {
             let (interface, ailing) = (&rig.bus.interface, master::ailing(line, main));
             NotStarted(format!("the devices on `{interface}` cannot be brought to PRE-OP: {failure}{ailing}"))
         })?;
-        let mut report = master::prepare(line, main, &group, rig)?;
-        report.extend(self.task.plan.left_out());
-        let period = Duration::from_micros(rig.bus.cycle_us.into());
+        let mut findings = master::prepare(line, main, &group, rig)?;
+        findings.report.extend(self.task.plan.left_out());
         match rig.bus.clocks {
             true => {
-                let group = master::with_clocks(line, main, group, period)?;
+                let group = master::with_clocks(line, main, group, rig, &mut findings)?;
+                self.must_be_watched(&findings)?;
                 let exchange = master::to_op(line, main, group, rig).inspect_err(|_| line.drop_out())?;
-                Ok(self.cycle(line, main, exchange, report))
+                Ok(self.cycle(line, main, exchange, findings))
             }
             false => {
-                let group = master::with_data(line, main, group)?;
+                let group = master::with_data(line, main, group, rig, &mut findings)?;
+                self.must_be_watched(&findings)?;
                 let exchange = master::to_op(line, main, group, rig).inspect_err(|_| line.drop_out())?;
-                Ok(self.cycle(line, main, exchange, report))
+                Ok(self.cycle(line, main, exchange, findings))
             }
+        }
+    }
+
+    /// No torque without a watchdog.
+    fn must_be_watched(&self, findings: &Findings) -> Result<(), NotStarted> {
+        match findings.unwatched.as_ref().filter(|_| self.task.armed) {
+            Some(why) => Err(NotStarted(format!("no torque without it: {why}"))),
+            None => Ok(()),
         }
     }
 
@@ -164,12 +214,12 @@ impl Session<'_> {
         line: &mut Line<'_, W>,
         main: &MainDevice<'_>,
         exchange: Exchange<C>,
-        report: Vec<String>,
+        findings: Findings,
     ) -> Outcome {
         let Self { task, done, origin, recorder, live } = self;
         let began_s = origin.map_or(0.0, Origin::elapsed_s);
         let cycle = Cycle::new(line, main, exchange, task.rig, recorder, task.interrupted, began_s);
-        let mut run = Run::new(cycle, task, live);
+        let mut run = Run::new(cycle, task, live, findings);
         run.guarded(|run| if task.armed { run.trials(&done) } else { run.look() });
         run.guarded(Run::close);
         run.guarded(Run::release);
@@ -177,11 +227,28 @@ impl Session<'_> {
         let broken_before = done.iter().filter(|trial| trial.is_incomplete()).count();
         let (cycles, counts, now) = (run.cycle.number(), run.counts(), run.cycle.now.clone());
         let (cause, doubt) = (run.cycle.axis.cause().cloned(), run.cycle.axis.doubt().cloned());
+        let (declined, mut report) = (run.declined, std::mem::take(&mut run.report));
+        let torque = Torque::of(&run.cycle.axis, task.rig.bus.watchdog_ms);
         let left = run.cycle.finish();
-        let report = match &cause {
-            Some(_) => report.into_iter().chain([format!("where the devices were at the end: {left}")]).collect(),
-            None => report,
-        };
-        Outcome { complete, before, broken_before, cycles, counts, cause, doubt, looked, report, now, unwritten: None }
+        if cause.is_some() {
+            report.push(format!("where the devices were at the end: {left}"));
+        }
+        report.extend(torque.warning());
+        let unwritten = None;
+        Outcome {
+            complete,
+            before,
+            broken_before,
+            cycles,
+            counts,
+            cause,
+            doubt,
+            looked,
+            report,
+            now,
+            unwritten,
+            declined,
+            torque,
+        }
     }
 }

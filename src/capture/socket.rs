@@ -1,5 +1,6 @@
 //! A network interface in real time: a raw packet socket, which takes `CAP_NET_RAW` and nothing else.
 
+use super::lock::Lock;
 use super::wire::Wire;
 use std::io;
 use std::os::fd::{AsRawFd, FromRawFd, OwnedFd};
@@ -15,12 +16,13 @@ const AWAKE_NS: u64 = 60_000;
 pub struct RawSocket {
     socket: OwnedFd,
     began: Instant,
+    _lock: Lock,
 }
 
 impl RawSocket {
     /// Opens `interface`.
     ///
-    /// Errors: there is no such interface, or the process may not.
+    /// Errors: there is no such interface, another process works on it, or this one may not.
     pub fn open(interface: &str) -> io::Result<Self> {
         let name = std::ffi::CString::new(interface).map_err(io::Error::other)?;
         // SAFETY: `name` ends in a zero and lives through the call.
@@ -28,6 +30,7 @@ impl RawSocket {
         if index == 0 {
             return Err(io::Error::last_os_error());
         }
+        let lock = Lock::take(index)?;
         let kind = libc::SOCK_RAW | libc::SOCK_NONBLOCK | libc::SOCK_CLOEXEC;
         // SAFETY: no pointer is passed; what comes back is checked.
         let socket = unsafe { libc::socket(libc::AF_PACKET, kind, i32::from(ETHERCAT)) };
@@ -44,7 +47,11 @@ impl RawSocket {
         let length = size_of::<libc::sockaddr_ll>() as libc::socklen_t;
         // SAFETY: the address is of the type and length that its family has.
         let bound = unsafe { libc::bind(socket.as_raw_fd(), (&raw const address).cast(), length) };
-        if bound < 0 { Err(io::Error::last_os_error()) } else { Ok(Self { socket, began: Instant::now() }) }
+        if bound < 0 {
+            Err(io::Error::last_os_error())
+        } else {
+            Ok(Self { socket, began: Instant::now(), _lock: lock })
+        }
     }
 
     /// Waits until a frame can be read, for `patience` at most.

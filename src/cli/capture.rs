@@ -1,16 +1,18 @@
 //! `tautline capture`.
 
 use super::interrupt;
+use super::keyboard::Keyboard;
 use super::live::View;
-use super::outcome::{JUDGED_BAD, Talk};
+use super::outcome::{JUDGED_BAD, TORQUE_ON, Talk};
 use super::wire::{self, Described, text_of};
 use crate::capture::folder::Folder;
 use crate::capture::master::NotStarted;
+use crate::capture::operator::{Agrees, Operator};
 use crate::capture::plan::Plan;
-use crate::capture::session::{Live, Outcome, Task, capture};
+use crate::capture::session::{Live, Outcome, Task, Torque, capture};
 use crate::problem::{Problem, Result};
 use serde_json::{Value, json};
-use std::io::{self, BufRead, Write};
+use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::sync::{Arc, Mutex};
@@ -27,7 +29,12 @@ Ctrl-C; what was recorded until then stands, the trial marked as incomplete. Thi
 it never replaces the drive's safe torque off and an emergency stop in the operator's hand.
 data/rigs/README.md says what a real rig needs.
 
-Exit status: 0 all trials recorded (or the dry run found nothing), 1 stopped, 2 bad input or no start.")]
+With --arm the bus is brought to OP first, without torque; then devices with serial numbers, the drive's own
+limits, watchdogs, faults, the cycle as kept and the first motion are shown, and a word must be typed. The first
+motion is small and slow, and checks that the signs of drive and sensor fit.
+
+Exit status: 0 all trials recorded (or the dry run found nothing), 1 stopped, 2 bad input or no start,
+3 TORQUE IS NOT SHOWN TO BE OFF: press the emergency stop.")]
 pub struct Arguments {
     /// The rig: a rig.toml, or `demo`
     #[arg(long)]
@@ -63,9 +70,6 @@ pub fn run(arguments: &Arguments, talk: &Talk) -> Result<ExitCode> {
     plan.check(&plan_file, &rig.limits, rig.bus.period_s())?;
     // Nothing of the demo can be hurt.
     let armed = arguments.arm || (described.is_demo && arguments.output.is_some());
-    if armed && !described.is_demo {
-        confirm(&described, &plan)?;
-    }
     let texts = [("rig.toml", described.text.as_str()), ("plan.toml", plan_text.as_str())];
     let wire = wire::open(&rig.bus.interface, arguments.real_time, arguments.seed)?;
     let folder = match &arguments.output {
@@ -73,17 +77,26 @@ pub fn run(arguments: &Arguments, talk: &Talk) -> Result<ExitCode> {
         Some(path) if armed => Some(Folder::create(path, rig, &texts)?),
         _ => None,
     };
-    let task = Task { rig, plan: &plan, armed, interrupted: interrupt::noted() };
     let live = Arc::new(Mutex::new(Live::default()));
     let view = View::new(talk, &live);
+    let keyboard = Keyboard::default();
+    let operator: &dyn Operator = if described.is_demo { &Agrees } else { &keyboard };
+    let task = Task { rig, plan: &plan, armed, interrupted: interrupt::noted(), operator };
     let outcome = capture(wire, &task, folder, &live);
     drop(view);
+    let abandon = || {
+        if let Some(path) = arguments.output.as_deref().filter(|_| armed && !arguments.resume) {
+            Folder::abandon(path);
+        }
+    };
     match outcome {
+        Ok(outcome) if outcome.declined => {
+            abandon();
+            Problem::error("operator", "did not type the word that was asked for", "nothing was enabled").alone()
+        }
         Ok(outcome) => tell(arguments, &plan, &outcome, armed, talk),
         Err(NotStarted(why)) => {
-            if let Some(path) = arguments.output.as_deref().filter(|_| armed && !arguments.resume) {
-                Folder::abandon(path);
-            }
+            abandon();
             let cure = "nothing was enabled; `tautline rig scan` shows who answers";
             Problem::error(&arguments.rig, why, cure).alone()
         }
@@ -100,43 +113,19 @@ impl Arguments {
     }
 }
 
-/// Asks the operator, who must type a word.
-///
-/// Errors: anything else was typed.
-fn confirm(described: &Described, plan: &Plan) -> Result<()> {
-    let rig = &described.rig;
-    let (limits, minutes) = (&rig.limits, plan.duration_s(rig.bus.period_s()) / 60.0);
-    let mut out = anstream::stderr().lock();
-    let asked = format!(
-        "`{}` will move by itself: {} trials, {minutes:.0} min and the moves between them, on {}.\n\
-         It stays within {} to {} rad, {} rad/s and {} N m, as far as software can see to it.\n\
-         Software does not replace the drive's safe torque off: hold the emergency stop in your hand, nobody in reach of\n\
-         the joint, and the joint supported where it must not fall without torque.\n\
-         Type `arm` to give it torque: ",
-        rig.joint.name,
-        plan.trials.len(),
-        rig.bus.interface,
-        limits.low_rad,
-        limits.high_rad,
-        limits.speed_rad_s,
-        limits.torque_nm
-    );
-    let _ = write!(out, "{asked}").and_then(|()| out.flush());
-    drop(out);
-    let mut typed = String::new();
-    let read = io::stdin().lock().read_line(&mut typed);
-    if read.is_ok() && typed.trim() == "arm" {
-        return Ok(());
-    }
-    Problem::error("operator", "did not type `arm`", "nothing was enabled").alone()
-}
-
 fn tell(arguments: &Arguments, plan: &Plan, outcome: &Outcome, armed: bool, talk: &Talk) -> Result<ExitCode> {
     let folder = arguments.output.as_deref().filter(|_| armed);
     talk.result(|| to_json(folder, plan, outcome), |out| write_text(out, folder, plan, outcome))?;
     let why = outcome.cause.as_ref().map(ToString::to_string).or(outcome.unwritten.clone());
-    if let Some(why) = why {
+    if let Some(why) = &why {
         let _ = writeln!(anstream::stderr(), "stopped: {why}");
+    }
+    // The last words of all.
+    if let Some(warning) = outcome.torque.warning() {
+        let _ = writeln!(anstream::stderr(), "{warning}");
+        return Ok(ExitCode::from(TORQUE_ON));
+    }
+    if why.is_some() {
         return Ok(ExitCode::from(JUDGED_BAD));
     }
     if let Some(doubt) = outcome.doubt.as_ref().filter(|_| !armed) {
@@ -161,6 +150,8 @@ pub fn to_json(folder: Option<&Path>, plan: &Plan, outcome: &Outcome) -> Value {
         "stopped_by": outcome.cause.as_ref().map(named),
         "would_stop": outcome.doubt.as_ref().map(named),
         "unwritten": outcome.unwritten,
+        "torque_off": outcome.torque == Torque::Off,
+        "torque_warning": outcome.torque.warning(),
         "report": outcome.report,
     })
 }

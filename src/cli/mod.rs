@@ -22,6 +22,7 @@ mod import;
 mod interaction;
 mod interrupt;
 mod judged;
+mod keyboard;
 mod live;
 mod man;
 mod outcome;

@@ -14,6 +14,9 @@ pub const JUDGED_BAD: u8 = 1;
 /// Exit status of bad input or usage.
 pub const BAD_INPUT: u8 = 2;
 
+/// Exit status where the torque of a real drive is not shown to be off.
+pub const TORQUE_ON: u8 = 3;
+
 /// How much a command says, and in what form.
 #[derive(Debug, Clone, Copy, Args)]
 pub struct Talk {

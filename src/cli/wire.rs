@@ -12,7 +12,7 @@ use std::path::Path;
 pub const DEMO: &str = "demo";
 /// The demo's joint.
 const MODEL: &str = include_str!("../../data/elbow/truth/model.json");
-const RIG: &str = include_str!("../../data/rigs/demo/rig.toml");
+pub const RIG: &str = include_str!("../../data/rigs/demo/rig.toml");
 /// Noise of the demo's torque sensor, N m.
 const NOISE_NM: f64 = 0.005;
 
@@ -71,6 +71,13 @@ pub fn demo_bus(seed: u64) -> Result<Bus> {
 fn socket(interface: &str) -> Result<Box<dyn Wire>> {
     match crate::capture::socket::RawSocket::open(interface) {
         Ok(socket) => Ok(Box::new(socket)),
+        Err(error) if error.kind() == std::io::ErrorKind::AddrInUse => Problem::error(
+            interface,
+            format!("is in use: {error}"),
+            "wait until it has ended: two masters on one bus would \
+                        reset each other's devices under a moving joint",
+        )
+        .alone(),
         Err(error) => {
             let cure = "name an interface that `ip link` shows, up; a raw socket takes CAP_NET_RAW: \
                         `sudo setcap cap_net_raw,cap_sys_nice,cap_ipc_lock+ep $(which tautline)`";

@@ -168,6 +168,18 @@ impl<'a> Field<'_, 'a> {
         })
     }
 
+    /// A list of numbers without fraction, each between `low` and `high`.
+    pub fn wholes(self, low: i64, high: i64) -> Option<Vec<i64>> {
+        let whole = |node: &Node| match node.value {
+            Value::Whole(whole) if (low..=high).contains(&whole) => Some(whole),
+            _ => None,
+        };
+        self.take(&format!("a list of whole numbers from {low} to {high}"), |value| match value {
+            Value::List(list) => list.iter().map(whole).collect::<Option<Vec<i64>>>(),
+            _ => None,
+        })
+    }
+
     /// One of `choices`, by its name.
     pub fn choice<T: Clone>(mut self, choices: &[(&str, T)]) -> Option<T> {
         let names = choices.iter().map(|(name, _)| *name);

@@ -105,6 +105,7 @@ fn a_device_without_a_clock_does_not_answer_for_one() {
         dictionary: Dictionary::default(),
         mailbox: false,
         clock: None,
+        feeds_watchdog: true,
     };
     let devices = vec![tautline::bus::drive(0), Device::new(description, Box::new(Nothing))];
     let mut master = Master::at(Bus::new(devices));

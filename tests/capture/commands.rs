@@ -2,8 +2,7 @@
 
 use crate::cli::tautline;
 use serde_json::Value;
-use std::io::Write;
-use std::process::{Command, Output, Stdio};
+use std::process::Output;
 use tempfile::TempDir;
 
 fn text(bytes: &[u8]) -> String {
@@ -51,25 +50,27 @@ fn a_dry_run_and_a_check_find_the_demo_in_order() {
     assert!(tared["zero_counts"].is_number());
 }
 
+/// Nobody is asked before there is a bus to ask on.
 #[test]
-fn nothing_is_armed_without_the_operators_word() {
+fn without_a_bus_nobody_is_asked() {
     let out = TempDir::new().unwrap();
     let path = |name: &str| out.path().join(name).to_string_lossy().into_owned();
     std::fs::write(path("plan.toml"), super::SWEEP).unwrap();
     std::fs::write(path("rig.toml"), super::RIG.replace("\"demo\"", "\"no-such-interface\"")).unwrap();
-    for (typed, expected) in [("", "did not type"), ("yes\n", "did not type"), ("arm\n", "cannot be opened")] {
-        let mut command = Command::new(env!("CARGO_BIN_EXE_tautline"))
-            .args(["capture", "--rig", &path("rig.toml"), "--plan", &path("plan.toml"), "-o", &path("c"), "--arm"])
-            .stdin(Stdio::piped())
-            .stderr(Stdio::piped())
-            .stdout(Stdio::piped())
-            .spawn()
-            .unwrap();
-        command.stdin.take().unwrap().write_all(typed.as_bytes()).unwrap();
-        let said = refused(&command.wait_with_output().unwrap());
-        assert!(said.contains(expected) && said.contains("safe torque off"), "{said}");
-        assert!(!out.path().join("c").exists());
-    }
+    let armed = ["capture", "--rig", &path("rig.toml"), "--plan", &path("plan.toml"), "-o", &path("c"), "--arm"];
+    let said = refused(&tautline(&armed));
+    assert!(said.contains("cannot be opened") && !said.contains("Type"), "{said}");
+    assert!(!out.path().join("c").exists());
+}
+
+/// Two of the worst faults, in the modes in which they are worst.
+#[test]
+fn the_fault_matrix_names_what_is_beyond_the_limits() {
+    let done = tautline(&["rig", "faults", "--only", "csv FrozenEncoder", "--json"]);
+    let told: Value = serde_json::from_slice(&done.stdout).unwrap();
+    assert_eq!((&told["wrong"], done.status.code()), (&0.into(), Some(0)), "{told}");
+    assert_eq!(told["cases"][0]["cause"], "not_following", "{told}");
+    assert!(told["cases"][0]["speed_rad_s"].as_f64().unwrap() < 0.625, "{told}");
 }
 
 #[test]

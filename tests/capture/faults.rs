@@ -1,6 +1,6 @@
 //! Every fault that the bus can have ends in a quick stop, is named, and leaves a recording that opens.
 
-use super::{SWEEP, Watched, demo, folder, plan, rig, run};
+use super::{AT, SWEEP, Watched, demo, folder, plan, rig, run};
 use std::io;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -8,13 +8,12 @@ use tautline::bus::{Bus, Fault, When};
 use tautline::capture::cause::Cause;
 use tautline::capture::drive::{Condition, Control};
 use tautline::capture::in_process::InProcess;
+use tautline::capture::operator::Agrees;
 use tautline::capture::session::{Task, capture};
 use tautline::capture::wire::Wire;
 use tautline::log::{Campaign, read_trial};
 use tempfile::TempDir;
 
-/// In the middle of the first sweep up, in cycles of process data since the bus was at rest.
-const AT: u64 = 3000;
 /// After the cycle in which a fault can be seen the drive has its quick stop within so many.
 const CYCLES: usize = 2;
 
@@ -49,7 +48,7 @@ fn cases() -> Vec<Case> {
         case(Fault::InternalLimit, &["internal_limit"], 1),
         case(
             Fault::Blocked,
-            &["lag", "following_error", "drive_fault", "torque_step", "torque", "internal_limit"],
+            &["not_following", "lag", "following_error", "drive_fault", "torque_step", "torque", "internal_limit"],
             300,
         ),
         case(Fault::CableBreak, &["torque_step", "torque"], 5),
@@ -57,6 +56,9 @@ fn cases() -> Vec<Case> {
         case(Fault::StaleSensor, &["sensor_stale"], 4),
         case(Fault::SaturatedSensor, &["sensor_saturated"], 1),
         case(Fault::NotANumber, &["sensor_error", "sensor_not_a_number"], 1),
+        case(Fault::FrozenInputs { device: 0 }, &["drive_stale"], 6),
+        // What may be commanded before the joint must be seen to follow: 5 mrad at 0.4 rad/s, and as much as it had gone before.
+        case(Fault::FrozenEncoder, &["not_following"], 25),
     ]
 }
 
@@ -73,14 +75,14 @@ fn struck(fault: Fault, at: u64) -> (TempDir, Watched) {
 fn every_fault_ends_in_a_quick_stop_and_is_named() {
     let mut wrong = Vec::new();
     for Case { fault, causes, unseen } in cases() {
-        let (out, Watched { outcome, control, status }) = struck(fault, AT);
+        let (out, Watched { outcome, control, status }) = struck(fault, *AT);
         let name = outcome.cause.as_ref().map_or("nothing", |cause| cause.name());
         let mut fail = |what: String| wrong.push(format!("{fault:?}: {what}"));
         if !causes.contains(&name) {
             fail(format!("the cause is {name}: {:?}", outcome.cause));
         }
         // Either our command has reached the drive, or the drive has stopped by itself.
-        let at = AT as usize;
+        let at = *AT as usize;
         let is_stopped =
             |i: usize| control[i] == Control::QuickStop.word() || Condition::of(status[i]) != Condition::Enabled;
         let stopped = (at..control.len()).find(|i| is_stopped(*i));
@@ -116,7 +118,7 @@ fn single_frames_that_come_late_twice_or_not_at_all_do_no_harm() {
         Fault::Lost { frames: 1 },
         Fault::Duplicated { frames: 50 },
     ] {
-        let (out, Watched { outcome, .. }) = struck(fault, AT);
+        let (out, Watched { outcome, .. }) = struck(fault, *AT);
         assert_eq!((outcome.cause.clone(), outcome.complete), (None, 2), "{fault:?}");
         let missed = u32::from(!matches!(fault, Fault::Duplicated { .. }));
         assert_eq!(outcome.counts.missed, missed, "{fault:?}");
@@ -133,10 +135,10 @@ fn an_operator_stops_it() {
     let interrupted = AtomicBool::new(false);
     let mut bus = demo();
     let answers = |now_ns: u64, frame: &[u8]| {
-        interrupted.store(bus.cycles() >= AT, Ordering::Relaxed);
+        interrupted.store(bus.cycles() >= *AT, Ordering::Relaxed);
         bus.send(now_ns, frame).into_iter().map(|reply| (reply.at_ns, reply.frame)).collect()
     };
-    let task = Task { rig: &rig, plan: &plan, armed: true, interrupted: &interrupted };
+    let task = Task { rig: &rig, plan: &plan, armed: true, interrupted: &interrupted, operator: &Agrees };
     let folder = folder(&out.path().join("c"), &rig, false);
     let outcome = capture(InProcess::new(answers), &task, Some(folder), &Arc::default()).unwrap();
     assert_eq!(outcome.cause, Some(Cause::Interrupted));
@@ -151,13 +153,13 @@ fn a_panic_of_the_stack_stops_the_drive() {
     let interrupted = AtomicBool::new(false);
     let (mut bus, mut panics) = (demo(), 1);
     let answers = |now_ns: u64, frame: &[u8]| {
-        if bus.cycles() == AT && panics > 0 {
+        if bus.cycles() == *AT && panics > 0 {
             panics -= 1;
             panic!("as if the stack had");
         }
         bus.send(now_ns, frame).into_iter().map(|reply| (reply.at_ns, reply.frame)).collect()
     };
-    let task = Task { rig: &rig, plan: &plan, armed: true, interrupted: &interrupted };
+    let task = Task { rig: &rig, plan: &plan, armed: true, interrupted: &interrupted, operator: &Agrees };
     let folder = folder(&out.path().join("c"), &rig, false);
     let outcome = capture(InProcess::new(answers), &task, Some(folder), &Arc::default()).unwrap();
     assert_eq!(outcome.cause, Some(Cause::Panic("as if the stack had".to_string())));
@@ -202,7 +204,7 @@ impl<W: Wire> Wire for Failing<W> {
 /// What fails outside the stack stops the drive too, and takes nothing of the recording away.
 #[test]
 fn a_panic_of_the_program_stops_the_drive() {
-    const AT_NS: u64 = 6_000_000_000;
+    const AT_NS: u64 = 10_000_000_000;
     for times in [1, u32::MAX] {
         let (rig, plan, out) = (rig(), plan(SWEEP), TempDir::new().unwrap());
         let (interrupted, mut bus, mut last_ns) = (AtomicBool::new(false), demo(), 0);
@@ -211,7 +213,7 @@ fn a_panic_of_the_program_stops_the_drive() {
             bus.send(now_ns, frame).into_iter().map(|reply| (reply.at_ns, reply.frame)).collect()
         };
         let wire = Failing { wire: InProcess::new(answers), at_ns: AT_NS, times };
-        let task = Task { rig: &rig, plan: &plan, armed: true, interrupted: &interrupted };
+        let task = Task { rig: &rig, plan: &plan, armed: true, interrupted: &interrupted, operator: &Agrees };
         let folder = folder(&out.path().join("c"), &rig, false);
         let outcome = capture(wire, &task, Some(folder), &Arc::default()).unwrap();
         assert_eq!(outcome.cause, Some(Cause::Panic("as if the program had".to_string())), "{times}");
@@ -231,7 +233,7 @@ fn an_old_emergency_message_hides_no_new_one() {
     let (rig, plan, out) = (rig(), plan(SWEEP), TempDir::new().unwrap());
     let mut bus = demo();
     bus.inject(Fault::Emergency { device: 0, code: 0x1000 }, When::Cycle(5));
-    bus.inject(Fault::Emergency { device: 0, code: 0x8611 }, When::Cycle(AT));
+    bus.inject(Fault::Emergency { device: 0, code: 0x8611 }, When::Cycle(*AT));
     let outcome = run(bus, &rig, &plan, Some(folder(&out.path().join("c"), &rig, false))).outcome;
     assert_eq!(outcome.cause, Some(Cause::Emergency(Some(0x8611))));
     let notes = std::fs::read_to_string(out.path().join("c/capture.log")).unwrap();
@@ -243,7 +245,7 @@ fn an_old_emergency_message_hides_no_new_one() {
 fn an_emergency_while_the_bus_starts_is_no_crash() {
     let (rig, plan) = (rig(), plan(SWEEP));
     let interrupted = AtomicBool::new(false);
-    let task = Task { rig: &rig, plan: &plan, armed: false, interrupted: &interrupted };
+    let task = Task { rig: &rig, plan: &plan, armed: false, interrupted: &interrupted, operator: &Agrees };
     let mut refused = 0;
     for at_ms in 0..60 {
         let mut bus = demo();

@@ -6,6 +6,7 @@ use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 use tautline::capture::drive::Condition;
 use tautline::capture::in_process::InProcess;
+use tautline::capture::operator::Agrees;
 use tautline::capture::session::{Task, capture};
 
 /// Numbers by chance, repeatable (a 64-bit linear congruential generator with Knuth's constants).
@@ -39,7 +40,7 @@ fn noisy(seed: u64, one_in: usize) -> (bool, u64) {
         }
         replies
     };
-    let task = Task { rig: &rig, plan: &plan, armed: true, interrupted: &interrupted };
+    let task = Task { rig: &rig, plan: &plan, armed: true, interrupted: &interrupted, operator: &Agrees };
     let started = capture(InProcess::new(answers), &task, None, &Arc::default()).is_ok();
     bus.advance(last_ns + 1_000_000_000);
     let condition = Condition::of(bus.drive_status().unwrap());

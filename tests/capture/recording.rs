@@ -1,6 +1,6 @@
 //! What is on the disk, whatever happens.
 
-use super::{SWEEP, demo, folder, plan, rig, run};
+use super::{AT, SWEEP, demo, folder, plan, rig, run};
 use std::fs;
 use tautline::bus::{Fault, When};
 use tautline::capture::recorder::{Recorder, Sample};
@@ -12,7 +12,7 @@ fn a_capture_that_broke_off_goes_on_with_the_next_trial() {
     let (rig, plan, out) = (rig(), plan(SWEEP), TempDir::new().unwrap());
     let path = out.path().join("c");
     let mut bus = demo();
-    bus.inject(Fault::Drive { code: 0x2310 }, When::Cycle(3000));
+    bus.inject(Fault::Drive { code: 0x2310 }, When::Cycle(*AT));
     let broken = run(bus, &rig, &plan, Some(folder(&path, &rig, false))).outcome;
     assert_eq!((broken.complete, broken.cause.map(|cause| cause.name())), (0, Some("drive_fault")));
     let resumed = run(demo(), &rig, &plan, Some(folder(&path, &rig, true))).outcome;
@@ -28,7 +28,7 @@ fn a_recording_cut_anywhere_opens() {
     let (rig, plan, out) = (rig(), plan(SWEEP), TempDir::new().unwrap());
     let path = out.path().join("c");
     let mut bus = demo();
-    bus.inject(Fault::Lost { frames: 10 }, When::Cycle(4000));
+    bus.inject(Fault::Lost { frames: 10 }, When::Cycle(*AT + 500));
     run(bus, &rig, &plan, Some(folder(&path, &rig, false)));
     let log = path.join("sweep_0.4000_1.csv");
     let whole = fs::read(&log).unwrap();

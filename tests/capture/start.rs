@@ -13,6 +13,7 @@ use tautline::capture::found::scan;
 use tautline::capture::in_process::{Answers, InProcess};
 use tautline::capture::line::with_line;
 use tautline::capture::master::{ailing, pre_op};
+use tautline::capture::operator::Agrees;
 use tautline::capture::plan::Plan;
 use tautline::capture::rig::{Kind, Rig, starting_rig};
 use tautline::capture::session::{Task, capture};
@@ -33,7 +34,7 @@ fn wire(bus: &Shared, since_ns: u64) -> InProcess<impl Answers> {
 /// Why a dry run of `rig` on `bus` does not start.
 fn refused(bus: &Shared, since_ns: u64, rig: &Rig) -> String {
     let (plan, interrupted) = (plan(SWEEP), AtomicBool::new(false));
-    let task = Task { rig, plan: &plan, armed: false, interrupted: &interrupted };
+    let task = Task { rig, plan: &plan, armed: false, interrupted: &interrupted, operator: &Agrees };
     match capture(wire(bus, since_ns), &task, None, &Arc::default()) {
         Ok(outcome) => panic!("started: {outcome:?}"),
         Err(why) => why.0,

@@ -3,6 +3,7 @@
 use super::{SWEEP, demo, folder, plan, rig, run};
 use std::path::Path;
 use tautline::capture::drive::{Condition, Control};
+use tautline::capture::operator::Agrees;
 use tautline::capture::plan::Plan;
 use tautline::capture::rig::Rig;
 use tautline::dynamics::{Direction, JointKind};
@@ -47,7 +48,7 @@ fn without_arming_no_word_that_gives_torque_is_sent() {
         replies
     };
     let interrupted = AtomicBool::new(false);
-    let task = Task { rig: &rig, plan: &plan, armed: false, interrupted: &interrupted };
+    let task = Task { rig: &rig, plan: &plan, armed: false, interrupted: &interrupted, operator: &Agrees };
     let outcome = capture(InProcess::new(answers), &task, None, &Arc::new(Mutex::new(Live::default()))).unwrap();
     assert_eq!((outcome.cause, outcome.doubt, outcome.complete), (None, None, 0));
     assert!(words > 1000 && outcome.looked.samples > 1000);

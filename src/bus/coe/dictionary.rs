@@ -78,6 +78,11 @@ impl Dictionary {
         self
     }
 
+    /// Takes an object out, with all its subindices.
+    pub fn remove(&mut self, index: u16) {
+        self.entries.retain(|entry| entry.at.0 != index);
+    }
+
     fn place(&self, index: u16, sub: u8) -> Result<usize, usize> {
         self.entries.binary_search_by_key(&(index, sub), |entry| entry.at)
     }

@@ -30,6 +30,12 @@ const GRACE_NS: u64 = 1_000_000;
 /// The most that a command of speed gets ahead of the motor, rad: the motor's limit is met before.
 const AHEAD_RAD: f64 = 0.05;
 
+/// What a drive does by itself without the optional objects 0x6072, 0x605A and 0x605E, 0x6084 and 0x6085: per mille of rated torque,
+/// braking, counts/s^2 (20 rad/s^2).
+const OWN_TORQUE: i64 = 1500;
+const OWN_OPTION: i64 = 2;
+const OWN_RAMP: i64 = (20.0 * COUNTS_PER_RAD) as i64;
+
 /// The drive behind its bus interface.
 #[derive(Debug)]
 struct Drive {
@@ -51,16 +57,35 @@ struct Drive {
     bridges: bool,
     was_operational: bool,
     worked_ns: u64,
+    defects: Defects,
+}
+
+/// What is wrong with it for good.
+#[derive(Debug, Clone, Copy)]
+struct Defects {
+    frozen_encoder: bool,
+    ignores_control: bool,
+    ignores_quick_stop: bool,
+    /// How many times the speed that it is told it runs at.
+    runaway: f64,
 }
 
 /// The device; its clock runs `drift_ppb` too fast.
 pub fn device(drift_ppb: i64) -> Device {
+    device_with(drift_ppb, true, &[])
+}
+
+/// The same, without the objects `without` (index of each), and whether its EEPROM has its outputs feed the watchdog.
+pub fn device_with(drift_ppb: i64, feeds_watchdog: bool, without: &[u16]) -> Device {
+    let mut dictionary = objects::dictionary();
+    without.iter().for_each(|index| dictionary.remove(*index));
     let description = Description {
         identity: [VENDOR, PRODUCT, 1, 42],
         names: ["TL7402", "Drive", "Winch drive, CiA 402"],
-        dictionary: objects::dictionary(),
+        dictionary,
         mailbox: true,
         clock: Some(Clock::new(1_234_567_890, drift_ppb)),
+        feeds_watchdog,
     };
     let drive = Drive {
         power: Power::SwitchOnDisabled,
@@ -76,6 +101,7 @@ pub fn device(drift_ppb: i64) -> Device {
         bridges: false,
         was_operational: false,
         worked_ns: 0,
+        defects: Defects { frozen_encoder: false, ignores_control: false, ignores_quick_stop: false, runaway: 1.0 },
     };
     Device::new(description, Box::new(drive))
 }
@@ -85,7 +111,7 @@ impl Application for Drive {
         let joint = world.joint.as_mut()?;
         let warning = self.fault(objects, joint, moment);
         self.obey(objects, joint, moment);
-        joint.motor.limit_nm = objects.unsigned(0x6072, 0) as f64 * NM_PER_MILLE;
+        joint.motor.limit_nm = own(objects, 0x6072, OWN_TORQUE) as f64 * NM_PER_MILLE;
         self.steer(objects, joint, moment);
         self.tell(objects, joint, moment);
         self.worked_ns = moment.now_ns;
@@ -98,6 +124,10 @@ impl Application for Drive {
             Fault::Drive { .. } | Fault::QuickStop => self.injected = Some(fault),
             Fault::Inhibit => self.inhibited = true,
             Fault::InternalLimit => self.limit_shown = true,
+            Fault::FrozenEncoder => self.defects.frozen_encoder = true,
+            Fault::IgnoredControl => self.defects.ignores_control = true,
+            Fault::IgnoredQuickStop => self.defects.ignores_quick_stop = true,
+            Fault::Runaway { factor } => self.defects.runaway = factor,
             _ => {}
         }
     }
@@ -124,7 +154,7 @@ impl Drive {
         }
         let code = code.filter(|_| !matches!(self.power, Power::Fault | Power::FaultReaction))?;
         self.error = code;
-        let moves = matches!(self.power, Power::Enabled | Power::QuickStop) && objects.signed(0x605E, 0) != 0;
+        let moves = matches!(self.power, Power::Enabled | Power::QuickStop) && own(objects, 0x605E, OWN_OPTION) != 0;
         self.enter(if moves { Power::FaultReaction } else { Power::Fault }, joint, moment);
         Some(Emergency { code, register: if code == FOLLOWING_ERROR { 0x21 } else { 0x81 } })
     }
@@ -145,6 +175,10 @@ impl Drive {
     /// What the control word asks for.
     fn obey(&mut self, objects: &mut Dictionary, joint: &mut Joint, moment: Moment) {
         let control = objects.unsigned(0x6040, 0) as u16;
+        let is_quick_stop = control & 0x86 == 0x02;
+        if self.defects.ignores_control || self.defects.ignores_quick_stop && is_quick_stop {
+            return;
+        }
         let reset = control & 0x80 != 0 && self.control & 0x80 == 0;
         self.control = control;
         if !moment.operational {
@@ -198,7 +232,7 @@ impl Drive {
         match self.power {
             Power::Enabled if self.mode == CSP => self.follow_position(objects, joint, moment),
             Power::Enabled if self.mode == CSV => {
-                let speed_rad_s = objects.signed(0x60FF, 0) as f64 / COUNTS_PER_RAD;
+                let speed_rad_s = self.defects.runaway * objects.signed(0x60FF, 0) as f64 / COUNTS_PER_RAD;
                 self.run(joint, moment, speed_rad_s);
             }
             Power::Enabled => joint.motor.law = Law::Torque(objects.signed(0x6071, 0) as f64 * NM_PER_MILLE),
@@ -246,9 +280,9 @@ impl Drive {
     /// Down the ramp; then held, or without torque, as the options say.
     fn stop(&mut self, objects: &Dictionary, joint: &mut Joint, moment: Moment) {
         let by_fault = self.power == Power::FaultReaction;
-        let option = objects.signed(if by_fault { 0x605E } else { 0x605A }, 0);
+        let option = own(objects, if by_fault { 0x605E } else { 0x605A }, OWN_OPTION);
         let ramp = if matches!(option, 1 | 5) { 0x6084 } else { 0x6085 };
-        let deceleration_rad_s2 = objects.unsigned(ramp, 0) as f64 / COUNTS_PER_RAD;
+        let deceleration_rad_s2 = own(objects, ramp, OWN_RAMP) as f64 / COUNTS_PER_RAD;
         let gone_s = moment.now_ns.saturating_sub(self.worked_ns) as f64 * 1e-9;
         let left = (self.stopping_rad_s.abs() - deceleration_rad_s2 * gone_s).max(0.0);
         self.stopping_rad_s = left.copysign(self.stopping_rad_s);
@@ -285,8 +319,11 @@ impl Drive {
         objects.set(0x603F, 0, i64::from(self.error));
         objects.set(0x1001, 0, i64::from(self.error != 0));
         objects.set(0x6061, 0, self.mode);
-        objects.set(0x6064, 0, (joint.encoder_rad() * COUNTS_PER_RAD).round() as i64);
-        objects.set(0x606C, 0, (joint.velocity_rad_s() * COUNTS_PER_RAD).round() as i64);
+        let speed_rad_s = if self.defects.frozen_encoder { 0.0 } else { joint.velocity_rad_s() };
+        if !self.defects.frozen_encoder {
+            objects.set(0x6064, 0, (joint.encoder_rad() * COUNTS_PER_RAD).round() as i64);
+        }
+        objects.set(0x606C, 0, (speed_rad_s * COUNTS_PER_RAD).round() as i64);
         objects.set(0x6077, 0, (joint.motor.torque_nm / NM_PER_MILLE).round() as i64);
         objects.set(0x60F4, 0, (behind_rad * COUNTS_PER_RAD).round() as i64);
     }
@@ -297,4 +334,9 @@ impl Drive {
         let outside = target < objects.signed(0x607D, 1) || target > objects.signed(0x607D, 2);
         joint.motor.is_at_limit() || self.mode == CSP && outside
     }
+}
+
+/// What an optional object holds; `default` where the drive does not have it.
+fn own(objects: &Dictionary, index: u16, default: i64) -> i64 {
+    objects.entry(index, 0).map_or(default, |_| objects.signed(index, 0))
 }

@@ -20,10 +20,13 @@ use std::path::Path;
 pub(super) const FORMAT: &str = "rig/1";
 /// Roles of a drive's outputs; the control word and the target of its mode are needed.
 pub const DRIVE_OUTPUTS: [&str; 5] = ["control_word", "target_position", "target_velocity", "target_torque", "mode"];
-/// Roles of a drive's inputs; the first two are needed.
-pub const DRIVE_INPUTS: [&str; 6] = ["status_word", "position", "velocity", "torque", "mode", "error_code"];
+/// Roles of a drive's inputs; the first two are needed. `counter` is anything that the drive changes every cycle.
+pub const DRIVE_INPUTS: [&str; 7] = ["status_word", "position", "velocity", "torque", "mode", "error_code", "counter"];
 /// Roles of a sensor's inputs: its torque is needed; `status` holds the four bits beside it, as EL3xxx terminals have them.
 pub const SENSOR_INPUTS: [&str; 6] = ["torque", "status", "underrange", "overrange", "error", "toggle"];
+
+/// Objects of one axis after the other's, of a drive that has several (CiA 402-2, multi-axis devices).
+pub const AXIS_OBJECTS: u16 = 0x800;
 
 /// A joint on a bus.
 #[derive(Debug, Clone, PartialEq)]
@@ -55,6 +58,10 @@ pub struct Bus {
     pub missed_cycles_max: u32,
     /// Whether distributed clocks are set up and held.
     pub clocks: bool,
+    /// After how long without outputs a device must leave OP by itself, ms.
+    pub watchdog_ms: u32,
+    /// Places of devices with outputs that are not the rig's and may be brought to OP all the same.
+    pub others: Vec<usize>,
 }
 
 impl Bus {
@@ -77,6 +84,10 @@ pub struct Identity {
     pub product: u32,
     /// Revision, where it matters.
     pub revision: Option<u32>,
+    /// Serial number, where it matters: of two like devices it tells which is which.
+    pub serial: Option<u32>,
+    /// Station alias, where it matters.
+    pub alias: Option<u16>,
 }
 
 /// The drive.
@@ -84,6 +95,10 @@ pub struct Identity {
 pub struct Drive {
     /// Who it is.
     pub identity: Identity,
+    /// Which of its axes: their objects are `AXIS_OBJECTS` apart (CiA 402-2).
+    pub axis: u16,
+    /// Objects that it is known not to have: what they would set or tell is unknown.
+    pub without: Vec<u16>,
     /// What it is told to follow.
     pub mode: Mode,
     /// Counts of the position (0x6064, 0x607A) for a rad of the joint.
@@ -156,6 +171,11 @@ impl StaleBy {
 }
 
 impl Drive {
+    /// The index of its object that is `index` of a first axis.
+    pub fn object(&self, index: u16) -> u16 {
+        index + self.axis * AXIS_OBJECTS
+    }
+
     /// The joint's position at `counts`, rad.
     pub fn position_rad(&self, counts: f64) -> f64 {
         self.sign * (counts - self.zero_counts) / self.counts_per_rad
@@ -168,6 +188,12 @@ impl Drive {
 }
 
 impl Rig {
+    /// What the device at `place` is called, in quotes, if it is the rig's.
+    pub fn name(&self, place: usize) -> Option<String> {
+        let known = [&self.drive.identity, &self.sensor.identity].into_iter().find(|identity| identity.place == place);
+        known.map(|identity| format!("`{}`", identity.name))
+    }
+
     /// Reads a rig.
     ///
     /// Errors: everything that is wrong with the file, by row.

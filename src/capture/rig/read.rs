@@ -96,12 +96,26 @@ fn read_bus(section: &Section<'_>) -> Option<Bus> {
     let cycle_us = section.may("cycle_us").whole(250, 20_000).unwrap_or(1000);
     let missed = section.may("missed_cycles_max").whole(0, 1000).unwrap_or(2);
     let clocks = section.may("clocks").flag().unwrap_or(true);
+    let watchdog_ms = section.may("watchdog_ms").whole(2, 1000).unwrap_or(100);
+    let others = section.may("others").wholes(0, 63).unwrap_or_default();
+    check_watchdog(section, watchdog_ms, missed, cycle_us);
     Some(Bus {
         interface: interface?,
         cycle_us: u32::try_from(cycle_us).ok()?,
         missed_cycles_max: u32::try_from(missed).ok()?,
         clocks,
+        watchdog_ms: u32::try_from(watchdog_ms).ok()?,
+        others: others.into_iter().filter_map(|place| usize::try_from(place).ok()).collect(),
     })
+}
+
+/// A gap that is let pass must not come near the devices' watchdog, which would then stop the drive by itself, without a ramp.
+fn check_watchdog(section: &Section<'_>, watchdog_ms: i64, missed: i64, cycle_us: i64) {
+    let gap_ms = (missed + 1) as f64 * cycle_us as f64 * 1e-3;
+    if gap_ms > watchdog_ms as f64 / 2.0 {
+        let what = format!("lets a gap of {gap_ms} ms pass, and the devices' watchdog ends OP after {watchdog_ms} ms");
+        section.reject("missed_cycles_max", what, "allow half of that at most, or set watchdog_ms");
+    }
 }
 
 fn read_identity(section: &Section<'_>) -> Option<Identity> {
@@ -111,18 +125,24 @@ fn read_identity(section: &Section<'_>) -> Option<Identity> {
     let name = section.need("name").such_as("\"drive\"", "any name").text();
     let (vendor, product) = (number("vendor"), number("product"));
     let revision = section.may("revision").whole(0, u32::MAX.into());
+    let serial = section.may("serial").whole(0, u32::MAX.into());
+    let alias = section.may("alias").whole(0, u16::MAX.into());
     Some(Identity {
         place: usize::try_from(place?).ok()?,
         name: name?,
         vendor: u32::try_from(vendor?).ok()?,
         product: u32::try_from(product?).ok()?,
         revision: revision.and_then(|revision| u32::try_from(revision).ok()),
+        serial: serial.and_then(|serial| u32::try_from(serial).ok()),
+        alias: alias.and_then(|alias| u16::try_from(alias).ok()),
     })
 }
 
 fn read_drive(section: &Section<'_>) -> Option<Drive> {
     let positive = |key, example, means| section.need(key).such_as(example, means).positive();
     let identity = read_identity(section);
+    let axis = section.may("axis").whole(0, 7).unwrap_or(0);
+    let without = section.may("without").wholes(0x6000, 0x67FF).unwrap_or_default();
     let mode = section.may("mode").choice(&Mode::NAMES).unwrap_or(Mode::Position);
     let counts_per_rad = positive("counts_per_rad", "83443.0", "counts of the position for a rad of the joint");
     let zero_counts = section.need("zero_counts").such_as("0", "counts where the joint is at 0 rad").number();
@@ -156,6 +176,8 @@ fn read_drive(section: &Section<'_>) -> Option<Drive> {
     }
     Some(Drive {
         identity: identity?,
+        axis: u16::try_from(axis).ok()?,
+        without: without.into_iter().filter_map(|index| u16::try_from(index).ok()).collect(),
         mode,
         counts_per_rad: counts_per_rad?,
         zero_counts: zero_counts?,

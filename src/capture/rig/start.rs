@@ -96,11 +96,13 @@ lowpass_order = 4
 ";
 
 fn identity(found: &Found, name: &str) -> String {
-    let Found { place, vendor, product, revision, .. } = found;
+    let Found { place, vendor, product, revision, serial, .. } = found;
     let own = found.name.replace(char::is_control, " ");
+    // Of two like devices it tells which is which; many have none.
+    let serial = if *serial == 0 { String::new() } else { format!("serial = {serial}\n") };
     format!(
         "place = {place}                       # it calls itself {own}\nname = \"{name}\"\nvendor = {vendor:#010x}\n\
-         product = {product:#010x}\nrevision = {revision:#010x}\n"
+         product = {product:#010x}\nrevision = {revision:#010x}\n{serial}"
     )
 }
 

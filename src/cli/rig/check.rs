@@ -1,5 +1,6 @@
 //! `tautline rig check`: everything but torque.
 
+use crate::capture::operator::Agrees;
 use crate::capture::plan::Plan;
 use crate::capture::session::{Live, Outcome, Task, capture};
 use crate::cli::interrupt;
@@ -56,7 +57,7 @@ pub fn look(arguments: &Arguments, described: &Described, talk: &Talk) -> Result
     let rig = &described.rig;
     let wire = wire::open(&rig.bus.interface, false, 1)?;
     let plan = Plan { trials: Vec::new(), rest_s: 0.0 };
-    let task = Task { rig, plan: &plan, armed: false, interrupted: interrupt::noted() };
+    let task = Task { rig, plan: &plan, armed: false, interrupted: interrupt::noted(), operator: &Agrees };
     let live = Arc::new(Mutex::new(Live::default()));
     let _view = View::new(talk, &live);
     capture(wire, &task, None, &live)

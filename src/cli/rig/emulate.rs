@@ -41,9 +41,7 @@ fn serve(wire: &mut dyn Wire, bus: &mut Bus) -> std::io::Result<()> {
         let now_ns = wire.now_ns();
         let next_ns = waiting.iter().map(|reply| reply.at_ns).min().unwrap_or(u64::MAX);
         match wire.receive(&mut buffer, next_ns.min(now_ns + IDLE_NS))? {
-            // What another process on this interface sends as an answer is none of ours.
-            Some(bytes) if buffer[6] & 2 == 0 => waiting.extend(bus.send(wire.now_ns(), &buffer[..bytes])),
-            Some(_) => {}
+            Some(bytes) => waiting.extend(bus.send(wire.now_ns(), &buffer[..bytes])),
             None => bus.advance(wire.now_ns()),
         }
         let now_ns = wire.now_ns();

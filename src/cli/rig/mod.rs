@@ -2,6 +2,7 @@
 
 mod check;
 mod emulate;
+mod faults;
 mod scan;
 mod tare;
 
@@ -31,6 +32,9 @@ enum Command {
     Tare(tare::Arguments),
     /// Be the demo's devices on a network interface
     Emulate(emulate::Arguments),
+    /// Play every fault of the software bus to a capture, in virtual time, and tell what became of the joint
+    #[command(hide = true)]
+    Faults(faults::Arguments),
 }
 
 pub fn run(arguments: &Arguments, talk: &Talk) -> Result<ExitCode> {
@@ -39,5 +43,6 @@ pub fn run(arguments: &Arguments, talk: &Talk) -> Result<ExitCode> {
         Command::Check(arguments) => check::run(arguments, talk),
         Command::Tare(arguments) => tare::run(arguments, talk),
         Command::Emulate(arguments) => emulate::run(arguments),
+        Command::Faults(arguments) => faults::run(arguments, talk),
     }
 }

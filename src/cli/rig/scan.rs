@@ -65,17 +65,18 @@ fn to_json(device: &Found) -> Value {
     };
     json!({
         "place": device.place, "name": device.name, "vendor": device.vendor, "product": device.product,
-        "revision": device.revision, "serial": device.serial, "clock": device.has_clock,
+        "revision": device.revision, "serial": device.serial, "alias": device.alias, "clock": device.has_clock,
         "outputs": device.outputs.iter().map(data).collect::<Vec<_>>(),
         "inputs": device.inputs.iter().map(data).collect::<Vec<_>>(),
     })
 }
 
 fn write_device(out: &mut impl Write, device: &Found) -> io::Result<()> {
-    let Found { place, name, vendor, product, revision, serial, has_clock, outputs, inputs } = device;
+    let Found { place, name, vendor, product, revision, serial, alias, has_clock, outputs, inputs } = device;
     writeln!(
         out,
-        "{place}  {name}  vendor {vendor:#010x} product {product:#010x} revision {revision:#010x} serial {serial:#010x}{}",
+        "{place}  {name}  vendor {vendor:#010x} product {product:#010x} revision {revision:#010x} serial {serial:#010x}{}{}",
+        if *alias == 0 { String::new() } else { format!(" alias {alias}") },
         if *has_clock { ", with a clock" } else { "" }
     )?;
     for (direction, all) in [("takes", outputs), ("sends", inputs)] {

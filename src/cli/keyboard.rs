@@ -1,0 +1,32 @@
+//! The operator at the keyboard, asked while the bus goes on: whoever types is read in a thread of its own.
+
+use crate::capture::operator::Operator;
+use std::io::{self, BufRead, Write};
+use std::sync::Arc;
+use std::sync::OnceLock;
+
+/// The answer, once there is one.
+#[derive(Debug, Default)]
+pub struct Keyboard {
+    answer: Arc<OnceLock<bool>>,
+}
+
+impl Operator for Keyboard {
+    fn ask(&self, lines: &[String], word: &str) {
+        let (answer, word) = (Arc::clone(&self.answer), word.to_string());
+        let asked = format!("{}\nType `{word}` to give it torque: ", lines.join("\n"));
+        // Nothing here may keep the cycle waiting, not even a terminal that is slow.
+        std::thread::spawn(move || {
+            let mut out = anstream::stderr().lock();
+            let _ = write!(out, "{asked}").and_then(|()| out.flush());
+            drop(out);
+            let mut typed = String::new();
+            let read = io::stdin().lock().read_line(&mut typed);
+            let _ = answer.set(read.is_ok() && typed.trim() == word);
+        });
+    }
+
+    fn answer(&self) -> Option<bool> {
+        self.answer.get().copied()
+    }
+}
