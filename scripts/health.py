@@ -219,7 +219,7 @@ KINDS = {
     "very coarse encoder": ["--encoder-counts", 1024],
     "exact encoder": ["--encoder-counts", 0],
     "fast": ["--fastest-rad-s", 1.5],
-    "tracking error": ["--tracking-error-rad", 0.01],
+    "tracking error": ["--tracking-error-rad", 0.003],
     "closed loop": ["--closed-loop"],
     "touched": ["--interactions", 1],
     "prismatic": [],

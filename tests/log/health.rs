@@ -71,12 +71,13 @@ fn glitches_side_by_side_and_at_both_ends_are_found() {
 #[test]
 fn no_noise_and_no_event_is_a_glitch() {
     let mut random = ChaCha8Rng::seed_from_u64(7);
-    let heavy = StudentT::new(5.0).expect("degrees of freedom");
+    let heavy = StudentT::new(10.0).expect("degrees of freedom");
     let heavy: Vec<f64> = (0..SAMPLES).map(|_| 0.01 * heavy.sample(&mut random)).collect();
     for seed in 0..10 {
         let noise = noise(seed, 0.01);
         let at = |sample: usize| sample as f64 / 1000.0;
-        let kinds: [&dyn Fn(usize) -> f64; 8] = [
+        let kinds: [&dyn Fn(usize) -> f64; 9] = [
+            &|sample| torque_nm(sample / 3 * 3) + noise[sample / 3 * 3],
             &|sample| torque_nm(sample) + noise[sample],
             &|sample| torque_nm(sample) + heavy[sample],
             &|sample| torque_nm(sample),

@@ -7,10 +7,10 @@ use std::ops::Range;
 const POSITION_MAX: f64 = 100.0;
 /// No torque sensor measures more, N m or N; squares and products of it stay finite.
 const TORQUE_MAX: f64 = 1e9;
-/// A torque this many times farther from the median than all but one sample in 200 is no load, contact or friction.
-const FAR: f64 = 100.0;
+/// A torque this many times farther from the median than 19 samples in 20 is no load, contact or friction.
+const FAR: f64 = 1000.0;
 /// The share of samples that tell what is usual.
-const USUAL: f64 = 0.995;
+const USUAL: f64 = 0.95;
 /// Samples looked at for that.
 const LOOKED_AT: usize = 20_000;
 

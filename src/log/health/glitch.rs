@@ -117,7 +117,7 @@ impl Usual {
         }
         let stride = (signal.len() / LOOKED_AT).max(1);
         let places = || (1..signal.len() - 1).step_by(stride);
-        let mut seconds: Vec<f64> = places().map(|i| second(signal, i)).collect();
+        let mut seconds: Vec<f64> = places().map(|i| second(signal, i)).filter(|second| *second > 0.0).collect();
         let [tenth, hundredth] = [0.9, 0.99].map(|share| quantile(&mut seconds, share));
         let tail = if hundredth > HEAVY_TAIL * tenth { TAIL * tenth } else { hundredth };
         let mut readings: Vec<f64> = places().map(|i| signal[i]).collect();
@@ -217,7 +217,9 @@ fn change_around(signal: &[f64], run: Range<usize>) -> f64 {
     let before = run.start.saturating_sub(AROUND)..run.start.saturating_sub(1);
     let after = run.end..(run.end + AROUND).min(signal.len() - 1);
     let mut changes: Vec<f64> = before.chain(after).map(change).collect();
-    quantile(&mut changes, LOCAL_SHARE)
+    // A sensor slower than its log repeats readings: what it changes by shows where it changes.
+    changes.retain(|change| *change > 0.0);
+    if changes.is_empty() { 0.0 } else { quantile(&mut changes, LOCAL_SHARE) }
 }
 
 /// The reading that the signal drops to so often that drop-outs make up much of its tails: one that is by far more frequent than
