@@ -37,7 +37,10 @@ fn a_zero_that_is_off_is_found_and_told_and_leaves_mu_c_right() {
         assert!((found_deg - deg).abs() < 0.5, "{found_deg} deg for {deg}");
         assert_eq!(known.status, Status::Pinned);
         if noise_nm > 0.0 {
-            assert!(known.low <= deg.to_radians() && deg.to_radians() <= known.high, "{found_deg} for {deg}: {known:?}");
+            assert!(
+                known.low <= deg.to_radians() && deg.to_radians() <= known.high,
+                "{found_deg} for {deg}: {known:?}"
+            );
             assert_mu_c_within_interval(&found);
         }
         assert!(found.warnings[0].contains("the position's zero is off by"), "{:?}", found.warnings);

@@ -115,8 +115,12 @@ pub fn run(arguments: &Arguments, talk: &Talk) -> Result<ExitCode> {
 
 impl Arguments {
     fn settings(&self) -> Settings {
-        let identify =
-            identify::Settings { form: self.form.form(), combination: self.curve.settings(), refine: self.refine, ..Default::default() };
+        let identify = identify::Settings {
+            form: self.form.form(),
+            combination: self.curve.settings(),
+            refine: self.refine,
+            ..Default::default()
+        };
         Settings { identify, diagnose: self.diagnose }
     }
 }

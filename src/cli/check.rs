@@ -61,7 +61,12 @@ pub enum Format {
 
 impl Arguments {
     fn settings(&self) -> Settings {
-        Settings { form: self.form.form(), combination: self.curve.settings(), refine: self.refine, ..Default::default() }
+        Settings {
+            form: self.form.form(),
+            combination: self.curve.settings(),
+            refine: self.refine,
+            ..Default::default()
+        }
     }
 
     /// How to identify belongs to storing a baseline: afterwards the baseline says it.

@@ -126,13 +126,12 @@ pub fn run(arguments: &Arguments, talk: &Talk) -> Result<ExitCode> {
     let campaign = Campaign::read(&arguments.campaign)?;
     let output = interrupt::output(&arguments.output, arguments.force, IDENTIFICATION_FILES)?;
     let bar = progress::bar(talk, "reading", campaign.trials.len());
-    let settings =
-        Settings {
-            form: arguments.form.form(),
-            combination: arguments.curve.settings(),
-            refine: arguments.refine,
-            zero_as_declared: arguments.zero.is_as_declared(),
-        };
+    let settings = Settings {
+        form: arguments.form.form(),
+        combination: arguments.curve.settings(),
+        refine: arguments.refine,
+        zero_as_declared: arguments.zero.is_as_declared(),
+    };
     let found = identify::run(&campaign, settings, &|| {
         progress::step(&bar, "fitting");
     });

@@ -55,12 +55,7 @@ impl Check {
 }
 
 /// The checks of the legs; `legs` are those of `sums`, in their order.
-pub(super) fn of_sweeps(
-    fits: &Both<FrictionFit>,
-    zero: &Zero,
-    legs: &[LegFit],
-    sums: &[LegSums],
-) -> Vec<Check> {
+pub(super) fn of_sweeps(fits: &Both<FrictionFit>, zero: &Zero, legs: &[LegFit], sums: &[LegSums]) -> Vec<Check> {
     let mut checks: Vec<Check> = Direction::BOTH.into_iter().map(|d| line(&fits.of(d).a, d)).collect();
     checks.extend(zeros(zero));
     checks.extend(Direction::BOTH.into_iter().map(|d| trend(&fits.of(d).a, d, legs, sums)));

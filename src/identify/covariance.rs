@@ -33,7 +33,8 @@ impl Covariance {
         if !variance_of_a.is_finite() {
             return Err("A comes from a single leg: nothing is known of its error");
         }
-        let matrix = &factors * of_b * factors.transpose() + &by_a * by_a.transpose() * variance_of_a
+        let matrix = &factors * of_b * factors.transpose()
+            + &by_a * by_a.transpose() * variance_of_a
             + &by_zero * by_zero.transpose() * scale.variance_of_zero();
         Ok(Self { parameters: free.iter().map(|i| places[*i].name).collect(), matrix })
     }

@@ -16,12 +16,12 @@ pub mod predicted;
 pub mod reading;
 pub mod refine;
 mod residuals;
+mod rests_on;
 mod scale;
 pub mod stribeck;
 pub mod strokes;
-mod rests_on;
-mod support;
 pub mod sums;
+mod support;
 pub mod whole;
 mod windows;
 pub mod zero;
@@ -35,8 +35,8 @@ pub use friction::{Form, FrictionFit};
 pub use legs::{Amplitude, LegFit, LegZero};
 pub use reading::{Reading, Trace, examine_trials, read_trials};
 pub use refine::Refinement;
-pub use rests_on::RestsOn;
 pub use residuals::Residual;
+pub use rests_on::RestsOn;
 pub use sums::LegSums;
 pub use windows::Crossing;
 pub use zero::Zero;
@@ -189,7 +189,8 @@ fn from_sweeps(campaign: &Campaign, mut readings: Vec<Reading>, settings: Settin
         judge::left_nm(&compared, model, lowpass_hz, settings.combination)
     };
     let uncertainty = &campaign.uncertainty;
-    let data = friction::Data { legs: &legs, a: &a, joint: &campaign.joint, uncertainty, load_nm, campaign: &campaign.file };
+    let data =
+        friction::Data { legs: &legs, a: &a, joint: &campaign.joint, uncertainty, load_nm, campaign: &campaign.file };
     let fits = friction::fit_friction(&data, settings.form, Some(&judge))?;
     let mut model = with_friction(at_zero(blank_model(campaign), &zero), &fits);
     warnings.splice(0..0, zero::warning(&zero));

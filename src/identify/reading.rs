@@ -1,7 +1,7 @@
 //! Trials read in parallel, each thinned to what the stages need before the next is opened.
 
-use super::sums::{LegSums, columns};
 use super::predicted::Prepared;
+use super::sums::{LegSums, columns};
 use crate::dynamics::JointKind;
 use crate::log::{self, Campaign, TrialEntry};
 use crate::model::Direction;

@@ -40,7 +40,8 @@ pub(super) fn of_sweeps(
                 continue;
             }
             let declared = |on, change, moves: f64| RestsOn { on, fitted: false, change, moves: moves.abs() };
-            let of_zero = |moves: f64| RestsOn { on: "zero of the position", fitted: zero.is_fitted(), change: "1 deg", moves };
+            let of_zero =
+                |moves: f64| RestsOn { on: "zero of the position", fitted: zero.is_fitted(), change: "1 deg", moves };
             let mut rests = Vec::new();
             match *name {
                 "mu_c" if load_nm != 0.0 => {

@@ -89,8 +89,7 @@ impl<'a> Part<'a> {
         let (k_tilde, _) = self.trial.k_tilde(model);
         let series = &self.trial.series;
         let load_nm = series.joint_torque_nm(&model.dynamics);
-        let torque =
-            |i: usize| model.torque_nm(load_nm(i), series.velocity_rad_s[i], k_tilde[i]).torque_nm;
+        let torque = |i: usize| model.torque_nm(load_nm(i), series.velocity_rad_s[i], k_tilde[i]).torque_nm;
         let rows = self.strokes.iter().flat_map(|stroke| &stroke.rows);
         self.low_passed(torque).iter().zip(rows).map(|(p, i)| p - series.torque_nm[*i]).collect()
     }

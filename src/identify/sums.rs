@@ -271,12 +271,8 @@ impl LegSums {
             let strength_nm = self.all.product(&alone, &unit(RAW), &mean) / square;
             let mut error = line.error;
             (0..COLUMNS).for_each(|i| error[i] -= strength_nm * alone[i]);
-            let by_block =
-                |block: &Moments| block.product(&alone, &error, &mean) / (line.a_nm * square);
-            ZeroOfLeg {
-                step_rad: strength_nm / line.a_nm,
-                by_block_rad: self.blocks.iter().map(by_block).collect(),
-            }
+            let by_block = |block: &Moments| block.product(&alone, &error, &mean) / (line.a_nm * square);
+            ZeroOfLeg { step_rad: strength_nm / line.a_nm, by_block_rad: self.blocks.iter().map(by_block).collect() }
         })
     }
 }

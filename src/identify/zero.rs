@@ -70,9 +70,8 @@ impl Zero {
             rad = (share * (rad + found.mean_rad)).clamp(-2.0 * declared_rad, 2.0 * declared_rad);
             half_width_rad = if data.is_finite() { (data + prior).powf(-0.5) } else { 0.0 };
         }
-        let alone = |direction: Direction| {
-            pool(rad, &|leg| leg.direction == direction).map(|p| (rad + p.mean_rad, p.se_rad))
-        };
+        let alone =
+            |direction: Direction| pool(rad, &|leg| leg.direction == direction).map(|p| (rad + p.mean_rad, p.se_rad));
         Self { rad, half_width_rad, declared_rad, by_direction: Both::make(alone) }
     }
 
@@ -184,7 +183,9 @@ fn told(rad: f64, half_width_rad: f64) -> Option<String> {
 
 /// The zero that `legs`, of a table, were fitted at; `declared_rad` is how far it may be off.
 pub fn of_legs(legs: &[LegFit], declared_rad: f64) -> Zero {
-    let Some(LegZero { zero_rad, half_width_rad, .. }) = legs.first().map(|leg| leg.zero) else { return Zero::DECLARED };
+    let Some(LegZero { zero_rad, half_width_rad, .. }) = legs.first().map(|leg| leg.zero) else {
+        return Zero::DECLARED;
+    };
     // Where the zero was not fitted its interval has no width.
     let declared_rad = if half_width_rad > 0.0 { declared_rad } else { 0.0 };
     Zero { rad: zero_rad, half_width_rad, declared_rad, ..Zero::DECLARED }

@@ -12,17 +12,8 @@ use std::path::Path;
 const FORMAT: &str = "model/1";
 
 /// Keys that an identification adds for people to read; nothing is computed from them.
-pub const EXTRA_KEYS: [&str; 9] = [
-    "fit",
-    "forms",
-    "combinations",
-    "refinement",
-    "free_motion",
-    "warnings",
-    "provenance",
-    "rests_on",
-    "checks",
-];
+pub const EXTRA_KEYS: [&str; 9] =
+    ["fit", "forms", "combinations", "refinement", "free_motion", "warnings", "provenance", "rests_on", "checks"];
 
 impl Model {
     /// Reads a model; keys that an identification adds may be absent.

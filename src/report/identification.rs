@@ -4,7 +4,9 @@
 //! that are not finite are null.
 
 use crate::identify::stribeck::ExponentialFit;
-use crate::identify::{Check, CombinationFit, CurveFit, FreeFit, FrictionFit, Identification, LegFit, Refinement, RestsOn, Route};
+use crate::identify::{
+    Check, CombinationFit, CurveFit, FreeFit, FrictionFit, Identification, LegFit, Refinement, RestsOn, Route,
+};
 use crate::model::{Combination, Direction};
 use crate::numerics::statistics::mean;
 use serde_json::{Map, Value, json};

@@ -128,7 +128,8 @@ pub fn rests_on(found: &Identification, units: &Units) -> Option<String> {
     found.route.sweeps()?;
     let largest = |name: &str, on: &str| {
         let of = |direction: Direction| found.rests_on.get(&format!("friction.{}.{name}", direction.name()));
-        let moves = Direction::BOTH.into_iter().filter_map(of).flatten().filter(|one| one.on == on).map(|one| one.moves);
+        let moves =
+            Direction::BOTH.into_iter().filter_map(of).flatten().filter(|one| one.on == on).map(|one| one.moves);
         moves.fold(0.0, f64::max)
     };
     let of_load = largest("mu_c", "gravity or measured load");
@@ -139,7 +140,10 @@ pub fn rests_on(found: &Identification, units: &Units) -> Option<String> {
         format!("the position's zero is fitted: {at_deg:.3} deg +- {half_deg:.3}")
     });
     let declared = (of_load > 0.0).then(|| {
-        format!("gravity or the load, the radii and the torque's scale (1 % of any moves mu_c by {})", significant(of_load, 1))
+        format!(
+            "gravity or the load, the radii and the torque's scale (1 % of any moves mu_c by {})",
+            significant(of_load, 1)
+        )
     });
     let torque = (of_torque > 0.0).then(|| {
         let milli = units.torque(1e-3);

@@ -114,8 +114,10 @@ fn unreadable(path: &Path, error: &csv::Error) -> Problem {
 /// Errors: a column that seems misspelt, by its likely name; all others that are missing, together.
 fn check_headers(path: &Path, headers: &StringRecord) -> Result<()> {
     let missing: Vec<&str> = REQUIRED.into_iter().filter(|name| !headers.iter().any(|h| h == *name)).collect();
-    let strange: Vec<&str> =
-        headers.iter().filter(|h| !REQUIRED.contains(h) && !EXTRA.contains(h) && !ZERO.contains(h) && *h != JOINT).collect();
+    let strange: Vec<&str> = headers
+        .iter()
+        .filter(|h| !REQUIRED.contains(h) && !EXTRA.contains(h) && !ZERO.contains(h) && *h != JOINT)
+        .collect();
     let mut faults = Vec::new();
     let mut absent = Vec::new();
     for name in missing {

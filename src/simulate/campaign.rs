@@ -42,7 +42,11 @@ impl Plan {
             folder: folder.to_path_buf(),
             file: folder.join("campaign.toml"),
             joint: model.joint.clone(),
-            dynamics: if arm.is_some() { Dynamics::default() } else { Dynamics { position_zero_rad: 0.0, ..model.dynamics } },
+            dynamics: if arm.is_some() {
+                Dynamics::default()
+            } else {
+                Dynamics { position_zero_rad: 0.0, ..model.dynamics }
+            },
             arm: arm.map(|arm| Arm {
                 urdf: arm.urdf.clone(),
                 others: (0..other_position.len()).map(Place::Column).collect(),

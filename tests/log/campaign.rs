@@ -4,7 +4,9 @@ use super::{CAMPAIGN, folder, sweep};
 use proptest::prelude::*;
 use std::path::Path;
 use tautline::dynamics::{Dynamics, JointKind};
-use tautline::log::{Campaign, Column, Columns, OtherColumn, Protocol, ReferenceColumn, Signal, TrialEntry, Uncertainty};
+use tautline::log::{
+    Campaign, Column, Columns, OtherColumn, Protocol, ReferenceColumn, Signal, TrialEntry, Uncertainty,
+};
 use tautline::model::Joint;
 use tautline::problem::Problem;
 use tautline::units::Unit;

@@ -238,7 +238,13 @@ impl Reach {
 fn curve_check(fit: &CurveFit, noise_nm: f64, negligible_nm: f64) -> Check {
     let value = fit.rmse_nm / noise_nm;
     let limit = MISFIT.max(negligible_nm / noise_nm);
-    Check { name: "curve_describes", concerns: vec!["combination.".into()], value, limit, failure: misfit(fit, noise_nm) }
+    Check {
+        name: "curve_describes",
+        concerns: vec!["combination.".into()],
+        value,
+        limit,
+        failure: misfit(fit, noise_nm),
+    }
 }
 
 fn misfit(fit: &CurveFit, noise_nm: f64) -> String {
