@@ -97,7 +97,8 @@ pub struct Amplitude {
     /// Whether A is no result but fixed at zero, there being no load.
     pub fixed: bool,
     /// Root mean square of the legs' own standard errors of A over their scatter: 1 when only noise separates the torque from
-    /// A sin(theta) + B, far above when every leg strays from it in the same way.
+    /// A sin(theta) + B, far above when every leg strays from it in the same way; 0 where the
+    /// errors are negligible beside A.
     pub misfit: f64,
 }
 
@@ -105,6 +106,8 @@ pub struct Amplitude {
 /// itself uncertain, more is asked.
 const MISFIT: f64 = 2.0;
 const MISFIT_OF_FEW: f64 = 6.0;
+/// Errors of A below this share of it count as none: they move mu_c by less than 0.001, and the interval holds what repeats.
+const NEGLIGIBLE_MISFIT: f64 = 1e-3;
 
 impl Amplitude {
     /// Whether the torque of the legs follows A sin(theta) + B.
@@ -162,9 +165,10 @@ pub fn amplitude<'l>(legs: impl IntoIterator<Item = &'l LegFit>, direction: Dire
     let given_zero_nm = of_legs_nm.hypot(student_t(FREEDOM_OF_PLACES) * a_position_se_nm);
     let by_zero_nm_rad = mean(&mine.iter().map(|leg| leg.zero.a_by_zero_nm_rad).collect::<Vec<f64>>());
     let errors: Vec<f64> = mine.iter().map(|leg| leg.a_se_nm).collect();
-    let misfit = root_mean_square(&errors) / sd_nm;
+    let (a_nm, error_nm) = (mean(&values), root_mean_square(&errors));
+    let misfit = if error_nm <= NEGLIGIBLE_MISFIT * a_nm.abs() { 0.0 } else { error_nm / sd_nm };
     Some(Amplitude {
-        a_nm: mean(&values),
+        a_nm,
         sd_nm,
         half_width_nm: given_zero_nm.hypot(by_zero_nm_rad * zero_half_width_rad),
         given_zero_nm,
