@@ -125,7 +125,8 @@ def main():
                     f"{rows:10d}   {binary.name:15s} {wall_s:8.1f} {processor_s:13.2f} {each_us:8.3f} {peak_mb:9.0f} {each_b:7.1f}",
                     flush=True,
                 )
-        worst = max((b / a for a, b in zip(per_row[arguments.tautline], per_row[arguments.tautline][1:])), default=1.0)
+        ours = per_row.get(arguments.tautline, [])
+        worst = max((b / a for a, b in zip(ours, ours[1:])), default=1.0)
         print(f"processor time per row grows by at most {worst:.2f} from size to size: "
               f"{'linear' if worst <= LINEAR else 'NOT linear'}")
         return 0 if worst <= LINEAR else 1
