@@ -58,7 +58,8 @@ def main() -> None:
         out = folder / f"capture_{number}"
         command = [options.binary, "capture", "--rig", folder / "rig.toml", "--plan", folder / "plan.toml", "-o", out]
         process = subprocess.Popen([*command, "--real-time", "--quiet"], stderr=subprocess.DEVNULL)
-        time.sleep(2.5 + 9.0 * chance.random())
+        # The first motion, which is not recorded, takes the first seconds.
+        time.sleep(6.0 + 9.0 * chance.random())
         killed_s = time.time()
         process.kill()
         if process.wait() >= 0:

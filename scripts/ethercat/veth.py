@@ -52,7 +52,7 @@ def capture(options: argparse.Namespace, folder: Path) -> None:
     rig = (ROOT / "data/rigs/demo/rig.toml").read_text()
     for before, after in [
         ('interface = "demo"', 'interface = "ec0"'),
-        ("missed_cycles_max = 1 ", "missed_cycles_max = 90 "),
+        ("missed_cycles_max = 1 ", "watchdog_ms = 200\nmissed_cycles_max = 90 "),
         ("lowpass_hz = 5.0", "lowpass_hz = 1.0"),
         ("stale_cycles = 3", "stale_cycles = 100"),
         ("torque_step_nm = 0.3", "torque_step_nm = 5.0"),

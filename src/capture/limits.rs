@@ -32,6 +32,8 @@ pub struct Limits {
 const SPEED_ROOM: f64 = 1.25;
 /// How many times the limit of speed a jump of the position is: no joint gets there in one cycle.
 const JUMP_SPEEDS: f64 = 5.0;
+/// The same of its change from one cycle to the next: what no torque can do to a joint in a cycle.
+const KINK_SPEEDS: f64 = 2.0;
 /// Share of the largest lag by which a command may go on before the joint must be seen to follow, where the rig says nothing else.
 const STUCK: f64 = 0.1;
 /// A move between trials at less than this takes half an hour and more, rad/s.
@@ -174,6 +176,9 @@ impl Watch {
         let above = |found: f64, limit: f64| (found.is_nan() || found > limit).then_some(Beyond { found, limit });
         let jump_rad = JUMP_SPEEDS * limits.speed_rad_s * self.period_s * f64::from(now.periods);
         let jumped = last.and_then(|last| above((now.position_rad - last.position_rad).abs(), jump_rad));
+        let kink =
+            self.kink_rad().and_then(|kink_rad| above(kink_rad, KINK_SPEEDS * limits.speed_rad_s * self.period_s));
+        let jumped = jumped.or(kink);
         let torque_step = last.and_then(|last| Some((now.torque_nm? - last.torque_nm?).abs()));
         let torque_step = torque_step.and_then(|step| above(step, limits.torque_step_nm * f64::from(now.periods)));
         let lag = now.command_rad.and_then(|command| above((command - now.position_rad).abs(), limits.lag_rad));
@@ -186,6 +191,12 @@ impl Watch {
             .or_else(|| self.outside(now.position_rad).map(Cause::Position))
             .or(speed.map(Cause::Speed))
             .or(lag.map(Cause::Lag))
+    }
+
+    /// By how much the way of the last cycle differs from that of the one before, where neither was missed, rad.
+    fn kink_rad(&self) -> Option<f64> {
+        let [.., (first, _), (second, 1), (third, 1)] = self.recent[..] else { return None };
+        Some(((third - second) - (second - first)).abs())
     }
 
     /// How far outside its range the joint is, with the room that following its command takes.
@@ -239,6 +250,8 @@ mod tests {
     fn each_limit_is_told_by_name() {
         let name = |m: Measured| after_rest(m).map(|cause| cause.name());
         assert_eq!(name(Measured { position_rad: 0.6, ..at(0.6) }), Some("encoder_jump"));
+        assert_eq!(name(Measured { position_rad: 0.5012, ..at(0.5012) }), Some("encoder_jump"));
+        assert_eq!(name(Measured { position_rad: 0.5008, ..at(0.5008) }), None);
         assert_eq!(name(Measured { position_rad: f64::NAN, ..at(0.5) }), Some("encoder_jump"));
         assert_eq!(name(Measured { torque_nm: Some(0.1), ..at(0.5) }), Some("torque_step"));
         assert_eq!(name(Measured { command_rad: Some(0.56), ..at(0.5) }), Some("lag"));

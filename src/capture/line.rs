@@ -6,6 +6,7 @@
 //! only what was being asked.
 
 use super::clock;
+use super::master::{BYTES, DEVICES};
 use super::wire::{FRAME_BYTES, Wire};
 use ethercrab::error::Error;
 use ethercrab::{MainDevice, MainDeviceConfig, PduRx, PduStorage, PduTx, RetryBehaviour, Timeouts};
@@ -51,6 +52,9 @@ pub enum Failure {
 impl std::fmt::Display for Failure {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         match self {
+            Self::Stack(Error::Capacity(_)) => {
+                write!(f, "there is more on the bus than this program drives: {DEVICES} devices and {BYTES} bytes")
+            }
             Self::Stack(error) => write!(f, "{error}"),
             Self::Panic(words) => write!(f, "something panicked: {words}"),
             Self::TimedOut => write!(f, "no answer in time"),

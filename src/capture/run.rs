@@ -111,6 +111,7 @@ impl<'a, 's, W: Wire, C> Run<'a, 's, W, C> {
     /// Looks for a moment, shows everything to the operator, and waits for the answer while the bus goes on; false where it is no.
     fn asks(&mut self) -> bool {
         self.shown.name = "looking".to_string();
+        self.cycle.recorder().note(format!("looking for {BRIEFED_CYCLES} cycles, without torque"));
         for _ in 0..BRIEFED_CYCLES {
             self.turn(Request::Watch, None);
         }

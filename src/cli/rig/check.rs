@@ -2,10 +2,10 @@
 
 use crate::capture::operator::Agrees;
 use crate::capture::plan::Plan;
-use crate::capture::session::{Live, Outcome, Task, capture};
+use crate::capture::session::{Live, Outcome, Task, Torque, capture};
 use crate::cli::interrupt;
 use crate::cli::live::View;
-use crate::cli::outcome::{JUDGED_BAD, Talk};
+use crate::cli::outcome::{JUDGED_BAD, TORQUE_ON, Talk};
 use crate::cli::wire::{self, Described};
 use crate::problem::{Problem, Result};
 use serde_json::json;
@@ -32,7 +32,7 @@ pub fn run(arguments: &Arguments, talk: &Talk) -> Result<ExitCode> {
             json!({
                 "report": outcome.report, "cycles": outcome.cycles, "late_cycles": late, "missed_cycles": missed,
                 "position_rad": position_rad, "torque_nm": torque_nm, "sensor_sd_counts": outcome.looked.sd_counts,
-                "wrong": wrong,
+                "wrong": wrong, "torque_off": outcome.torque == Torque::Off,
             })
         },
         |out| {
@@ -47,6 +47,10 @@ pub fn run(arguments: &Arguments, talk: &Talk) -> Result<ExitCode> {
             }
         },
     )?;
+    if let Some(warning) = outcome.torque.warning() {
+        let _ = writeln!(anstream::stderr(), "{warning}");
+        return Ok(ExitCode::from(TORQUE_ON));
+    }
     Ok(if wrong.is_some() { ExitCode::from(JUDGED_BAD) } else { ExitCode::SUCCESS })
 }
 
