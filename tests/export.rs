@@ -358,6 +358,7 @@ fn export_writes_what_is_asked_for() {
     let names = |of: &Path| {
         let mut names: Vec<String> =
             std::fs::read_dir(of).unwrap().map(|e| e.unwrap().file_name().into_string().unwrap()).collect();
+        names.retain(|name| name != ".tautline.json");
         names.sort();
         names
     };

@@ -88,10 +88,10 @@ fn numbers_beyond_all_measure_end_as_an_error_everywhere() {
         }
     }
     let mut endless = truth();
-    endless.friction.up.a_j = 1e308;
-    endless.dynamics.gravity_nm = 1e308;
+    endless.friction.up.a_j = 1.7e308;
+    endless.friction.up.b_c = 1.7e308;
     let model = model_in(&out, &endless);
-    for format in ["--parquet", "--quiet"] {
+    for format in ["--format=csv", "--format=parquet"] {
         let told =
             refused(&["simulate", "--model", &model, "--rate-hz=50", "--speeds=1", "--repeats=1", "-o", &to, format]);
         assert!(told.contains("all measure"), "{format}: {told}");
@@ -368,7 +368,7 @@ fn a_trial_that_broke_off_blocks_no_command() {
         all.iter().map(|one| one.iter().map(|word| word.to_string()).collect()).collect()
     };
     // Nothing, a header alone, a few rows, the ramp, half of the clearance.
-    for (at_row, rows) in [0, 1, 3, 12, 40, 120].into_iter().enumerate() {
+    for (at_row, rows) in [0, 1, 3, 12, 40].into_iter().enumerate() {
         let cut: String = whole.lines().take(rows).map(|line| format!("{line}\n")).collect();
         std::fs::write(recorded.path().join(name), cut).unwrap();
         std::fs::write(&toml, &marked).unwrap();

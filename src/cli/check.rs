@@ -2,13 +2,13 @@
 
 use super::identify::{CurveArguments, FormArguments};
 use super::judged::{campaign_for, campaign_name, model_file, model_name};
-use super::outcome::{JUDGED_BAD, Talk, say};
+use super::outcome::{JUDGED_BAD, Talk, complain, say};
 use crate::check::{Baseline, Checked, Recipe, Snapshot};
 use crate::identify::Settings;
 use crate::log::Campaign;
 use crate::model::Model;
 use crate::prepare::read_campaign;
-use crate::problem::{Problem, Result};
+use crate::problem::{Problem, Problems, Result};
 use crate::report::checked::{Names, to_github, to_json, to_junit, write_summary};
 use crate::report::gate;
 use clap::ValueEnum;
@@ -97,6 +97,7 @@ pub fn run(arguments: &Arguments, talk: &Talk) -> Result<ExitCode> {
     }
     let baseline = Baseline::read(&arguments.baseline)?;
     let campaign = campaign_for(&baseline.model, &arguments.campaign)?;
+    complain(&Problems(campaign.warnings.clone()));
     let checked = baseline.check(&campaign)?;
     tell(arguments, talk, &campaign, &baseline, &checked)?;
     Ok(if checked.is_regressed() { ExitCode::from(JUDGED_BAD) } else { ExitCode::SUCCESS })
@@ -119,6 +120,7 @@ fn update(arguments: &Arguments, talk: &Talk) -> Result<ExitCode> {
         Some(model) => campaign_for(model, &arguments.campaign)?,
         None => read_campaign(&arguments.campaign)?,
     };
+    complain(&Problems(campaign.warnings.clone()));
     let new = Baseline::record(&campaign, &campaign_name(&campaign), recipe, model.as_ref())?;
     let checked = old.as_ref().map(|old| old.check(&campaign)).transpose()?;
     store(&arguments.baseline, &new.to_json_text())?;

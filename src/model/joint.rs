@@ -43,7 +43,7 @@ impl Joint {
                 section.reject(key, format!("is {radius_m} on a prismatic joint"), "set it to 1.0: there is no arm");
             } else if !POSSIBLE_RADIUS_M.contains(&radius_m) {
                 let (low, high) = (POSSIBLE_RADIUS_M.start(), POSSIBLE_RADIUS_M.end());
-                let what = format!("is {radius_m} m, which no winch or pulley has");
+                let what = format!("is {radius_m:e} m, which no winch or pulley has");
                 section.reject(key, what, format!("measure it: expected {low} to {high} m, 12 mm is 0.012"));
             } else if !SANE_RADIUS_M.contains(&radius_m) {
                 let what = format!("is {radius_m} m, no likely radius of a winch or pulley");
@@ -56,7 +56,7 @@ impl Joint {
         let means = "the clearance as travel of the cable in m, 0 without any";
         let backlash_m = section.need("backlash_m").such_as("0.0008", means).not_negative();
         if let Some(backlash_m) = backlash_m.filter(|backlash_m| *backlash_m > POSSIBLE_BACKLASH_M) {
-            let what = format!("is {backlash_m} m, which no cable has");
+            let what = format!("is {backlash_m:e} m, which no cable has");
             section.reject("backlash_m", what, "give it in metres of cable: 0.8 mm is 0.0008");
         }
         Some(Self {

@@ -50,7 +50,7 @@ pub fn file(file: &Path, text: &str) -> Result<()> {
 /// Errors: a key of `value`, the content of `file`, lacks its number.
 pub fn json(file: impl AsRef<Path>, value: &Value) -> Result<()> {
     match lacking(value, "") {
-        Some(key) => refuse(file.as_ref(), "no number", &key),
+        Some(key) => refuse(file.as_ref(), "null", &key, CURE),
         None => Ok(()),
     }
 }
@@ -62,7 +62,7 @@ pub fn shown(file: impl AsRef<Path>, text: &str) -> Result<()> {
             let before = text[..at].char_indices().rev().nth(SHOWN_BEFORE).map_or(0, |(at, _)| at);
             let after = text[at..].char_indices().nth(SHOWN_AFTER).map_or(text.len(), |(length, _)| at + length);
             let around = text[before..after].split_whitespace().collect::<Vec<_>>().join(" ");
-            return refuse(file.as_ref(), word, &around);
+            return refuse(file.as_ref(), word, &around, &format!("{CURE}; rename what is called so, if it is a name"));
         }
     }
     Ok(())
@@ -109,10 +109,12 @@ fn lacking(value: &Value, path: &str) -> Option<String> {
     }
 }
 
-fn refuse(file: &Path, found: &str, place: &str) -> Result<()> {
+/// What to look at.
+const CURE: &str = "check the data with `tautline validate`, and the model's parameters for values that no joint has";
+
+fn refuse(file: &Path, found: &str, place: &str, cure: &str) -> Result<()> {
     let what =
         format!("not written: `{found}` where a figure is meant (`{place}`), because numbers grew beyond all measure");
-    let cure = "check the data with `tautline validate` and the model's parameters for values that no joint has; if it is a name, rename it";
     Problem::error(file, what, cure).alone()
 }
 

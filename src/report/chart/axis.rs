@@ -191,7 +191,8 @@ fn linear_ticks((low, high): (f64, f64), step: f64) -> Vec<(f64, String)> {
     let decimals = (-step.log10().floor()).max(0.0) as usize;
     let first = (low / step - 1e-9).ceil() as i64;
     let last = (high / step + 1e-9).floor() as i64;
-    let text = |value: f64| if value.abs() < DIGITS_MAX { format!("{value:.decimals$}") } else { format!("{value:e}") };
+    let text =
+        |value: f64| if value.abs() < DIGITS_MAX { format!("{value:.decimals$}") } else { format!("{value:.2e}") };
     (first..=last).map(|i| (i as f64 * step, minus(text(i as f64 * step)))).collect()
 }
 
@@ -205,7 +206,7 @@ fn step(rough: f64) -> f64 {
 /// Without trailing zeros, and without an exponent where it fits.
 fn plain(value: f64) -> String {
     if value.abs() >= DIGITS_MAX {
-        return format!("{value:e}");
+        return format!("{value:.0e}");
     }
     let text = format!("{value:.6}");
     match text.contains('.') {
