@@ -26,7 +26,11 @@ pub const MESSAGE_JOINTS: usize = 4096;
 /// Structures within structures of a `.mat` of version 7.3 that are looked into.
 pub const STRUCTURE_DEPTH: usize = 4;
 /// Most names that are looked at in an HDF5 file. Links may form a graph, in which every path counts.
-pub const HDF5_LINKS: usize = 20_000;
+pub const HDF5_LINKS: usize = 5_000;
+/// Bytes that may be read of an HDF5 file in all, however small it is ...
+pub const HDF5_READ_BYTES: u64 = 32 << 20;
+/// ... and beyond that for each of its bytes: data are read once, headers and indexes several times.
+pub const HDF5_READ_PER_BYTE: u64 = 16;
 /// Largest page header of a Parquet file, bytes; with statistics of numbers it takes under 200.
 pub const PAGE_HEADER_BYTES: usize = 1 << 16;
 
