@@ -9,7 +9,7 @@ pub const UNPACKED_MIN_BYTES: u64 = 128 << 20;
 /// Beyond that, bytes of numbers per byte of file. Recorded signals compress by 2 to 10.
 pub const UNPACKED_PER_BYTE: u64 = 16;
 /// Bytes that are unpacked and passed over (messages of other topics) take time but no memory: so many count as one that is kept.
-pub const PASSED_OVER_PER_KEPT: u64 = 4;
+pub const PASSED_OVER_PER_KEPT: u64 = 2;
 
 /// Longest line of a CSV file or stream, bytes: 10,000 columns of 100 characters.
 pub const LINE_BYTES: usize = 1 << 20;
@@ -26,12 +26,16 @@ pub const MESSAGE_JOINTS: usize = 4096;
 /// Structures within structures of a `.mat` of version 7.3 that are looked into.
 pub const STRUCTURE_DEPTH: usize = 4;
 /// Most names that are looked at in an HDF5 file. Links may form a graph, in which every path counts.
-pub const HDF5_LINKS: usize = 20_000;
+pub const HDF5_LINKS: usize = 5_000;
+/// Bytes that may be read of an HDF5 file in all, however small it is ...
+pub const HDF5_READ_BYTES: u64 = 32 << 20;
+/// ... and beyond that for each of its bytes: data are read once, headers and indexes several times.
+pub const HDF5_READ_PER_BYTE: u64 = 16;
 /// Largest page header of a Parquet file, bytes; with statistics of numbers it takes under 200.
 pub const PAGE_HEADER_BYTES: usize = 1 << 16;
 
-/// Largest TOML or JSON file, bytes: a campaign of 20,000 trials takes 3 MB.
-pub const DOCUMENT_BYTES: u64 = 64 << 20;
+/// Largest TOML or JSON file, bytes: a campaign of 40,000 trials takes 5 MB; keys take the parser 0.3 s per MB.
+pub const DOCUMENT_BYTES: u64 = 6 << 20;
 /// Largest URDF, bytes. Meshes are files of their own.
 pub const URDF_BYTES: u64 = 8 << 20;
 /// Most elements of a URDF: a humanoid's has 3,000.

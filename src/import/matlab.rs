@@ -5,10 +5,11 @@
 //! (where a variable has one) the Fletcher-32 of its data are verified.
 
 use super::{Series, mat5};
-use crate::limits::{Budget, HDF5_LINKS, MATRIX_COLUMNS, STRUCTURE_DEPTH, shown};
+use crate::limits::{Budget, HDF5_LINKS, HDF5_READ_BYTES, HDF5_READ_PER_BYTE, MATRIX_COLUMNS, STRUCTURE_DEPTH, shown};
 use crate::problem::{Problem, Result};
-use hdf5_pure::{DType, Dataset, Error, File, FormatError, Group};
+use hdf5_pure::{DType, Dataset, Error, File, FormatError, Group, Source};
 use std::path::Path;
+use std::sync::atomic::{AtomicU64, Ordering};
 
 /// What a v7.3 file begins with after MATLAB's own header of 512 bytes; tools that write plain HDF5 have none.
 const HDF5: &[u8] = b"\x89HDF\r\n\x1a\n";
@@ -20,13 +21,44 @@ pub(super) fn read(file: &Path, bytes: Vec<u8>) -> Result<Vec<Series>> {
 
 fn read_hdf5(file: &Path, bytes: Vec<u8>) -> Result<Vec<Series>> {
     let mut walk = Walk { budget: Budget::of_file(bytes.len() as u64), links: 0, all: Vec::new() };
-    let opened = File::from_bytes(bytes).map_err(|error| error.to_string());
+    let opened = File::from_source(Metered::of(bytes)).map_err(|error| error.to_string());
     match opened.and_then(|opened| walk.fields(&opened.root(), "", STRUCTURE_DEPTH)) {
         Ok(()) => Ok(walk.all),
         Err(error) => {
             let cure = "save it again from MATLAB with `save -v7`, only what the campaign needs";
             Problem::error(file, format!("cannot be read as MATLAB's: {error}"), cure).alone()
         }
+    }
+}
+
+/// A file's bytes, of which only so many are given: structures that refer to each other could be read without end.
+struct Metered {
+    bytes: Vec<u8>,
+    left: AtomicU64,
+}
+
+impl Metered {
+    fn of(bytes: Vec<u8>) -> Self {
+        let left = HDF5_READ_BYTES.saturating_add(HDF5_READ_PER_BYTE.saturating_mul(bytes.len() as u64));
+        Self { bytes, left: AtomicU64::new(left) }
+    }
+}
+
+impl Source for Metered {
+    fn len(&self) -> u64 {
+        self.bytes.len() as u64
+    }
+
+    fn read_at(&self, offset: u64, buffer: &mut [u8]) -> std::result::Result<(), FormatError> {
+        let length = buffer.len() as u64;
+        let take = |left: u64| left.checked_sub(length);
+        self.left
+            .fetch_update(Ordering::Relaxed, Ordering::Relaxed, take)
+            .map_err(|_| FormatError::Source("its structures refer to each other without end".to_string()))?;
+        let from = usize::try_from(offset).unwrap_or(usize::MAX);
+        let found = from.checked_add(buffer.len()).and_then(|to| self.bytes.get(from..to));
+        buffer.copy_from_slice(found.ok_or(FormatError::Source("it is cut off".to_string()))?);
+        Ok(())
     }
 }
 

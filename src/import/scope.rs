@@ -67,12 +67,12 @@ pub(super) fn read(file: &Path, bytes: &[u8]) -> Result<Vec<Series>> {
         let cure = "export from Scope View as CSV with its header, Timelines: All or For each sampletime";
         Problem::error(file, what, cure)
     };
+    if lines.iter().take(HEADER_MAX).any(|line| line.split(separator).nth(COLUMNS).is_some()) {
+        return Err(refuse(&format!("has more than {COLUMNS} columns")).into());
+    }
     let Some(header) = Header::read(&lines, separator) else {
         return Err(refuse("begins as TwinCAT Scope's export, and no line of numbers follows a line of names").into());
     };
-    if header.columns.len() > COLUMNS {
-        return Err(refuse(&format!("has {} columns, more than {COLUMNS}", header.columns.len())).into());
-    }
     let mut all: Vec<Series> = header.columns.iter().map(|column| column.series(header.data_from)).collect();
     let (mut is_whole, mut blank) = (false, None);
     for (row, line) in lines.iter().enumerate().skip(header.data_from) {

@@ -5,7 +5,7 @@ use super::captured::Captured;
 use super::place::{self, Found};
 use crate::document::Section;
 use crate::dynamics::JointKind;
-use crate::limits::shown;
+use crate::limits::{FAULTS_LISTED, shown};
 use crate::trajectory::Protocol;
 use std::collections::BTreeMap;
 use std::collections::btree_map::Entry;
@@ -28,6 +28,8 @@ struct Seen {
     files: BTreeMap<PathBuf, Option<u64>>,
     repeats: BTreeMap<String, Option<u64>>,
     has_unknown_protocol: bool,
+    /// Logs that do not exist.
+    absent: usize,
 }
 
 impl Entries {
@@ -89,7 +91,10 @@ impl Seen {
                 section.doubt("file", what, "");
             }
             Found::Absent("does not exist") => {
-                let cure = suggest_file(file, folder).unwrap_or("add the log, or delete this trial".to_string());
+                self.absent += 1;
+                // The folder is searched for the first of them only.
+                let near = if self.absent <= FAULTS_LISTED { suggest_file(file, folder) } else { None };
+                let cure = near.unwrap_or("add the log, or delete this trial".to_string());
                 section.reject("file", format!("there is no file `{}`", shown(file)), cure);
             }
             Found::Absent(what) => {

@@ -121,9 +121,12 @@ fn joints_that_report_apart_have_their_own_times() {
     let state = |at: i32| joint_state(at, &names(if at % 4 == 0 { "gripper" } else { "elbow" }), &[f64::from(at)]);
     let (_folder, file) = written("a.mcap", &recording(None, &(1..=8).map(state).collect::<Vec<_>>(), &[]));
     let all = read(&file).unwrap().unwrap();
-    let of = |joint: &str| picked(&file, &all, &["time", joint]).unwrap().columns;
-    assert_eq!(of("elbow.position"), [vec![0.0, 1.0, 2.0, 4.0, 5.0, 6.0], vec![1.0, 2.0, 3.0, 5.0, 6.0, 7.0]]);
-    assert_eq!(of("gripper.position"), [vec![3.0, 7.0], vec![4.0, 8.0]]);
+    let of = |joint: &str| -> Vec<Vec<i64>> {
+        let columns = picked(&file, &all, &["time", joint]).unwrap().columns;
+        columns.iter().map(|values| values.iter().map(|value| value.round() as i64).collect()).collect()
+    };
+    assert_eq!(of("elbow.position"), [[0, 1, 2, 4, 5, 6], [1, 2, 3, 5, 6, 7]]);
+    assert_eq!(of("gripper.position"), [[3, 7], [4, 8]]);
 }
 
 #[test]
