@@ -17,6 +17,8 @@ use std::path::Path;
 
 /// A drift this many half widths of its 95 % interval from none is one.
 const CLEAR: f64 = 2.0;
+/// So many samples of a leg tell how time goes along it.
+const SAMPLES: usize = 200;
 /// Legs below which the scatter of A tells nothing.
 const LEGS_MIN: usize = 6;
 /// A drift that moves no leg by this share of A is told of no one.
@@ -39,7 +41,8 @@ pub fn leg_times(trial: &Trial, gravity_nm: f64, kind: JointKind) -> Vec<LegTime
 fn leg_time(trial: &Trial, leg: &Leg, gravity_nm: f64, kind: JointKind) -> LegTime {
     let time = |i: usize| trial.log.time_s[i] - trial.log.time_s[leg.samples.start];
     let (mut n, mut x, mut t, mut xx, mut xt) = (0.0, 0.0, 0.0, 0.0, 0.0);
-    for i in leg.used() {
+    let stride = (leg.samples.len() / SAMPLES).max(1);
+    for i in leg.used().step_by(stride) {
         let [gravity, _, rest] = columns(trial, gravity_nm, kind, i);
         let (regressor, time) = (gravity + rest, time(i));
         n += 1.0;

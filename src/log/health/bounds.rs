@@ -12,7 +12,7 @@ const FAR: f64 = 1000.0;
 /// The share of samples that tell what is usual.
 const USUAL: f64 = 0.95;
 /// Samples looked at for that.
-const LOOKED_AT: usize = 20_000;
+const LOOKED_AT: usize = 2_000;
 
 /// The samples of a position, a reading times `factor` being rad or m, that are outside any joint's range.
 pub(super) fn position(signal: &[f64], factor: f64) -> Option<Range<usize>> {

@@ -1,7 +1,7 @@
 //! Trials that hold the same recording: byte for byte, shifted or cut in time, or with other time stamps.
 //!
 //! The noise of a torque sensor is its signature: 16 readings in a row that fall and rise are not met twice. Every stretch of
-//! 16 is hashed, and the stretches with the smallest hashes, about 200 of a log, are its fingerprint (Broder, On the
+//! 16 whose last two readings have a small hash, about 200 of a log, is hashed; these are its fingerprint (after Broder, On the
 //! resemblance and containment of documents, 1997): of two logs that share a recording, the fingerprints share as large a part. What
 //! has no noise, a simulation, has no fingerprint: equal motions then have equal torques, rightly.
 
@@ -12,7 +12,7 @@ use std::collections::BTreeMap;
 /// Readings in a stretch.
 const STRETCH: usize = 16;
 /// A stretch counts where its readings turn at least so many times; noise turns at two of three.
-const TURNS_MIN: u32 = 6;
+const TURNS_MIN: usize = 6;
 /// Hashes kept of a log, about.
 const KEPT: usize = 200;
 /// Fewer than this tell nothing.
@@ -23,40 +23,43 @@ const SHARED: f64 = 0.3;
 /// What tells one recording from another.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Fingerprint {
-    /// The smallest hashes, in order, without repeats.
-    hashes: Vec<u64>,
-    /// Hashes below this one are kept.
+    /// Hash of each stretch kept, with that of its last two readings, in order, without repeats.
+    hashes: Vec<(u64, u64)>,
+    /// Stretches are kept whose last two readings hash below this.
     below: u64,
+}
+
+/// Any odd number with bits all over will do for mixing.
+const MIX: u64 = 0x9E37_79B9_7F4A_7C15;
+
+/// A hash of `reading` and of what was hashed `before`.
+fn mixed(before: u64, reading: f64) -> u64 {
+    // Both zeros are one reading.
+    let bits = (reading + 0.0).to_bits();
+    let hash = (before.rotate_left(23) ^ bits ^ (bits >> 29)).wrapping_mul(MIX);
+    hash ^ (hash >> 31)
 }
 
 impl Fingerprint {
     /// Of the readings of a torque, as recorded.
     pub fn of(torque: &[f64]) -> Self {
-        /// Any odd number with bits all over will do for a rolling hash, and for mixing it.
-        const BASE: u64 = 0x9E37_79B9_7F4A_7C15;
-        let out_of_reach = (0..STRETCH).fold(1u64, |power, _| power.wrapping_mul(BASE));
         let below = (u64::MAX / torque.len().max(1) as u64).saturating_mul(KEPT as u64);
-        let (mut hashes, mut rolling, mut turns) = (Vec::new(), 0u64, 0u64);
-        for (i, reading) in torque.iter().enumerate() {
-            let bits = |reading: f64| (reading + 0.0).to_bits() ^ (reading.to_bits() >> 29);
-            rolling = rolling.wrapping_mul(BASE).wrapping_add(bits(*reading));
-            if i >= STRETCH {
-                rolling = rolling.wrapping_sub(out_of_reach.wrapping_mul(bits(torque[i - STRETCH])));
-            }
-            if i >= 2 {
-                let turn = (reading - torque[i - 1]) * (torque[i - 1] - torque[i - 2]) < 0.0;
-                turns = turns << 1 | u64::from(turn);
-            }
-            let mixed = (rolling ^ (rolling >> 31)).wrapping_mul(BASE);
-            let mixed = mixed ^ (mixed >> 29);
-            if i + 1 >= STRETCH && mixed < below && (turns & 0x3FFF).count_ones() >= TURNS_MIN {
-                hashes.push(mixed);
+        let mut hashes = Vec::new();
+        for (start, stretch) in torque.windows(STRETCH).enumerate() {
+            let ends = mixed(mixed(0, stretch[STRETCH - 2]), stretch[STRETCH - 1]).wrapping_mul(MIX);
+            if ends < below && turns(&torque[start..start + STRETCH]) >= TURNS_MIN {
+                hashes.push((stretch.iter().fold(0, |before, reading| mixed(before, *reading)), ends));
             }
         }
         hashes.sort_unstable();
         hashes.dedup();
         Self { hashes, below }
     }
+}
+
+/// How often `stretch` turns.
+fn turns(stretch: &[f64]) -> usize {
+    stretch.windows(3).filter(|three| (three[1] - three[0]) * (three[2] - three[1]) < 0.0).count()
 }
 
 /// The trials of `campaign` that hold the same recording as an earlier one of `prints`, and what is wrong with each: counted twice,
@@ -81,7 +84,7 @@ pub fn refuse_copies(campaign: &Campaign, prints: &[(usize, Fingerprint)]) -> Re
 
 /// Of each log of `fingerprints` that holds the same recording as an earlier one, that one's place.
 pub(super) fn originals(fingerprints: &[&Fingerprint]) -> Vec<Option<usize>> {
-    let mut first: BTreeMap<u64, usize> = BTreeMap::new();
+    let mut first: BTreeMap<(u64, u64), usize> = BTreeMap::new();
     let mut found = Vec::with_capacity(fingerprints.len());
     for (place, print) in fingerprints.iter().enumerate() {
         let mut shared: BTreeMap<usize, usize> = BTreeMap::new();
@@ -100,7 +103,7 @@ pub(super) fn originals(fingerprints: &[&Fingerprint]) -> Vec<Option<usize>> {
 /// Whether `shared` hashes make two recordings one. Of logs of different lengths the longer one keeps a smaller share.
 fn is_same(one: &Fingerprint, other: &Fingerprint, shared: usize) -> bool {
     let below = one.below.min(other.below);
-    let kept = |print: &Fingerprint| print.hashes.iter().filter(|hash| **hash < below).count();
+    let kept = |print: &Fingerprint| print.hashes.iter().filter(|(_, ends)| *ends < below).count();
     let smaller = kept(one).min(kept(other));
     smaller >= KEPT_MIN && shared as f64 >= SHARED * smaller as f64
 }

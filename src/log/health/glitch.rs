@@ -36,7 +36,7 @@ const RETURN: f64 = 1.0 / 3.0;
 /// Second differences below this share of the range are rounding of binary numbers.
 const DIGITS: f64 = 1e-13;
 /// Second differences looked at to tell what is usual.
-const LOOKED_AT: usize = 20_000;
+const LOOKED_AT: usize = 2_000;
 /// Glitches at one constant from which on it is a drop-out.
 const DROPOUTS_MIN: usize = 5;
 /// A reading that makes up at least this share of the log, so many times each of so many readings next to it on either side, and
@@ -227,7 +227,7 @@ fn change_around(signal: &[f64], run: Range<usize>) -> f64 {
 fn frequent_dropout(signal: &[f64]) -> Option<f64> {
     let stride = (signal.len() / LOOKED_AT).max(1);
     let mut readings: Vec<f64> = signal.iter().step_by(stride).copied().collect();
-    readings.sort_by(f64::total_cmp);
+    readings.sort_unstable_by(f64::total_cmp);
     let mut counts: Vec<(f64, usize)> = readings.chunk_by(|a, b| a == b).map(|chunk| (chunk[0], chunk.len())).collect();
     let most = (0..counts.len()).max_by_key(|place| counts[*place].1)?;
     let (constant, count) = counts[most];

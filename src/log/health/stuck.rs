@@ -21,15 +21,13 @@ const POSITION_QUANTA: f64 = 5.0;
 /// ... and by this share of the way that it goes in as many samples afterwards.
 const WAY_SHARE: f64 = 0.5;
 /// Changes looked at for the smallest step of a sensor.
-const LOOKED_AT: usize = 100_000;
+const LOOKED_AT: usize = 2_000;
 
 /// The stretches in which `torque` is stuck while `position` moves.
 pub(super) fn torque(position: &[f64], torque: &[f64], rate_hz: f64) -> Vec<Range<usize>> {
-    let equal = torque.windows(2).filter(|pair| pair[0] == pair[1]).count();
+    let (mut suspects, equal) = runs(torque, RUN_MIN);
     let equal_share = equal as f64 / torque.len() as f64;
-    let longest = |run: &Range<usize>| torque.len() as f64 * equal_share.powi(run.len() as i32 - 1) < CHANCE_MAX;
-    let mut suspects = runs(torque, RUN_MIN);
-    suspects.retain(longest);
+    suspects.retain(|run| torque.len() as f64 * equal_share.powi(run.len() as i32 - 1) < CHANCE_MAX);
     if suspects.is_empty() {
         return suspects;
     }
@@ -46,7 +44,7 @@ pub(super) fn torque(position: &[f64], torque: &[f64], rate_hz: f64) -> Vec<Rang
 
 /// The stretches in which `position` is stuck while the joint moves.
 pub(super) fn position(position: &[f64]) -> Vec<Range<usize>> {
-    let mut suspects = runs(position, RUN_MIN);
+    let (mut suspects, _) = runs(position, RUN_MIN);
     if suspects.is_empty() {
         return suspects;
     }
@@ -67,17 +65,23 @@ pub(super) fn position(position: &[f64]) -> Vec<Range<usize>> {
     suspects
 }
 
-/// Runs of equal readings, from `shortest` on.
-fn runs(signal: &[f64], shortest: usize) -> Vec<Range<usize>> {
-    let mut found = Vec::new();
-    let mut start = 0;
-    for run in signal.chunk_by(|a, b| a == b) {
-        if run.len() >= shortest {
-            found.push(start..start + run.len());
+/// Runs of equal readings, from `shortest` on, and how many readings equal the one before.
+fn runs(signal: &[f64], shortest: usize) -> (Vec<Range<usize>>, usize) {
+    let (mut found, mut equal, mut start) = (Vec::new(), 0, 0);
+    for (i, pair) in signal.windows(2).enumerate() {
+        if pair[0] == pair[1] {
+            equal += 1;
+        } else {
+            if i + 1 - start >= shortest {
+                found.push(start..i + 1);
+            }
+            start = i + 1;
         }
-        start += run.len();
     }
-    found
+    if signal.len() - start >= shortest {
+        found.push(start..signal.len());
+    }
+    (found, equal)
 }
 
 /// The smallest change of `signal`, its last digit or step; infinite where it never changes.
