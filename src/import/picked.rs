@@ -40,6 +40,9 @@ pub fn picked(file: &Path, all: &[Series], names: &[&str]) -> Result<Picked> {
         }
     }
     Problems(problems).unless_errors(())?;
+    if found.is_empty() {
+        return Problem::error(file, "no column of it is named", "name time, position and torque").alone();
+    }
     let clock = found.get(1).map_or(0, |position| position.clock);
     if let Some(time) = all.iter().find(|series| series.clock == clock && Some(&series.name.as_str()) == names.first())
     {

@@ -3,6 +3,7 @@
 use super::makers::{doubles, joint_state, mat, packed, recording, variable};
 use super::{imported, reference, values, written};
 use proptest::prelude::*;
+use std::path::Path;
 use tautline::import::{picked, read};
 
 /// An LZ4 recording of two joints: 400 messages in chunks with CRCs.
@@ -99,6 +100,7 @@ fn picked_of(q: &[f64]) -> Result<(usize, String), String> {
 fn missing_readings_are_refused_by_row_and_what_fills_the_end_is_told() {
     let motion: Vec<f64> = (0..50).map(f64::from).collect();
     assert_eq!(picked_of(&motion), Ok((50, String::new())));
+    assert!(picked(Path::new("a.mat"), &[], &[]).unwrap_err().to_string().contains("no column of it is named"));
     for fault in [f64::NAN, f64::INFINITY] {
         let mut holed = motion.clone();
         holed[6] = fault;
