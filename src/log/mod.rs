@@ -114,7 +114,9 @@ pub fn examine_trial(campaign: &Campaign, index: usize) -> (Option<Log>, Vec<Pro
     };
     let in_cells = faults.count();
     checks::check(&recorded, &wanted, Some(&campaign.signal), entry, &mut faults);
-    let is_usable = faults.count() == in_cells && (in_cells == 0 || recorded.bridge_holes());
+    // Where a time is missing, the order of the others could not be judged before it was bridged.
+    let rises = |recorded: &Readings| recorded.columns[TIME].windows(2).all(|pair| pair[0] < pair[1]);
+    let is_usable = faults.count() == in_cells && (in_cells == 0 || recorded.bridge_holes() && rises(&recorded));
     let mut problems = faults.into_problems();
     let log = is_usable.then(|| log_of(file, recorded, &wanted, &campaign.signal));
     if let Some(log) = &log {

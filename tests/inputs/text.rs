@@ -7,7 +7,7 @@ use std::io::{self, Read};
 use std::path::Path;
 use tautline::document::Document;
 use tautline::dynamics::Chain;
-use tautline::log::{Campaign, Samples, Survey, read_trial};
+use tautline::log::{Campaign, Log, Samples, Survey, examine_trial, read_trial};
 use tempfile::TempDir;
 
 const COLUMNS: &str = r#"[columns]
@@ -55,6 +55,16 @@ fn nul_bytes_of_a_power_cut_are_named() {
     assert!(said.contains("row 502: NUL bytes begin here"), "{said}");
     let wide: Vec<u8> = rows(10).encode_utf16().flat_map(u16::to_le_bytes).collect();
     assert!(refusal(&wide).contains("UTF-16"));
+}
+
+#[test]
+fn a_log_with_holes_is_looked_at_only_where_time_rises() {
+    let log = format!("{}00\n0.005,20,0.1\n{}", rows(60), rows(60).replace("t,pos,trq\n", "00\n"));
+    let folder = campaign(log.as_bytes());
+    let (log, problems) = examine_trial(&Campaign::read(folder.path()).unwrap(), 0);
+    assert!(!problems.is_empty());
+    let is_finite = |log: &Log| log.time_s.iter().chain(&log.torque_nm).all(|value| value.is_finite());
+    assert!(log.is_none_or(|log| is_finite(&log)));
 }
 
 #[test]
