@@ -161,7 +161,8 @@ pub(super) struct Motion<'a> {
 
 impl<'a> Motion<'a> {
     pub fn of(position: &'a [f64], rate_hz: f64) -> Self {
-        let reach = ((rate_hz * MOVING_WINDOW_S / 2.0).ceil() as usize).max(1);
+        // A rate that makes no sense must not reach beyond the log.
+        let reach = ((rate_hz * MOVING_WINDOW_S / 2.0).ceil() as usize).clamp(1, position.len().max(1));
         let path: f64 = position.chunks(2 * reach).map(|chunk| (chunk[chunk.len() - 1] - chunk[0]).abs()).sum();
         Self { position, reach, mean_step: path / position.len() as f64 }
     }
