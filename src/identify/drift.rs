@@ -21,7 +21,7 @@ const CLEAR: f64 = 2.0;
 const SAMPLES: usize = 200;
 /// Legs below which the scatter of A tells nothing.
 const LEGS_MIN: usize = 6;
-/// A drift that moves no leg by this share of A is told of no one.
+/// A drift that moves no leg by this share of A is not reported.
 const NEGLIGIBLE: f64 = 1e-3;
 
 /// How time goes along a leg.

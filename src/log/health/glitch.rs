@@ -39,6 +39,8 @@ const DIGITS: f64 = 1e-13;
 const LOOKED_AT: usize = 2_000;
 /// Glitches at one constant from which on it is a drop-out.
 const DROPOUTS_MIN: usize = 5;
+/// Readings counted to find the most frequent one.
+const COUNTED: usize = 1_000;
 /// A reading that makes up at least this share of the log, so many times each of so many readings next to it on either side, and
 /// whose neighbours in time are typically so many times a usual change away from it, is one that the sensor drops to.
 const FREQUENT: f64 = 2e-3;
@@ -225,7 +227,7 @@ fn change_around(signal: &[f64], run: Range<usize>) -> f64 {
 /// The reading that the signal drops to so often that drop-outs make up much of its tails: one that is by far more frequent than
 /// those next to it, and that the readings beside it are far from.
 fn frequent_dropout(signal: &[f64]) -> Option<f64> {
-    let stride = (signal.len() / LOOKED_AT).max(1);
+    let stride = (signal.len() / COUNTED).max(1);
     let mut readings: Vec<f64> = signal.iter().step_by(stride).copied().collect();
     readings.sort_unstable_by(f64::total_cmp);
     let mut counts: Vec<(f64, usize)> = readings.chunk_by(|a, b| a == b).map(|chunk| (chunk[0], chunk.len())).collect();
