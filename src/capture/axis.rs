@@ -25,8 +25,9 @@ const OBEYING_S: f64 = 0.05;
 const STOPPING_S: f64 = 2.0;
 /// How long the drive may take to lose torque without voltage, and again once out of OP, s: its watchdog, and its fault reaction.
 const CUTTING_S: f64 = 0.3;
-/// Share of the limit of speed that a joint may have while it is stopped.
-const STOP_ROOM: f64 = 1.25;
+/// How many times the limit of speed, or the speed with which the stop began if that was higher, a joint may have while it is stopped:
+/// the quick stop must have had time to act.
+const STOP_ROOM: f64 = 1.5;
 
 /// The drive and sensor of a rig, with what they said last.
 #[derive(Debug, Clone)]
@@ -53,8 +54,8 @@ pub struct Axis {
     sent: Sent,
     /// The way that was commanded, by the speed sent where that is what the drive follows, rad.
     way_rad: f64,
-    /// Where the joint was when the stop began, rad.
-    stop_from_rad: Option<f64>,
+    /// Where the joint was when the stop began, rad, and how fast, rad/s.
+    stop_from: Option<(f64, f64)>,
     /// Whether the last cycle has shown that torque is off.
     is_seen_off: bool,
     /// Whether the drive was ever asked for torque.
@@ -157,7 +158,7 @@ impl Axis {
             fresh: Freshness::default(),
             sent: Sent::default(),
             way_rad: 0.0,
-            stop_from_rad: None,
+            stop_from: None,
             is_seen_off: false,
             was_armed: false,
             error_code: None,
@@ -302,9 +303,11 @@ impl Axis {
     fn runs_away(&self, position_rad: f64) -> bool {
         let limits = &self.rig.limits;
         let is_blind = self.cause.as_ref().is_some_and(Cause::blinds);
-        let far = |from_rad: f64| (position_rad - from_rad).abs() > limits.stop_rad;
-        let fast = self.watch.speed_rad_s().abs() > STOP_ROOM * limits.speed_rad_s;
-        !is_blind && self.stop_from_rad.is_some_and(|from_rad| fast || far(from_rad))
+        let runs = |(from_rad, from_rad_s): (f64, f64)| {
+            (position_rad - from_rad).abs() > limits.stop_rad
+                || self.watch.speed_rad_s().abs() > STOP_ROOM * from_rad_s.abs().max(limits.speed_rad_s)
+        };
+        !is_blind && self.stop_from.is_some_and(runs)
     }
 
     /// Whether torque is on, so that the drive must follow.
@@ -389,7 +392,8 @@ impl Axis {
         }
         self.cycles = if next == self.state { self.cycles.saturating_add(1) } else { 0 };
         if next == State::Stopping && self.state != next {
-            self.stop_from_rad = Some(self.watch.position_rad().unwrap_or(self.target_rad));
+            let from_rad = self.watch.position_rad().unwrap_or(self.target_rad);
+            self.stop_from = Some((from_rad, self.watch.speed_rad_s()));
         }
         self.state = next;
         self.was_armed |= next.is_armed();

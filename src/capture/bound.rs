@@ -24,6 +24,8 @@ pub struct At {
 
 /// How many times the limit of acceleration a target speed may change with: corrections need some room beyond the plan.
 const SLEW: f64 = 2.0;
+/// Share of the limit of speed beyond it within which a driving torque fades: cut off at once it would shake the joint.
+const FADES: f64 = 0.25;
 /// What is lost in counting: a step at the limit of speed is within it.
 const ROUNDING: f64 = 1.0 + 1e-6;
 
@@ -32,7 +34,7 @@ const ROUNDING: f64 = 1.0 + 1e-6;
 ///
 /// A target position moves no faster than the limit of speed and not out of the range (from outside only towards it). A target
 /// speed changes no faster than `SLEW` times the limit of acceleration and leaves room to brake before an end of the range, by
-/// v^2 <= 2 a d. A torque is taken away that would drive a joint on which is too fast already.
+/// v^2 <= 2 a d. A torque that drives the joint on fades from all the drive may give, at the limit of speed, to none.
 pub fn bounded(wanted: Sent, last: Sent, at: At, limits: &Limits, torque_max_nm: f64, period_s: f64) -> Sent {
     let or = |value: f64, other: f64| if value.is_finite() { value } else { other };
     let step_rad = limits.speed_rad_s * period_s * ROUNDING;
@@ -49,8 +51,10 @@ pub fn bounded(wanted: Sent, last: Sent, at: At, limits: &Limits, torque_max_nm:
     let up = braking(limits.high_rad + room_rad - here_rad).min(limits.speed_rad_s);
     let speed_rad_s = speed_rad_s.clamp(-down, up);
     let torque_nm = or(wanted.torque_nm, 0.0).clamp(-torque_max_nm, torque_max_nm);
-    let drives_on = at.speed_rad_s.abs() > limits.speed_rad_s && torque_nm * at.speed_rad_s > 0.0;
-    Sent { position_rad, speed_rad_s, torque_nm: if drives_on { 0.0 } else { torque_nm } }
+    let is_driven = torque_nm * at.speed_rad_s > 0.0;
+    let left = (1.0 + FADES - at.speed_rad_s.abs() / limits.speed_rad_s) / FADES;
+    let driving_nm = if is_driven { torque_max_nm * left.clamp(0.0, 1.0) } else { torque_max_nm };
+    Sent { position_rad, speed_rad_s, torque_nm: torque_nm.clamp(-driving_nm, driving_nm) }
 }
 
 #[cfg(test)]
@@ -122,6 +126,7 @@ mod tests {
             let at = At { position_rad: 0.5, speed_rad_s };
             bounded(sent(0.5, 0.0, torque_nm), sent(0.5, 0.0, 0.0), at, &LIMITS, 1.0, PERIOD_S).torque_nm
         };
-        assert_eq!((torque(0.6, 0.8), torque(0.6, -0.8), torque(0.4, 0.8)), (0.0, -0.8, 0.8));
+        assert_eq!((torque(0.63, 0.8), torque(0.63, -0.8), torque(0.5, 0.8)), (0.0, -0.8, 0.8));
+        assert!((torque(0.6, 0.8) - 0.2).abs() < 1e-9 && (torque(-0.6, -0.8) + 0.2).abs() < 1e-9);
     }
 }

@@ -56,7 +56,7 @@ fn cases() -> Vec<Case> {
         case(Fault::StaleSensor, &["sensor_stale"], 4),
         case(Fault::SaturatedSensor, &["sensor_saturated"], 1),
         case(Fault::NotANumber, &["sensor_error", "sensor_not_a_number"], 1),
-        case(Fault::FrozenInputs { device: 0 }, &["drive_stale"], 6),
+        case(Fault::FrozenInputs { device: 0 }, &["drive_stale", "not_following"], 6),
         // What may be commanded before the joint must be seen to follow: 5 mrad at 0.4 rad/s, and as much as it had gone before.
         case(Fault::FrozenEncoder, &["not_following"], 25),
     ]

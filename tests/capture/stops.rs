@@ -95,7 +95,8 @@ fn a_frozen_encoder_makes_no_joint_fast() {
 fn frozen_inputs_are_noticed_within_a_few_cycles() {
     for mode in ["mode = \"csp\"", CSV, CST] {
         let after = struck(&slow_rig(mode), &[Fault::FrozenInputs { device: 0 }]);
-        assert!(matches!(after.outcome.cause, Some(Cause::DriveStale(_))), "{mode}: {after:?}");
+        let is_seen = matches!(after.outcome.cause, Some(Cause::DriveStale(_) | Cause::NotFollowing(_)));
+        assert!(is_seen, "{mode}: {after:?}");
         let stopped = after.control.iter().position(|word| *word == Control::QuickStop.word());
         assert!(stopped.is_some_and(|cycles| cycles < 9), "{mode}: {stopped:?}");
         // Nothing that such a drive says shows that its torque is off.
@@ -106,21 +107,24 @@ fn frozen_inputs_are_noticed_within_a_few_cycles() {
 #[test]
 fn frozen_inputs_are_noticed_while_the_joint_is_held() {
     // The rest before the first sweep: enabled, and not moving.
-    let (rig, mut held) = (rig(), 0);
+    let (rig, mut held, mut still) = (rig(), 0, 0);
     let slow = plan(&SWEEP.replace("rest_s = 0.1", "rest_s = 1.0"));
     traced(demo(), &rig, &slow, &Agrees, &mut |_, bus| {
-        let truth = bus.truth();
-        if truth.velocity_rad_s.abs() < 1e-4 && truth.position_rad < 0.5 && held < 6000 {
+        let word = bus.devices()[0].object(0x6040, 0).unwrap()[0];
+        let rests = u16::from(word) == Control::Enable.word() && bus.truth().velocity_rad_s.abs() < 1e-3;
+        still = if rests { still + 1 } else { 0 };
+        if held == 0 && still == 500 {
             held = bus.cycles();
         }
     });
+    assert!(held > 0);
     let mut bus = demo();
-    bus.inject(Fault::FrozenInputs { device: 0 }, When::Cycle(held - 500));
+    bus.inject(Fault::FrozenInputs { device: 0 }, When::Cycle(held));
     let mut stopped = None;
     let outcome = traced(bus, &rig, &slow, &Agrees, &mut |_, bus| {
         let word = bus.devices()[0].object(0x6040, 0).unwrap()[0];
-        if stopped.is_none() && bus.cycles() > held - 500 && u16::from(word) == Control::QuickStop.word() {
-            stopped = Some(bus.cycles() - (held - 500));
+        if stopped.is_none() && bus.cycles() > held && u16::from(word) == Control::QuickStop.word() {
+            stopped = Some(bus.cycles() - held);
         }
     });
     assert!(matches!(outcome.cause, Some(Cause::DriveStale(_))), "{:?}", outcome.cause);
@@ -172,15 +176,17 @@ fn a_drive_that_is_gone_is_not_called_stopped() {
     assert!(after.outcome.report.contains(&words));
 }
 
-/// S5: it had moved 7.8 rad during the stop.
+/// S5: it had moved 7.8 rad during the stop, its position as reported being wrong.
 #[test]
 fn a_drive_that_does_not_obey_quick_stop_does_not_run_after_its_position() {
     for mode in ["mode = \"csp\"", CSV, CST] {
-        let after = struck(&slow_rig(mode), &[Fault::IgnoredQuickStop, Fault::EncoderJump { by_rad: 0.1 }]);
-        assert!(after.outcome.cause.is_some() && after.outcome.torque == Torque::Off, "{mode}: {after:?}");
-        // Until the drive is off: a twentieth of a second in which it did not obey, or its own reaction to the jump.
-        assert!(after.off.is_some_and(|cycles| cycles < 300), "{mode}: {after:?}");
-        assert!(after.travel_rad < 0.1, "{mode}: {} rad", after.travel_rad);
+        for other in [Fault::FrozenEncoder, Fault::StaleSensor] {
+            let after = struck(&slow_rig(mode), &[Fault::IgnoredQuickStop, other]);
+            assert!(after.outcome.cause.is_some() && after.outcome.torque == Torque::Off, "{mode}: {after:?}");
+            // Until the drive is off: a twentieth of a second in which it did not obey.
+            assert!(after.off.is_some_and(|cycles| cycles < 150), "{mode}: {after:?}");
+            assert!(after.travel_rad < 0.1, "{mode}: {after:?}");
+        }
     }
 }
 
@@ -322,29 +328,28 @@ fn the_drive_keeps_the_range_too() {
     assert_eq!((low, high), (rig.drive.counts(-0.15).round() as i32, rig.drive.counts(1.75).round() as i32));
 }
 
-/// S9: after a gap that is let pass the motion gets under way again gently.
+/// S9: after a gap that is let pass the target goes on from where the drive stands: it had jumped by the whole gap.
 #[test]
-fn after_a_gap_the_motion_begins_anew_gently() {
-    let rig = rig_with(&[("missed_cycles_max = 1 ", "missed_cycles_max = 9 ")]);
+fn after_a_gap_the_target_does_not_jump() {
+    let rig = rig_with(&[
+        ("missed_cycles_max = 1 ", "missed_cycles_max = 9 "),
+        ("torque_step_nm = 0.3", "torque_step_nm = 5.0"),
+    ]);
     let at = moving_at(&rig, &plan(SWEEP));
-    let largest = |fault: Option<Fault>| {
-        let mut bus = demo();
-        fault.into_iter().for_each(|fault| bus.inject(fault, When::Cycle(at)));
-        let (mut torque, mut speed_rad_s) = (0, 0.0f64);
-        let outcome = traced(bus, &rig, &plan(SWEEP), &Agrees, &mut |_, bus| {
-            // From the first answer after the gap on.
-            if (at + 10..at + 210).contains(&bus.cycles()) {
-                let word = bus.devices()[0].object(0x6077, 0).unwrap();
-                torque = torque.max(i16::from_le_bytes([word[0], word[1]]).abs());
-                speed_rad_s = speed_rad_s.max(bus.truth().velocity_rad_s.abs());
-            }
-        });
-        assert_eq!((outcome.cause, outcome.complete), (None, 2), "{fault:?}");
-        (f64::from(torque), speed_rad_s)
-    };
-    let (usual, _) = largest(None);
-    let (torque, speed_rad_s) = largest(Some(Fault::Unsent { frames: 9 }));
-    assert!(torque < 2.0 * usual && speed_rad_s < 0.6, "{torque} and not {usual} per mille, {speed_rad_s} rad/s");
+    let mut bus = demo();
+    bus.inject(Fault::Unsent { frames: 9 }, When::Cycle(at));
+    let (mut last, mut largest, mut speed_rad_s) = (None, 0, 0.0f64);
+    let outcome = traced(bus, &rig, &plan(SWEEP), &Agrees, &mut |_, bus| {
+        if (at - 10..at + 500).contains(&bus.cycles()) {
+            let target = i32::from_le_bytes(bus.devices()[0].object(0x607A, 0).unwrap().try_into().unwrap());
+            largest = largest.max((target - last.replace(target).unwrap_or(target)).abs());
+            speed_rad_s = speed_rad_s.max(bus.truth().velocity_rad_s.abs());
+        }
+    });
+    assert_eq!((outcome.cause, outcome.complete), (None, 2));
+    // A step at 0.4 rad/s is 67 counts.
+    assert!(largest <= 2 * 67, "{largest} counts");
+    assert!(speed_rad_s < 1.0, "{speed_rad_s} rad/s");
     // And what is let pass is held against the watchdog.
     let text = RIG
         .replace("missed_cycles_max = 1 ", "missed_cycles_max = 15 ")
