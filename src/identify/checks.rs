@@ -13,6 +13,8 @@ use crate::numerics::statistics::mean;
 const ZEROS_AGREE: f64 = 4.0;
 /// ... or by this, rad: 0.1 deg moves mu_c by 0.001.
 const ZEROS_NEGLIGIBLE_RAD: f64 = 1.7e-3;
+/// The zero is certainly at most this many times as far off as was declared.
+const FAR_OFF: f64 = 1.1;
 /// A has no trend over speed: Spearman's rank correlation in standard errors (a chance of 1 in 10,000).
 const TREND: f64 = 4.0;
 /// Share of the legs, slowest and fastest, whose A are compared for the size of a trend.
@@ -57,6 +59,7 @@ impl Check {
 /// The checks of the legs; `legs` are those of `sums`, in their order.
 pub(super) fn of_sweeps(fits: &Both<FrictionFit>, zero: &Zero, legs: &[LegFit], sums: &[LegSums]) -> Vec<Check> {
     let mut checks: Vec<Check> = Direction::BOTH.into_iter().map(|d| line(&fits.of(d).a, d)).collect();
+    checks.extend(zero.is_fitted().then(|| declaration(zero)));
     checks.extend(zeros(zero));
     checks.extend(Direction::BOTH.into_iter().map(|d| trend(&fits.of(d).a, d, legs, sums)));
     checks
@@ -70,6 +73,20 @@ fn friction_of(direction: Direction) -> Vec<String> {
 fn line(a: &Amplitude, direction: Direction) -> Check {
     let (value, limit) = (if a.fixed { 0.0 } else { a.misfit }, a.misfit_limit());
     Check { name: "legs_follow_line", concerns: friction_of(direction), value, limit, failure: String::new() }
+}
+
+/// Whether the zero is about as far off as was declared: beyond, something else is as likely.
+fn declaration(zero: &Zero) -> Check {
+    let value = (zero.rad.abs() - zero.half_width_rad).max(0.0) / zero.declared_rad;
+    let failure = format!(
+        "the legs ask for a zero of the position of {:.2} deg, which is declared to be right within {:.2} deg: a wrong zero, or \
+         another load that follows the position; correct it, or declare position_zero_rad in [uncertainty]; until then no \
+         friction parameter counts as pinned",
+        zero.rad.to_degrees(),
+        zero.declared_rad.to_degrees()
+    );
+    let concerns = vec!["friction.".to_string()];
+    Check { name: "zero_as_declared", concerns, value, limit: FAR_OFF, failure }
 }
 
 /// Whether both directions ask for the same zero: they share the encoder.

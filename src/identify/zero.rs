@@ -14,6 +14,8 @@ use crate::numerics::statistics::{HALF_WIDTH, extent, student_t};
 
 /// Steps of Gauss-Newton: the problem is linear but for the angle's own sine.
 const STEPS: usize = 6;
+/// The largest zero looked for, rad: beyond, gravity might as well be another.
+const MOST_RAD: f64 = 0.5;
 /// Places that the legs' errors are sorted into, as many as a leg has blocks.
 const PLACES: usize = BLOCKS;
 /// Degrees of freedom of a sum over places: three parameters are fitted within.
@@ -67,7 +69,7 @@ impl Zero {
             let Some(found) = pool(rad, &|_| true) else { break };
             let (data, prior) = (found.half_width_rad.powi(-2), declared_rad.powi(-2));
             let share = if data.is_finite() { data / (data + prior) } else { 1.0 };
-            rad = (share * (rad + found.mean_rad)).clamp(-2.0 * declared_rad, 2.0 * declared_rad);
+            rad = (share * (rad + found.mean_rad)).clamp(-MOST_RAD, MOST_RAD);
             half_width_rad = if data.is_finite() { (data + prior).powf(-0.5) } else { 0.0 };
         }
         let alone =

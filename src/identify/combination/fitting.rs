@@ -28,7 +28,9 @@ const BACKLASH_DOUBT: f64 = 0.2;
 /// ... and that by more than this many standard errors over the reversals.
 const BACKLASH_CHANCE: f64 = 4.0;
 /// Reversals compared for it: their number tells chance from more, and these are enough.
-const WINDOWS_COMPARED: usize = 60;
+const WINDOWS_COMPARED: usize = 30;
+/// Golden sections for the curve at each of those clearances: it is only compared.
+const SECTIONS_COMPARED: usize = 8;
 
 /// All curves are fitted to these.
 pub(super) struct Fitting<'a> {
@@ -161,7 +163,9 @@ impl Fitting<'_> {
         };
         let best_at = |backlash_rad: f64| {
             let cost = |x: f64| sums(&kind.with(x), backlash_rad).iter().sum();
-            let parameter = kind.range().map_or(1.0, |range| golden(range, cost).0);
+            let parameter = kind.range().map_or(1.0, |(low, high)| {
+                lowest(low.ln(), high.ln(), SECTIONS_COMPARED, |log| cost(log.exp())).0.exp()
+            });
             sums(&kind.with(parameter), backlash_rad)
         };
         let here = sums(&fit.curve, declared_rad);
