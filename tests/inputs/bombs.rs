@@ -64,7 +64,7 @@ fn an_hdf5_file_that_links_to_itself_is_refused() {
     let bomb = linked_to_itself(250);
     assert!(bomb.len() < 10_000);
     let said = imported("a.mat", &bomb).unwrap_err();
-    assert!(said.contains("links to more than"), "{said}");
+    assert!(said.contains("links to more than") || said.contains("refer to each other without end"), "{said}");
     assert_eq!(imported("a.mat", &linked_to_itself(2)), Ok(Vec::new()));
 }
 
