@@ -55,6 +55,9 @@ fn a_wrong_clearance_is_doubted_and_can_be_estimated() {
         std::fs::write(&file, text.replace("backlash_m = 0.0008", &format!("backlash_m = {declared_m}"))).unwrap();
         let doubted = identified(folder.path(), Settings::default());
         assert!(doubted.warnings.iter().any(|w| w.contains("--estimate-backlash")), "{:?}", doubted.warnings);
+        let words = if declared_m < 0.0008 { "a larger clearance" } else { "a smaller clearance" };
+        assert!(doubted.warnings.iter().any(|w| w.contains(words)), "{:?}", doubted.warnings);
+        assert!(doubted.checks.iter().any(|check| check.name == "clearance" && !check.passes()));
         let combination = CombinationSettings { estimate_backlash: true, ..CombinationSettings::default() };
         let estimated = identified(folder.path(), Settings { combination, ..Settings::default() });
         let backlash_m = estimated.model.joint.backlash_m;

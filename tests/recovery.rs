@@ -3,7 +3,7 @@
 use crate::campaigns::{identified, plan, record, truth};
 use std::path::Path;
 use tautline::identify::refine::refine;
-use tautline::identify::{Form, Identification, Route, Settings, of_the_joint_alone, read_trials};
+use tautline::identify::{Form, Identification, Route, Settings, of_the_joint_alone, read_trials, zero};
 use tautline::log::Campaign;
 use tautline::model::{Combination, Direction, Friction, Model, Status};
 use tautline::simulate::{Plan, Sensors};
@@ -143,8 +143,20 @@ fn a_wrong_zero_of_the_position_is_doubted() {
         }
     }
     let found = identified(folder.path(), Settings::default());
-    assert!(found.warnings.iter().any(|w| w.contains("the position's zero is off by -12")), "{:?}", found.warnings);
-    assert_ne!(found.model.confidence["friction.up.mu_c"].status, Status::Pinned);
+    let known = found.model.confidence[zero::NAME];
+    let truth_rad = -12f64.to_radians();
+    assert!(known.low <= truth_rad && truth_rad <= known.high, "{known:?}");
+    assert!((known.high - known.low).to_degrees() < 0.5, "{known:?}");
+    assert!(found.warnings[0].contains("the position's zero is off by -1"), "{:?}", found.warnings);
+    assert!(found.warnings.iter().any(|w| w.contains("declared to be right within 5.00 deg")), "{:?}", found.warnings);
+    assert!(found.checks.iter().any(|check| check.name == "zero_as_declared" && !check.passes()));
+    let of_friction = found.model.confidence.iter().filter(|(name, _)| name.starts_with("friction."));
+    assert!(of_friction.clone().count() > 0);
+    of_friction.for_each(|(name, known)| assert_ne!(known.status, Status::Pinned, "{name}"));
+    for direction in Direction::BOTH {
+        let (mu_c, truth) = (found.model.friction.of(direction).mu_c, truth().friction.of(direction).mu_c);
+        assert!((mu_c - truth).abs() < 0.005, "{mu_c}, truth {truth}");
+    }
 }
 
 #[test]

@@ -4,7 +4,7 @@ use crate::campaigns::{identified, plan, record, truth};
 use std::path::Path;
 use tautline::identify::{Identification, Settings, zero};
 use tautline::log::Campaign;
-use tautline::model::{Direction, Model, Status};
+use tautline::model::{Confidence, Direction, Model, Status};
 use tautline::simulate::{Plan, Sensors};
 
 /// The bundled elbow with an encoder whose zero is off by `deg`.
@@ -20,48 +20,63 @@ fn noisy(noise_nm: f64) -> Plan {
     Plan { speeds: 12, repeats: 3, rate_hz: 100.0, sensors, ..plan() }
 }
 
-fn assert_mu_c_within_interval(found: &Identification) {
+/// Seeds of the noise: an interval of 95 % may miss in one of them.
+const SEEDS: [u64; 3] = [1, 2, 3];
+
+/// That the intervals of `name` hold `truth`, one for each seed: all but one, and that one within 1.5 times its half width.
+fn assert_held(name: &str, found: &[Identification], truth: f64) {
+    let known: Vec<_> = found.iter().map(|one| one.model.confidence[name]).collect();
+    let off = |known: &Confidence| (truth - (known.low + known.high) / 2.0).abs() / ((known.high - known.low) / 2.0);
+    let half_widths: Vec<f64> = known.iter().map(off).collect();
+    let inside = half_widths.iter().filter(|off| **off <= 1.0).count();
+    let most = half_widths.iter().copied().fold(0.0, f64::max);
+    assert!(
+        inside + 1 >= found.len() && most <= 1.5,
+        "{name}: truth {truth} is {half_widths:?} half widths off: {known:?}"
+    );
+}
+
+/// An encoder off by `deg`, identified once for each seed of a noise of `noise_nm`: the zero and mu_c are in their intervals.
+fn held(deg: f64, noise_nm: f64) -> Vec<Identification> {
+    let of =
+        |seed: u64| identified(record(&off_by(deg), &Plan { seed, ..noisy(noise_nm) }).path(), Settings::default());
+    let found: Vec<Identification> = SEEDS.into_iter().map(of).collect();
+    assert_held(zero::NAME, &found, deg.to_radians());
     for direction in Direction::BOTH {
         let name = format!("friction.{}.mu_c", direction.name());
-        let (known, truth) = (found.model.confidence[&name], truth().friction.of(direction).mu_c);
-        assert!(known.low <= truth && truth <= known.high, "{name}: {} to {}, truth {truth}", known.low, known.high);
+        assert_held(&name, &found, truth().friction.of(direction).mu_c);
     }
+    found
 }
 
 #[test]
 fn a_zero_that_is_off_is_found_and_told_and_leaves_mu_c_right() {
+    let exact = || vec![identified(record(&off_by(2.0), &noisy(0.0)).path(), Settings::default())];
     for (deg, noise_nm) in [(2.0, 0.0), (2.0, 0.005), (5.0, 0.02), (-3.0, 0.02)] {
-        let found = identified(record(&off_by(deg), &noisy(noise_nm)).path(), Settings::default());
-        let known = found.model.confidence[zero::NAME];
-        let found_deg = found.model.dynamics.position_zero_rad.to_degrees();
-        assert!((found_deg - deg).abs() < 0.5, "{found_deg} deg for {deg}");
-        assert_eq!(known.status, Status::Pinned);
-        if noise_nm > 0.0 {
-            assert!(
-                known.low <= deg.to_radians() && deg.to_radians() <= known.high,
-                "{found_deg} for {deg}: {known:?}"
-            );
-            assert_mu_c_within_interval(&found);
-        }
-        assert!(found.warnings[0].contains("the position's zero is off by"), "{:?}", found.warnings);
-        for direction in Direction::BOTH {
-            let mu_c = found.model.friction.of(direction).mu_c;
-            assert!((mu_c - truth().friction.of(direction).mu_c).abs() < 0.01, "{mu_c} at {deg} deg");
+        for found in if noise_nm == 0.0 { exact() } else { held(deg, noise_nm) } {
+            let found_deg = found.model.dynamics.position_zero_rad.to_degrees();
+            assert!((found_deg - deg).abs() < 0.5, "{found_deg} deg for {deg}");
+            assert_eq!(found.model.confidence[zero::NAME].status, Status::Pinned);
+            assert!(found.warnings[0].contains("the position's zero is off by"), "{:?}", found.warnings);
+            for direction in Direction::BOTH {
+                let mu_c = found.model.friction.of(direction).mu_c;
+                assert!((mu_c - truth().friction.of(direction).mu_c).abs() < 0.01, "{mu_c} at {deg} deg");
+            }
         }
     }
 }
 
 #[test]
 fn a_zero_that_is_right_is_not_told() {
-    let found = identified(record(&truth(), &noisy(0.02)).path(), Settings::default());
-    assert!(!found.warnings.iter().any(|w| w.contains("zero is off")), "{:?}", found.warnings);
-    assert_mu_c_within_interval(&found);
-    for direction in Direction::BOTH {
-        let name = format!("friction.{}.mu_c", direction.name());
-        assert_eq!(found.model.confidence[&name].status, Status::Pinned);
-        assert!(!found.rests_on[&name].is_empty());
+    for found in held(0.0, 0.02) {
+        assert!(!found.warnings.iter().any(|w| w.contains("zero is off")), "{:?}", found.warnings);
+        for direction in Direction::BOTH {
+            let name = format!("friction.{}.mu_c", direction.name());
+            assert_eq!(found.model.confidence[&name].status, Status::Pinned);
+            assert!(!found.rests_on[&name].is_empty());
+        }
+        assert!(found.checks.iter().all(|check| check.passes()), "{:?}", found.checks);
     }
-    assert!(found.checks.iter().all(|check| check.passes()), "{:?}", found.checks);
 }
 
 #[test]

@@ -25,12 +25,16 @@ const LARGER: [f64; 3] = [1.3, 2.0, 5.0];
 const BACKLASH_PROBE: f64 = 0.01;
 /// ... contradict the declared one when they take away more than this share of what noise does not explain ...
 const BACKLASH_DOUBT: f64 = 0.2;
-/// ... and that by more than this many standard errors over the reversals.
+/// ... and a share of each reversal's sum of squares that is more than this many standard errors over the reversals.
 const BACKLASH_CHANCE: f64 = 4.0;
 /// Reversals compared for it: their number tells chance from more, and these are enough.
-const WINDOWS_COMPARED: usize = 30;
+const WINDOWS_COMPARED: usize = 60;
 /// Golden sections for the curve at each of those clearances: it is only compared.
 const SECTIONS_COMPARED: usize = 8;
+/// The clearance that is told lies within this factor of the best of those, the largest between two of them, ...
+const NEIGHBOUR: f64 = 2.5;
+/// ... and is narrowed by as many golden sections.
+const SECTIONS_TOLD: usize = 5;
 
 /// All curves are fitted to these.
 pub(super) struct Fitting<'a> {
@@ -144,59 +148,93 @@ impl Fitting<'_> {
         known
     }
 
-    /// Whether the reversals contradict the declared clearance: another one, the curve fitted anew, leaves clearly less. `None`
-    /// where the clearance is estimated or the curve knows none.
+    /// Whether the reversals contradict the declared clearance, at which the data support `fit`: another one, the curve fitted
+    /// anew, leaves clearly less. `None` where the clearance is estimated.
     ///
     /// Clearly: more than chance over the reversals, more than what is negligible, and a share of what noise does not explain.
     pub fn clearance(&self, fit: &CurveFit, declared_rad: f64) -> Option<Check> {
         if self.backlash_span_rad.is_some() {
             return None;
         }
-        // A jump does not know the clearance; a straight line through one does.
-        let kind = if fit.kind == CurveKind::Sign { CurveKind::Linear } else { fit.kind };
-        let step = self.windows.len().div_ceil(WINDOWS_COMPARED);
-        let some: Vec<&Window> = self.windows.iter().step_by(step).collect();
-        let samples = some.iter().map(|w| w.judged.len()).sum::<usize>() as f64;
-        let sums = |curve: &Combination, backlash_rad: f64| -> Vec<f64> {
-            let sum = |w: &&Window| w.residual_nm(self.model, curve, backlash_rad).iter().map(|r| r * r).sum();
-            some.par_iter().map(sum).collect()
+        let check = |value: f64, failure: String| {
+            let concerns = vec!["combination.".to_string(), "joint.backlash_m".to_string()];
+            Some(Check { name: "clearance", concerns, value, limit: BACKLASH_CHANCE, failure })
         };
-        let best_at = |backlash_rad: f64| {
-            let cost = |x: f64| sums(&kind.with(x), backlash_rad).iter().sum();
-            let parameter = kind.range().map_or(1.0, |(low, high)| {
-                lowest(low.ln(), high.ln(), SECTIONS_COMPARED, |log| cost(log.exp())).0.exp()
-            });
-            sums(&kind.with(parameter), backlash_rad)
-        };
-        let here = sums(&fit.curve, declared_rad);
+        let negligible_nm2 = self.negligible_nm(fit).powi(2);
+        let unexplained_nm2 = fit.rmse_nm.powi(2) - self.noise_nm.map_or(0.0, |noise_nm| noise_nm.powi(2));
+        // What is to be gained is negligible: no clearance needs to be tried.
+        if unexplained_nm2 <= negligible_nm2 {
+            return check(0.0, String::new());
+        }
+        // Reversals at the top and at the bottom alternate: an odd step takes both.
+        let step = self.windows.len().div_ceil(WINDOWS_COMPARED) | 1;
+        let some: Vec<Window> = self.windows.iter().step_by(step).cloned().collect();
+        let some = Fitting { windows: &some, ..*self };
+        let samples = some.windows.iter().map(|w| w.judged.len()).sum::<usize>() as f64;
+        let square_nm2 = |sums: &[f64]| total(sums) / samples;
+        let here = some.sums(&fit.curve, declared_rad);
         let probe_rad = BACKLASH_PROBE * self.stroke_rad;
         let smaller = SMALLER.map(|step| declared_rad / step);
         let larger = LARGER.map(|step| (declared_rad * step).max(probe_rad));
-        let total = |sums: &[f64]| sums.iter().sum::<f64>();
-        let others = smaller.into_iter().chain(larger).map(|at| (at, best_at(at)));
+        let others = smaller.into_iter().chain(larger).map(|at| (at, some.best_sums(fit.kind, at)));
         let (other_rad, there) = others.min_by(|a, b| total(&a.1).total_cmp(&total(&b.1)))?;
-        let (gain, error) = excess(&here, &there);
-        let square_nm2 = |sums: &[f64]| total(sums) / samples;
         let gained_nm2 = square_nm2(&here) - square_nm2(&there);
-        let negligible_nm2 = self.negligible_nm(fit).powi(2);
-        let noise_nm2 = self.noise_nm.map_or(0.0, |noise_nm| noise_nm.powi(2));
-        let unexplained_nm2 = (square_nm2(&here) - noise_nm2).max(negligible_nm2);
-        let is_clear = gained_nm2 > negligible_nm2 && gained_nm2 > BACKLASH_DOUBT * unexplained_nm2;
-        let value = if is_clear && gain > 0.0 { gain / error } else { 0.0 };
+        let is_clear = gained_nm2 > negligible_nm2.max(BACKLASH_DOUBT * unexplained_nm2);
+        let value = if is_clear { chance(&here, &there).max(0.0) } else { 0.0 };
+        if value.is_nan() || value <= BACKLASH_CHANCE {
+            return check(value, String::new());
+        }
+        let (told_rad, told_nm2) = some.told(fit.kind, other_rad, total(&there));
         let mm = |rad: f64| 1e3 * rad * self.model.joint.pulley_radius_m;
         let failure = format!(
             "the reversals ask for a {} clearance than the declared backlash_m = {:.2} mm: one of about {:.2} mm leaves {:.1} mN m \
              after reversals, the declared one {:.1}; correct it, or try --estimate-backlash; until then the curve's parameters do \
              not count as pinned",
-            if other_rad < declared_rad { "smaller" } else { "larger" },
+            if told_rad < declared_rad { "smaller" } else { "larger" },
             mm(declared_rad),
-            mm(other_rad),
-            1e3 * square_nm2(&there).sqrt(),
+            mm(told_rad),
+            1e3 * (told_nm2 / samples).sqrt(),
             1e3 * square_nm2(&here).sqrt(),
         );
-        let concerns = vec!["combination.".to_string(), "joint.backlash_m".to_string()];
-        Some(Check { name: "clearance", concerns, value, limit: BACKLASH_CHANCE, failure })
+        check(value, failure)
     }
+
+    /// The sums of squares in each window of the curve that is best at a clearance of `backlash_rad`; `kind` is the one that the
+    /// declared clearance supports.
+    fn best_sums(&self, kind: CurveKind, backlash_rad: f64) -> Vec<f64> {
+        // A jump does not know the clearance; a straight line through one does. Otherwise the kind that fits best at a wrong
+        // clearance need not be the one that fits best at the right one.
+        let kinds: &[CurveKind] =
+            if kind == CurveKind::Sign { &[CurveKind::Linear] } else { &[CurveKind::Arctan, CurveKind::Power] };
+        let best_of = |kind: &CurveKind| {
+            let cost = |log: f64| self.cost(&kind.with(log.exp()), backlash_rad);
+            let parameter =
+                kind.range().map_or(1.0, |(low, high)| lowest(low.ln(), high.ln(), SECTIONS_COMPARED, cost).0.exp());
+            self.sums(&kind.with(parameter), backlash_rad)
+        };
+        kinds.iter().map(best_of).min_by(|a, b| total(a).total_cmp(&total(b))).unwrap_or_default()
+    }
+
+    /// The best clearance near `about_rad`, where the curves leave a sum of squares of `least`, and the sum it leaves.
+    fn told(&self, kind: CurveKind, about_rad: f64, least: f64) -> (f64, f64) {
+        let (low, high) = ((about_rad / NEIGHBOUR).ln(), (about_rad * NEIGHBOUR).ln());
+        let (log, sum) = lowest(low, high, SECTIONS_TOLD, |log| total(&self.best_sums(kind, log.exp())));
+        if sum < least { (log.exp(), sum) } else { (about_rad, least) }
+    }
+}
+
+fn total(sums: &[f64]) -> f64 {
+    sums.iter().sum()
+}
+
+/// The mean share by which `sums` of the same windows are larger than `others`, in standard errors; NaN of a single window.
+///
+/// Shares rather than sums: a window may hold one reversal or a whole cascade, slow or smeared by the low-pass, and such
+/// differences between windows would pass for chance.
+fn chance(sums: &[f64], others: &[f64]) -> f64 {
+    let shares: Vec<f64> = sums.iter().zip(others).map(|(a, b)| (a - b) / (a + b).max(f64::MIN_POSITIVE)).collect();
+    let (gain, error) = excess(&shares, &vec![0.0; shares.len()]);
+    gain / error
 }
 
 /// Standard errors of the `free` parameters, clustered by window: errors of one reversal hang together.

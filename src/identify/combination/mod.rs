@@ -172,7 +172,7 @@ pub fn fit_combination(
     let backlash_rad = curves[taken].backlash_m / model.joint.pulley_radius_m;
     let mut confidence = fitting.confidence(&curves[taken]);
     let negligible_nm = fitting.negligible_nm(&curves[taken]);
-    let mut checks: Vec<Check> = fitting.clearance(&curves[taken], declared_rad).into_iter().collect();
+    let mut checks: Vec<Check> = fitting.clearance(&curves[supported], declared_rad).into_iter().collect();
     checks.extend(noise_nm.map(|noise_nm| curve_check(&curves[taken], noise_nm, negligible_nm)));
     let warnings = checks.iter().filter_map(Check::warning).collect();
     if checks.iter().any(|check| !check.passes()) {
