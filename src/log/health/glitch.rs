@@ -177,8 +177,8 @@ fn next(signal: &[f64], from: usize, usual: &Usual) -> Option<(Range<usize>, f64
         let end = (block + BLOCK).min(last);
         // Most blocks are quiet, and a comparison without a branch is quick.
         if signal[block - 1..=end].windows(3).fold(false, |any, three| any | (bend(three) > usual.trigger)) {
-            let triggers = (block..end).filter(|i| second(signal, *i) > usual.trigger);
-            if let Some(found) = triggers.filter_map(|i| starting_at(signal, i, usual)).next() {
+            let mut triggers = (block..end).filter(|i| second(signal, *i) > usual.trigger);
+            if let Some(found) = triggers.find_map(|i| starting_at(signal, i, usual)) {
                 return Some(found);
             }
         }
