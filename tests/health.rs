@@ -244,7 +244,7 @@ fn what_is_healthy_is_not_called_damaged() {
         Plan { sensors: sensors(0.001, 524_288.0), rate_hz: 50.0, cosines: 1, ..short() },
         Plan { sensors: sensors(0.1, 0.0), rate_hz: 1000.0, ..short() },
         Plan { sensors: sensors(0.02, 0.0), tracking_error_rad: 0.002, ..short() },
-        Plan { sensors: sensors(0.005, 1024.0), interactions: 1, rate_hz: 100.0, speeds: 2, repeats: 1, ..short() },
+        Plan { sensors: sensors(0.005, 4096.0), interactions: 1, rate_hz: 100.0, speeds: 2, repeats: 1, ..short() },
     ];
     for plan in plans {
         let folder = record(&truth(), &plan);

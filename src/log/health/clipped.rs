@@ -10,10 +10,11 @@
 //!   reading stands alone;
 //! - noise: a log that is at its extremes more often than not, and smooth elsewhere, was simulated without noise.
 
+use crate::numerics::statistics::extent;
 use std::ops::Range;
 
 /// Equal readings in a row, from which on a run is looked at.
-const RUN_MIN: usize = 5;
+pub(super) const RUN_MIN: usize = 5;
 /// Runs this unlikely, as an expected number in the whole log, are no chance.
 const CHANCE_MAX: f64 = 1e-6;
 /// Above this share of equal neighbours the sensor is coarse, and runs must matter in position too ...
@@ -30,6 +31,8 @@ const SMOOTH_SHARE: f64 = 0.1;
 const MOVING_SHARE: f64 = 0.2;
 /// ... over this time, s: long enough for an encoder to count.
 const MOVING_WINDOW_S: f64 = 0.05;
+/// ... and passes a place where it does so in one direction over this many times half that, before and after.
+const PASSING: usize = 4;
 
 /// One end of the sensor's range.
 #[derive(Debug)]
@@ -48,33 +51,36 @@ pub(super) fn merge(ends: Vec<ClippedEnd>) -> Vec<Range<usize>> {
 }
 
 /// The ends of its range that `torque` hit while `position` moved: none, one or both.
-pub(super) fn find(position: &[f64], torque: &[f64], rate_hz: f64) -> Vec<ClippedEnd> {
-    let fold = |pick: fn(f64, f64) -> f64| torque.iter().copied().fold(torque[0], pick);
-    let (low, high) = (fold(f64::min), fold(f64::max));
-    let ends = [low, high].map(|reading| ClippedEnd { reading, runs: runs(torque, reading, RUN_MIN) });
+/// Among `runs` of equal readings of `torque`.
+pub(super) fn find(position: &[f64], torque: &[f64], rate_hz: f64, runs: &[Range<usize>]) -> Vec<ClippedEnd> {
+    if runs.is_empty() {
+        return Vec::new();
+    }
+    let (low, high) = extent(torque);
+    let at = |reading: f64| runs.iter().filter(|run| torque[run.start] == reading).cloned().collect();
+    let ends = [low, high].map(|reading| ClippedEnd { reading, runs: at(reading) });
     if ends.iter().all(|end| end.runs.is_empty()) {
         return Vec::new();
     }
     let motion = Motion::of(position, rate_hz);
-    let moving: Vec<bool> = (0..torque.len()).map(|sample| motion.is_moving(sample)).collect();
+    let moving = motion.moving();
     let inner = Inner::of(torque, &moving, low, high);
     if inner.is_noise_free_plateau() {
         return Vec::new();
     }
-    let clips = |end: &ClippedEnd| {
-        is_no_chance(end, &motion, inner.equal_share, torque.len()) && is_spike(torque, &moving, end.reading)
-    };
+    let clips =
+        |end: &ClippedEnd| inner.are_no_chance(end.runs.iter(), &motion) && is_spike(torque, &moving, end.reading);
     // Long runs prove that the sensor clips; then every reading there is clipped, single ones as well.
-    let whole = |end: ClippedEnd| ClippedEnd { runs: runs(torque, end.reading, 1), ..end };
+    let whole = |end: ClippedEnd| ClippedEnd { runs: runs_of(torque, end.reading), ..end };
     ends.into_iter().filter(clips).map(whole).collect()
 }
 
-/// Runs of `reading`, from `shortest` on.
-fn runs(torque: &[f64], reading: f64, shortest: usize) -> Vec<Range<usize>> {
+/// Runs of `reading`, single samples too.
+fn runs_of(torque: &[f64], reading: f64) -> Vec<Range<usize>> {
     let mut runs = Vec::new();
     let mut start = 0;
     for run in torque.chunk_by(|a, b| (*a == reading) == (*b == reading)) {
-        if run[0] == reading && run.len() >= shortest {
+        if run[0] == reading {
             runs.push(start..start + run.len());
         }
         start += run.len();
@@ -82,12 +88,22 @@ fn runs(torque: &[f64], reading: f64, shortest: usize) -> Vec<Range<usize>> {
     runs
 }
 
-fn is_no_chance(end: &ClippedEnd, motion: &Motion<'_>, equal_share: f64, samples: usize) -> bool {
-    let unlikely = |run: &&Range<usize>| samples as f64 * equal_share.powi(run.len() as i32 - 1) < CHANCE_MAX;
-    let suspects = end.runs.iter().filter(|run| motion.moves_through(run)).filter(unlikely);
-    let travels: Vec<f64> = suspects.map(|run| motion.travel(run)).collect();
-    let matters = travels.iter().sum::<f64>() >= SPAN_SHARE_MIN * motion.travel(&(0..samples));
-    !travels.is_empty() && (equal_share < COARSE_SHARE || matters)
+/// Runs of one reading, whichever, from `RUN_MIN` on.
+pub(super) fn equal_runs(signal: &[f64]) -> Vec<Range<usize>> {
+    let (mut runs, mut end) = (Vec::new(), 0);
+    // Each run that is long enough holds a reading, equal to the one before it, at a multiple of this.
+    for at in (RUN_MIN - 1..signal.len()).step_by(RUN_MIN - 1) {
+        if at < end || signal[at] != signal[at - 1] {
+            continue;
+        }
+        let is_other = |reading: &f64| *reading != signal[at];
+        let start = signal[..at].iter().rposition(is_other).map_or(0, |last| last + 1);
+        end = signal[at..].iter().position(is_other).map_or(signal.len(), |length| at + length);
+        if end - start >= RUN_MIN {
+            runs.push(start..end);
+        }
+    }
+    runs
 }
 
 /// Whether `extreme`, the least or greatest reading, is far more frequent than those next to it while moving.
@@ -110,7 +126,9 @@ fn is_spike(torque: &[f64], moving: &[bool], extreme: f64) -> bool {
 }
 
 /// The moving samples away from both extremes.
-struct Inner {
+pub(super) struct Inner {
+    /// Samples of the whole log.
+    samples: usize,
     /// Share of equal neighbours.
     equal_share: f64,
     /// Share of turning points.
@@ -120,7 +138,7 @@ struct Inner {
 }
 
 impl Inner {
-    fn of(torque: &[f64], moving: &[bool], low: f64, high: f64) -> Self {
+    pub fn of(torque: &[f64], moving: &[bool], low: f64, high: f64) -> Self {
         let inside = |sample: usize| moving[sample] && torque[sample] > low && torque[sample] < high;
         let (mut pairs, mut equal, mut triples, mut turns) = (0, 0, 0, 0);
         for sample in 1..torque.len() {
@@ -139,14 +157,28 @@ impl Inner {
         let within = (0..torque.len()).filter(|sample| inside(*sample)).count();
         let share = |part: usize, whole: usize| part as f64 / whole.max(1) as f64;
         Self {
+            samples: torque.len(),
             equal_share: share(equal, pairs),
             turning_share: share(turns, triples),
             outside_share: share(all - within, all),
         }
     }
 
-    fn is_noise_free_plateau(&self) -> bool {
+    pub fn is_noise_free_plateau(&self) -> bool {
         self.outside_share > 0.5 && self.turning_share < SMOOTH_SHARE
+    }
+
+    /// Whether `run`, in motion, is longer than chance makes any of the log's.
+    pub fn is_unlikely(&self, run: &Range<usize>, motion: &Motion<'_>) -> bool {
+        motion.moves_through(run) && self.samples as f64 * self.equal_share.powi(run.len() as i32 - 1) < CHANCE_MAX
+    }
+
+    /// Whether some of `runs` are no chance and, where the sensor is coarse, matter.
+    pub fn are_no_chance<'a>(&self, runs: impl Iterator<Item = &'a Range<usize>>, motion: &Motion<'_>) -> bool {
+        let travels: Vec<f64> =
+            runs.filter(|run| self.is_unlikely(run, motion)).map(|run| motion.travel(run)).collect();
+        let matters = travels.iter().sum::<f64>() >= SPAN_SHARE_MIN * motion.travel(&(0..self.samples));
+        !travels.is_empty() && (self.equal_share < COARSE_SHARE || matters)
     }
 }
 
@@ -165,6 +197,22 @@ impl<'a> Motion<'a> {
         let reach = ((rate_hz * MOVING_WINDOW_S / 2.0).ceil() as usize).clamp(1, position.len().max(1));
         let path: f64 = position.chunks(2 * reach).map(|chunk| (chunk[chunk.len() - 1] - chunk[0]).abs()).sum();
         Self { position, reach, mean_step: path / position.len() as f64 }
+    }
+
+    /// Of each sample, whether the joint moves there.
+    pub fn moving(&self) -> Vec<bool> {
+        (0..self.position.len()).map(|sample| self.is_moving(sample)).collect()
+    }
+
+    /// Whether the joint moves on in one direction from before `sample` to after it: where it starts, stops or turns round, torque
+    /// jumps by itself.
+    pub fn passes(&self, sample: usize) -> bool {
+        let reach = PASSING * self.reach;
+        let (first, last) = (sample.saturating_sub(reach), (sample + reach).min(self.position.len() - 1));
+        let before = self.position[sample] - self.position[first];
+        let after = self.position[last] - self.position[sample];
+        let is_fast = |way: f64, samples: usize| way.abs() > MOVING_SHARE * self.mean_step * samples as f64;
+        before * after > 0.0 && is_fast(before, sample - first) && is_fast(after, last - sample)
     }
 
     pub fn is_moving(&self, sample: usize) -> bool {

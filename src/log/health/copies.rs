@@ -45,9 +45,9 @@ impl Fingerprint {
     pub fn of(torque: &[f64]) -> Self {
         let below = (u64::MAX / torque.len().max(1) as u64).saturating_mul(KEPT as u64);
         let mut hashes = Vec::new();
-        for (start, stretch) in torque.windows(STRETCH).enumerate() {
-            let ends = mixed(mixed(0, stretch[STRETCH - 2]), stretch[STRETCH - 1]).wrapping_mul(MIX);
-            if ends < below && turns(&torque[start..start + STRETCH]) >= TURNS_MIN {
+        for stretch in torque.windows(STRETCH) {
+            let ends = mixed(stretch[STRETCH - 2].to_bits(), stretch[STRETCH - 1]).wrapping_mul(MIX);
+            if ends < below && turns(stretch) >= TURNS_MIN {
                 hashes.push((stretch.iter().fold(0, |before, reading| mixed(before, *reading)), ends));
             }
         }

@@ -47,6 +47,8 @@ const FREQUENT: f64 = 2e-3;
 const SPIKE: usize = 8;
 const NEXT: usize = 5;
 const FAR: f64 = 3.0;
+/// Samples looked at together.
+const BLOCK: usize = 32;
 /// A bridged neighbour uncovers the next one: so many times over.
 const PASSES: usize = 3;
 
@@ -154,7 +156,12 @@ impl<'a> Corners<'a> {
 
 /// Distance of sample `i` from the line between its neighbours.
 fn second(signal: &[f64], i: usize) -> f64 {
-    (signal[i] - 0.5 * signal[i - 1] - 0.5 * signal[i + 1]).abs()
+    bend(&[signal[i - 1], signal[i], signal[i + 1]])
+}
+
+/// Distance of the second of `three` readings from the line between the others.
+fn bend(three: &[f64]) -> f64 {
+    (three[1] - 0.5 * three[0] - 0.5 * three[2]).abs()
 }
 
 /// The first glitch from sample `from` on, with its size.
@@ -165,12 +172,17 @@ fn next(signal: &[f64], from: usize, usual: &Usual) -> Option<(Range<usize>, f64
     {
         return Some((0..1, size));
     }
-    for i in from.max(1)..last {
-        if second(signal, i) > usual.trigger
-            && let Some(found) = starting_at(signal, i, usual)
-        {
-            return Some(found);
+    let mut block = from.max(1);
+    while block < last {
+        let end = (block + BLOCK).min(last);
+        // Most blocks are quiet, and a comparison without a branch is quick.
+        if signal[block - 1..=end].windows(3).fold(false, |any, three| any | (bend(three) > usual.trigger)) {
+            let mut triggers = (block..end).filter(|i| second(signal, *i) > usual.trigger);
+            if let Some(found) = triggers.find_map(|i| starting_at(signal, i, usual)) {
+                return Some(found);
+            }
         }
+        block = end;
     }
     let size = (from <= last).then(|| at_an_end(signal, usual, |place| last - place))??;
     Some((last..last + 1, size))

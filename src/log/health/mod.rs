@@ -29,6 +29,9 @@ const STUCK_MAX: f64 = 0.5;
 /// A stuck stretch no longer than this, s, is a lost frame or two; a straight line replaces it.
 const BRIDGED_S: f64 = 0.02;
 
+/// From here on a size is told with its power of ten.
+const LEGIBLE: f64 = 1e6;
+
 /// What is wrong with a signal.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Kind {
@@ -104,7 +107,8 @@ impl Finding {
         let share = format!("{count} ({percent:.2} % of the log)");
         let what = match self.kind {
             Kind::Glitch => {
-                format!("glitches of up to {size:.4} {unit} in {share}: single readings far from those on both sides")
+                let size = if *size < LEGIBLE { format!("{size:.4}") } else { format!("{size:.3e}") };
+                format!("glitches of up to {size} {unit} in {share}: single readings far from those on both sides")
             }
             Kind::Dropout => format!("drops out to {size} {unit} in {share}"),
             Kind::Stuck => format!("stays at one reading, such as {size} {unit}, while the joint moves, in {share}"),
@@ -189,14 +193,14 @@ pub(super) struct Examined {
 pub(super) fn examine(columns: &mut [Vec<f64>], rate_hz: f64, wanted: &[Wanted], rows: &Rows) -> Examined {
     let mut out = Examined::default();
     let samples = columns[TORQUE].len();
-    let ends = clipped::find(&columns[POSITION], &columns[TORQUE], rate_hz);
+    let equal = clipped::equal_runs(&columns[TORQUE]);
+    let ends = clipped::find(&columns[POSITION], &columns[TORQUE], rate_hz, &equal);
     for end in &ends {
         let count = [end.runs.iter().map(Range::len).sum(), samples];
         out.findings.push(Finding::new(Kind::Clipped, &wanted[TORQUE], rows, end.runs[0].start, count, end.reading));
     }
     out.clipped = clipped::merge(ends);
-    let mut stuck = stuck::torque(&columns[POSITION], &columns[TORQUE], rate_hz);
-    stuck.retain(|run| out.clipped.iter().all(|clip| clip.end <= run.start || run.end <= clip.start));
+    let stuck = stuck::torque(&columns[POSITION], &columns[TORQUE], rate_hz, equal);
     let frozen = stuck::position(&columns[POSITION]);
     for (column, runs) in [(POSITION, &frozen), (TORQUE, &stuck)] {
         let Some(longest) = runs.iter().max_by_key(|run| run.len()) else { continue };
