@@ -173,7 +173,7 @@ fn syntax_faults_and_absent_files_are_told() {
 }
 
 fn column(unit: Unit) -> impl Strategy<Value = Column> {
-    "\\PC{1,12}".prop_map(move |name| Column { name: name.trim().to_string(), unit })
+    "[^\\p{C}\\p{Zl}\\p{Zp}]{1,12}".prop_map(move |name| Column { name: name.trim().to_string(), unit })
 }
 
 prop_compose! {
@@ -203,8 +203,8 @@ prop_compose! {
 prop_compose! {
     fn campaign()(
         columns in columns(),
-        name in "\\PC*",
-        trajectory in prop::option::of("\\PC*"),
+        name in "[^\\p{C}\\p{Zl}\\p{Zp}]*",
+        trajectory in prop::option::of("[^\\p{C}\\p{Zl}\\p{Zp}]*"),
         speed_rad_s in 1e-6..1e6,
         gravity_nm in -1e9..1e9,
         backlash_m in 0.0..1.0,
