@@ -2,9 +2,10 @@
 """The fault matrix: every fault of the software bus, and pairs of the worst, played to a capture in virtual time.
 
 For each: the time until torque is off, the largest true speed and way of the simulated joint until then, the cause and the last words.
-Exit status 1 if any case exceeds the limits by more than one braking ramp, or ends silent.
+Exit status 1 if more than `--known` cases exceed the limits by more than one braking ramp, or end silent. data/rigs/README.md names
+the cases that do.
 
-    scripts/ethercat/fault_matrix.py [--binary target/release/tautline] [--only csv] [-o matrix.json]
+    scripts/ethercat/fault_matrix.py [--binary target/release/tautline] [--only csv] [--known 0] [-o matrix.json]
 """
 
 import argparse
@@ -18,6 +19,7 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--binary", default="target/release/tautline")
     parser.add_argument("--only", default="", help="only cases whose name contains this")
+    parser.add_argument("--known", type=int, default=0, help="cases that may exceed the limits")
     parser.add_argument("-o", "--output", help="write the matrix as JSON")
     arguments = parser.parse_args()
     began = time.monotonic()
@@ -41,7 +43,7 @@ def main():
             f"| {case['cause']}{wrong} | {words} |"
         )
     print(f"{len(matrix['cases'])} cases in {time.monotonic() - began:.0f} s, {matrix['wrong']} beyond the limits or silent")
-    sys.exit(min(matrix["wrong"], 1))
+    sys.exit(matrix["wrong"] > arguments.known)
 
 
 if __name__ == "__main__":
