@@ -64,9 +64,9 @@ fn check_pages<'a>(file: &Path, metadata: &FileMetadataRef, wanted: impl Iterato
         let name = &want.column.name;
         for group in &metadata.row_groups {
             let chunks = group.columns_under_root_iter(name).into_iter().flatten();
-            let checked = numbers
-                .take_numbers(group.num_rows() as u64)
-                .and_then(|()| chunks.map(|chunk| chunk.byte_range()).try_for_each(|range| pages.check(range)));
+            let checked = numbers.take_numbers(group.num_rows() as u64).and_then(|()| {
+                chunks.map(|chunk| chunk.byte_range()).try_for_each(|range| pages.check(range, group.num_rows()))
+            });
             checked.or_else(|what| damaged(file, Some(want), &what))?;
         }
     }

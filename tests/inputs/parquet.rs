@@ -19,9 +19,13 @@ protocol = "free"
 "#;
 
 fn trial(bytes: &[u8]) -> Result<Log> {
+    trial_with(COLUMNS, bytes)
+}
+
+fn trial_with(columns: &str, bytes: &[u8]) -> Result<Log> {
     let folder = TempDir::new().unwrap();
     std::fs::write(folder.path().join("a.parquet"), bytes).unwrap();
-    std::fs::write(folder.path().join("campaign.toml"), format!("{HEAD}{COLUMNS}")).unwrap();
+    std::fs::write(folder.path().join("campaign.toml"), format!("{HEAD}{columns}")).unwrap();
     in_good_time(|| Campaign::read(folder.path()).and_then(|campaign| read_trial(&campaign, 0)))
 }
 
@@ -107,4 +111,14 @@ fn constant_columns_without_end_are_refused() {
     assert!(bomb.len() < 5_000_000, "{}", bomb.len());
     let said = trial(&bomb).unwrap_err().to_string();
     assert!(said.contains("unpacks to more than"), "{said}");
+}
+
+/// Found by fuzzing: room was made for 2^64 - 1 rows, and the program aborted.
+#[test]
+fn a_page_of_a_negative_number_of_rows_is_refused() {
+    let bytes = std::fs::read("tests/fuzz/corpus/parquet/page_of_negative_rows").unwrap();
+    let columns =
+        COLUMNS.replace("\"t\"", "\"time\"").replace("\"pos\"", "\"position\"").replace("\"trq\"", "\"torque\"");
+    let said = trial_with(&columns, &bytes).unwrap_err().to_string();
+    assert!(said.contains("number of values"), "{said}");
 }
