@@ -18,9 +18,12 @@ const SLOWEST_RAD_S: f64 = 0.1;
 /// One trial's samples: time, s; position, deg; torque as recorded, N m.
 type Samples = Vec<[f64; 3]>;
 
-/// The faster sweeps of the bundled elbow: file, entry in `campaign.toml` and samples.
-fn elbow() -> &'static (String, Vec<(String, f64, u32, Samples)>) {
-    static READ: OnceLock<(String, Vec<(String, f64, u32, Samples)>)> = OnceLock::new();
+/// A sweep: file, speed in rad/s, number of the repeat, samples.
+type Sweep = (String, f64, u32, Samples);
+
+/// The head of the bundled elbow's `campaign.toml`, and its faster sweeps.
+fn elbow() -> &'static (String, Vec<Sweep>) {
+    static READ: OnceLock<(String, Vec<Sweep>)> = OnceLock::new();
     READ.get_or_init(|| {
         let campaign = Campaign::read(Path::new("data/elbow")).unwrap();
         let text = std::fs::read_to_string("data/elbow/campaign.toml").unwrap();

@@ -342,13 +342,14 @@ fn a_name_too_long_is_no_matter_of_free_space() {
 fn long_run(out: &TempDir) -> Child {
     let arguments = ["simulate", "--model", "data/elbow/truth/model.json", "--rate-hz", "4000", "--quiet", "-o"];
     let mut command = Command::new(env!("CARGO_BIN_EXE_tautline"));
-    let child = command.args(arguments).arg(out.path().join("long")).spawn().unwrap();
+    let mut child = command.args(arguments).arg(out.path().join("long")).spawn().unwrap();
     for _ in 0..2000 {
         if !staged(out).is_empty() {
             return child;
         }
         std::thread::sleep(Duration::from_millis(5));
     }
+    child.kill().and_then(|()| child.wait()).unwrap();
     panic!("nothing was begun");
 }
 

@@ -84,6 +84,9 @@ pub struct Records {
     pub lowpass_hz: f64,
 }
 
+/// A trial as it was read: thinned, when it began and ended (s), its place in the list and its content.
+type Read = (Record, (f64, f64), (usize, Fingerprint));
+
 impl Records {
     /// Reads and thins the trials of `campaign` that a model without a person can be judged on; `progress` hears of each.
     ///
@@ -97,8 +100,7 @@ impl Records {
             Ok((Record::new(campaign, model, &trial)?, span, (index, print)))
         };
         let (mut all, mut spans, mut prints, mut problems) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
-        let found: Vec<Result<(Record, (f64, f64), (usize, Fingerprint))>> =
-            (0..campaign.trials.len()).into_par_iter().with_max_len(1).map(one).collect();
+        let found: Vec<Result<Read>> = (0..campaign.trials.len()).into_par_iter().with_max_len(1).map(one).collect();
         for result in found {
             match result {
                 Ok((record, span, print)) => {

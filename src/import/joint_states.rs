@@ -78,6 +78,9 @@ struct Topic {
     places: HashMap<String, usize>,
 }
 
+/// A joint's name with its three signals.
+type Signals = (String, [Vec<f64>; 3]);
+
 /// What the messages say of one joint.
 struct Joint {
     name: String,
@@ -172,7 +175,7 @@ impl Topic {
     /// The columns, each called so and `before`: joints in the same messages share a clock.
     fn columns(self, before: String, all: &mut Vec<Series>) {
         let start_s = self.stamps_s.iter().copied().fold(f64::INFINITY, f64::min);
-        let mut clocks: HashMap<Vec<u32>, Vec<(String, [Vec<f64>; 3])>> = HashMap::new();
+        let mut clocks: HashMap<Vec<u32>, Vec<Signals>> = HashMap::new();
         let mut order: Vec<Vec<u32>> = Vec::new();
         for Joint { name, messages, values } in self.joints {
             let joints = clocks.entry(messages.clone()).or_default();

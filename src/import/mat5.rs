@@ -224,8 +224,11 @@ impl Stream<'_> {
     }
 }
 
+/// The number that so many bytes are.
+type Parser = fn(&[u8]) -> f64;
+
 /// How many bytes a number of this type takes, and how it is read.
-fn parser(kind: u32, is_little: bool) -> Option<(usize, fn(&[u8]) -> f64)> {
+fn parser(kind: u32, is_little: bool) -> Option<(usize, Parser)> {
     fn bytes<const N: usize>(of: &[u8]) -> [u8; N] {
         // Only ever called on pieces of this length.
         of.try_into().unwrap_or([0; N])

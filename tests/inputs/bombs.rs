@@ -32,7 +32,7 @@ fn a_joint_of_its_own_for_each_message_is_refused_before_it_fills_the_memory() {
 fn a_mat_that_unpacks_without_end_is_refused() {
     let zeros = packed(&doubles("x", &vec![0.0; 4_000_000]));
     assert!(zeros.len() < 50_000);
-    assert_eq!(imported("a.mat", &mat(&[zeros.clone()])).unwrap()[0].values.len(), 4_000_000);
+    assert_eq!(imported("a.mat", &mat(std::slice::from_ref(&zeros))).unwrap()[0].values.len(), 4_000_000);
     let said = imported("a.mat", &mat(&vec![zeros; 30])).unwrap_err();
     assert!(said.contains("unpacks to more than"), "{said}");
     // Small whole numbers, which become eight times as large.
