@@ -123,7 +123,7 @@ pub fn combination(model: &Model) -> Vec<Parameter> {
     rows
 }
 
-/// What the intervals of the friction parameters take as right, in a sentence; `None` where they do not come from sweeps.
+/// What the intervals of the friction parameters assume, in a sentence or two; `None` where they do not come from sweeps.
 pub fn rests_on(found: &Identification, units: &Units) -> Option<String> {
     found.route.sweeps()?;
     let largest = |name: &str, on: &str| {
@@ -137,7 +137,7 @@ pub fn rests_on(found: &Identification, units: &Units) -> Option<String> {
     let zero = found.model.confidence.get(zero::NAME).map(|known| {
         let at_deg = found.model.dynamics.position_zero_rad.to_degrees();
         let half_deg = (known.high - known.low).to_degrees() / 2.0;
-        format!("the position's zero is fitted: {at_deg:.3} deg +- {half_deg:.3}")
+        format!("The position's zero is fitted: {at_deg:.3} ± {half_deg:.3} deg")
     });
     let declared = (of_load > 0.0).then(|| {
         format!(
@@ -150,7 +150,7 @@ pub fn rests_on(found: &Identification, units: &Units) -> Option<String> {
         format!("the torque's zero ({milli} moves a_j by {} N)", significant(of_torque, 2))
     });
     let rests: Vec<String> = declared.into_iter().chain(torque).collect();
-    let rests = (!rests.is_empty()).then(|| format!("intervals take as right: {}", rests.join(", ")));
+    let rests = (!rests.is_empty()).then(|| format!("The intervals assume that {} are right", rests.join(" and ")));
     let all: Vec<String> = rests.into_iter().chain(zero).collect();
-    (!all.is_empty()).then(|| all.join("; "))
+    (!all.is_empty()).then(|| all.join(". "))
 }
