@@ -12,7 +12,7 @@ use std::ops::Range;
 
 /// Rounds of fitting without what the last round found.
 const ROUNDS: usize = 3;
-/// A event reaches so many times the usual level ...
+/// An event reaches so many times the usual level ...
 const PEAK: f64 = 4.5;
 /// (more in proportion to the root of the level over so many floors) ...
 const MISFIT: f64 = 1.5;
@@ -20,9 +20,9 @@ const MISFIT: f64 = 1.5;
 const EDGE: f64 = 1.8;
 /// The level is taken over so many independent samples.
 const WINDOW: f64 = 2.0;
-/// Above this share of the rows events are no events.
+/// Above this share of the rows what stands out is not contact.
 const SHARE_MAX: f64 = 0.35;
-/// A model that leaves less than this share of a event's square foretells it.
+/// A model that leaves less than this share of an event's square predicts it.
 const PREDICTED: f64 = 0.5;
 /// What is there again at this share of its size, in one row of five in the same state elsewhere, is repeated.
 const REPEATED: f64 = 0.4;
@@ -78,7 +78,7 @@ pub fn find(base: &BaseModel<'_>, columns: &[Vec<f64>], target_nm: &[f64]) -> (V
     (events, fitted)
 }
 
-/// Whether most of the squares in `events` swing to and fro: what rings is no contact.
+/// Whether most of the squares in `events` oscillate: an oscillating residual is not a contact event.
 pub fn ring(events: &[ContactEvent], residual_nm: &[f64]) -> bool {
     let square = |event: &ContactEvent| residual_nm[event.rows.clone()].iter().map(|r| r * r).sum::<f64>();
     let (mut all, mut ringing) = (0.0, 0.0);
@@ -105,7 +105,7 @@ fn swings(residual_nm: &[f64]) -> usize {
     1 + large.windows(2).filter(|pair| pair[0] * pair[1] < 0.0).count()
 }
 
-/// The row of a event's peak.
+/// The row of an event's peak.
 fn peak_row(residual_nm: &[f64], event: &ContactEvent) -> usize {
     event
         .rows
@@ -156,7 +156,7 @@ fn level(values: &[f64], reach: usize) -> Vec<f64> {
         .collect()
 }
 
-/// Keeps the events that a model, fitted without them, leaves as they were: one that it foretells was no contact.
+/// Keeps the events that a model, fitted without them, leaves as they were: one that it predicts was not contact.
 pub fn keep_unexplained(mask: &Mask<'_>, events: &mut Vec<ContactEvent>, before_nm: &[f64], after_nm: &[f64]) {
     let square = |residual_nm: &[f64], event: &ContactEvent| {
         let excess = |r: &f64| r * r - mask.floor_square();
@@ -205,7 +205,7 @@ fn is_of_encoder(base: &BaseModel<'_>, event: &ContactEvent) -> bool {
     event.peak_nm.abs() <= passed * (high_nm - low_nm)
 }
 
-/// Whether most other repeats of the event's trial have a event of the same sign and the like size at the same place, in the
+/// Whether most other repeats of the event's trial have an event of the same sign and the like size at the same place, in the
 /// same direction.
 fn recurs(
     data: &DataSet,
