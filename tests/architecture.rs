@@ -77,3 +77,41 @@ fn every_room_has_its_line_in_the_drawing() {
         assert!(lines[i - 1].starts_with("/// "), "`{line}` lacks its line in the drawing");
     }
 }
+
+/// Where `word` stands as a text of its own in `source`, comments left out: line numbers.
+fn literals(source: &str, word: &str) -> Vec<usize> {
+    let is_code = |line: &&str| !line.trim_start().starts_with("//");
+    let lines = source.lines().enumerate().filter(|(_, line)| is_code(line));
+    lines.filter(|(_, line)| line.contains(&format!("\"{word}\""))).map(|(i, _)| i + 1).collect()
+}
+
+#[test]
+fn what_is_known_of_an_effect_stands_in_its_own_file() {
+    // As words of plain English they name columns, keys and lines of figures, too.
+    const PLAIN: [(&str, &[&str]); 3] = [
+        (
+            "contact",
+            &["cli/follow.rs", "report/interaction.rs", "report/plots/interaction.rs", "report/plots/diagnosis"],
+        ),
+        ("inertia", &["report/plots/evaluation/series.rs", "export/table.rs", "model/groups.rs"]),
+        ("gravity", &["report/plots/evaluation/series.rs"]),
+    ];
+    let mut files = Vec::new();
+    sources(Path::new("src"), &mut files);
+    let ids = tautline::effects::LIBRARY.map(|effect| effect.about().id);
+    let groups = tautline::model::Group::ALL.map(|group| group.name);
+    for file in files.iter().filter(|f| !f.starts_with("src/effects") && !f.starts_with("src/export/effects.rs")) {
+        let source = fs::read_to_string(file).unwrap();
+        let code = source.split("#[cfg(test)]").next().unwrap();
+        let is_group_file = file.starts_with("src/model/groups.rs");
+        for name in ids.into_iter().chain(groups.into_iter().filter(|_| !is_group_file)) {
+            let allowed = PLAIN.iter().filter(|(word, _)| *word == name).flat_map(|(_, places)| *places);
+            if allowed.into_iter().any(|place| file.starts_with(Path::new("src").join(place))) {
+                continue;
+            }
+            // What tells two groups apart names both.
+            let found = literals(code, name);
+            assert!(found.is_empty() || is_group_file, "{} names `{name}` in lines {found:?}", file.display());
+        }
+    }
+}

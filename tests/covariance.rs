@@ -10,7 +10,7 @@ use tautline::identify::legs::{amplitudes, fix_a};
 use tautline::identify::stribeck::Points;
 use tautline::identify::{Form, LegFit, LegZero};
 use tautline::log::Uncertainty;
-use tautline::model::{Both, Direction, Friction};
+use tautline::model::{Both, Direction, Friction, Term};
 
 /// Scatter over 250 draws is known to 5 %, and the linearisation adds to it.
 const SD_TOLERANCE: f64 = 0.15;
@@ -71,10 +71,9 @@ fn the_covariance_is_the_scatter_of_repeated_campaigns() {
     for direction in Direction::BOTH {
         let told: Vec<_> = draws.iter().map(|d| d.of(direction).covariance.as_ref().unwrap()).collect();
         let names = &told[0].parameters;
-        assert_eq!(names, &["mu_c", "a_j", "b_j", "c_j", "d"]);
-        let places: Vec<usize> = names.iter().map(|n| Friction::NAMES.iter().position(|m| m == n).unwrap()).collect();
+        assert_eq!(names, &[Term::Load, Term::Coulomb, Term::JointStribeck, Term::JointDecay, Term::Viscous]);
         let values: Vec<Vec<f64>> =
-            draws.iter().map(|d| places.iter().map(|i| d.of(direction).friction.values()[*i]).collect()).collect();
+            draws.iter().map(|d| names.iter().map(|term| d.of(direction).friction[*term]).collect()).collect();
         let mean = |i: usize| values.iter().map(|v| v[i]).sum::<f64>() / DRAWS as f64;
         let scatter = |i: usize, j: usize| {
             values.iter().map(|v| (v[i] - mean(i)) * (v[j] - mean(j))).sum::<f64>() / (DRAWS as f64 - 1.0)
@@ -82,12 +81,21 @@ fn the_covariance_is_the_scatter_of_repeated_campaigns() {
         let told_mean = |i: usize, j: usize| told.iter().map(|c| c.matrix[(i, j)]).sum::<f64>() / DRAWS as f64;
         for i in 0..names.len() {
             let ratio = (told_mean(i, i) / scatter(i, i)).sqrt();
-            assert!((ratio - 1.0).abs() < SD_TOLERANCE, "{direction:?} {}: told {ratio} of its scatter", names[i]);
+            assert!(
+                (ratio - 1.0).abs() < SD_TOLERANCE,
+                "{direction:?} {}: told {ratio} of its scatter",
+                names[i].name()
+            );
             for j in 0..i {
                 let told = told_mean(i, j) / (told_mean(i, i) * told_mean(j, j)).sqrt();
                 let seen = scatter(i, j) / (scatter(i, i) * scatter(j, j)).sqrt();
                 let off = (told - seen).abs();
-                assert!(off < CORRELATION_TOLERANCE, "{direction:?} {} {}: {told} for {seen}", names[i], names[j]);
+                assert!(
+                    off < CORRELATION_TOLERANCE,
+                    "{direction:?} {} {}: {told} for {seen}",
+                    names[i].name(),
+                    names[j].name()
+                );
             }
         }
     }

@@ -4,8 +4,8 @@
 use crate::campaigns::truth;
 use std::collections::BTreeSet;
 use tautline::dynamics::{Both, Motion};
-use tautline::effects::{Added, Carried, Extent, LIBRARY, Role, Sample, find};
-use tautline::model::Model;
+use tautline::effects::{ActsOn, Added, Carried, Extent, Family, LIBRARY, Role, Sample, find};
+use tautline::model::{Group, Model, Term};
 use tautline::simulate::{Course, Sensors, record};
 
 const RATE_HZ: f64 = 500.0;
@@ -106,7 +106,7 @@ fn has_strength(effect: &Added) -> bool {
 #[test]
 fn the_library_is_the_format_s_list_and_the_folder() {
     assert_eq!(LIBRARY.map(|effect| effect.about().id), IDS);
-    let shared = ["mod", "library", "ripple"];
+    let shared = ["mod", "library", "ripple", "about", "parameter", "region", "sample", "transition"];
     let names =
         std::fs::read_dir("src/effects").unwrap().map(|entry| entry.unwrap().file_name().into_string().unwrap());
     let files: BTreeSet<String> = names.map(|name| name.trim_end_matches(".rs").to_string()).collect();
@@ -171,11 +171,34 @@ fn parameters_name_their_units_and_have_room() {
             assert!(may_be_absent, "{}: {} cannot be 0", about.id, p.name);
         }
         for other in about.trades_with {
-            let stale =
-                ["gravity", "coulomb", "viscous", "backlash_width", "load_coefficient", "stribeck_level", "inertia"];
-            assert!(IDS.contains(other) || stale.contains(other), "{} trades with `{other}`", about.id);
+            assert!(is_cause(other), "{} trades with `{other}`", about.id);
         }
+        for other in about.told_apart.iter().map(|(other, _)| other).chain(about.outnumbered_by) {
+            assert!(is_cause(other), "{} names `{other}`", about.id);
+        }
+        assert_eq!(about.family == Family::Fault, about.acts_on == ActsOn::Sensor, "{}", about.id);
+        assert!(about.remedy.is_some() == (about.family == Family::Fault), "{}: a fault has a remedy", about.id);
         assert!(!about.means.is_empty() && !about.formula.is_empty() && !about.source.is_empty(), "{}", about.id);
+    }
+}
+
+/// Whether `name` is that of an effect or of a group of the model's own parameters.
+fn is_cause(name: &str) -> bool {
+    find(name).is_some() || Group::find(name).is_some()
+}
+
+#[test]
+fn every_term_of_friction_goes_out_of_date_with_one_group() {
+    for term in Term::ALL {
+        let groups = Group::ALL.iter().filter(|group| group.terms.contains(&term)).count();
+        assert_eq!(groups, 1, "{} is in {groups} groups", term.name());
+        assert_eq!(Term::find(term.name()), Some(term));
+    }
+    for group in Group::ALL {
+        assert_eq!(Group::find(group.name), Some(group));
+        for (other, how) in group.told_apart {
+            assert!(is_cause(other) && !how.is_empty(), "{} names `{other}`", group.name);
+        }
     }
 }
 
@@ -278,6 +301,8 @@ fn numbers_that_contradict_the_name_are_told() {
         torque_nm: (-0.5, 1.5),
         others: 1,
         gravity_nm: 1.0,
+        has_inertia: false,
+        has_curve: false,
         backlash_m: 0.002,
         pulley_radius_m: 0.05,
         turns: true,

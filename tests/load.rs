@@ -63,7 +63,7 @@ fn a_measured_load_gives_a_with_gravity_or_without() {
         let unit_nm = if share == 1.0 { 1.0 } else { 0.6916 * (1.0 - share) };
         let a_nm = model.joint.transmission() * unit_nm / (1.0 - model.friction.up.mu_c);
         assert!((fits.up.a.a_nm / a_nm - 1.0).abs() < 5e-3, "{} for {a_nm}", fits.up.a.a_nm);
-        assert!(fits.up.covariance.as_ref().unwrap().parameters.contains(&"mu_c"));
+        assert!(fits.up.covariance.as_ref().unwrap().parameters.contains(&tautline::model::Term::Load));
     }
 }
 

@@ -5,7 +5,7 @@ use std::path::Path;
 use tautline::identify::refine::refine;
 use tautline::identify::{Form, Identification, Route, Settings, of_the_joint_alone, read_trials, zero};
 use tautline::log::Campaign;
-use tautline::model::{Combination, Direction, Friction, Model, Status};
+use tautline::model::{Combination, Direction, Model, Status, Term};
 use tautline::simulate::{Plan, Sensors};
 
 /// On exact data A and B are met to this, relative.
@@ -37,8 +37,8 @@ fn exact_data_give_exact_a_and_b() {
 fn assert_recovered(found: &Identification, truth: &Model, b_tolerance_nm: f64) -> usize {
     let mut pinned = 0;
     for direction in Direction::BOTH {
-        let (ours, theirs) = (found.model.friction.of(direction).values(), truth.friction.of(direction).values());
-        for ((name, ours), theirs) in Friction::NAMES.iter().zip(ours).zip(theirs) {
+        let (ours, theirs) = (found.model.friction.of(direction), truth.friction.of(direction));
+        for (name, ours, theirs) in Term::ALL.map(|term| (term.name(), ours[term], theirs[term])) {
             let known = found.model.confidence[&format!("friction.{}.{name}", direction.name())];
             if known.status == Status::Pinned {
                 pinned += 1;
@@ -92,7 +92,7 @@ fn the_papers_joint_is_identified_back() {
     };
     // Table II's cable 1 decays within the slowest speeds: its seven parameters cannot all be known, and it must say so.
     let up = &found.model.confidence;
-    assert!(Friction::NAMES.iter().any(|name| up[&format!("friction.up.{name}")].status != Status::Pinned));
+    assert!(Term::ALL.iter().any(|term| up[&term.dotted(Direction::Up)].status != Status::Pinned));
     assert!(fits.up.r_squared > 0.99 && fits.down.r_squared > 0.99);
 }
 
@@ -221,7 +221,7 @@ fn refining_keeps_the_convention() {
     for direction in Direction::BOTH {
         let branch = fit.model.friction.of(direction);
         assert!((branch.c_c * radius_m).abs() >= branch.c_j.abs(), "{branch:?}");
-        for (name, value) in Friction::NAMES.iter().zip(branch.values()) {
+        for (name, value) in Term::ALL.map(|term| (term.name(), branch[term])) {
             let name = format!("friction.{}.{name}", direction.name());
             let known = fit.confidence.iter().find(|(other, _)| *other == name).unwrap().1;
             assert!((known.low..=known.high).contains(&value), "{name} = {value}: {known:?}");

@@ -5,7 +5,7 @@ use super::record::Record;
 use super::store::Store;
 use crate::compare::parameters_of;
 use crate::log::mixed::{Cells, Mixed};
-use crate::model::{Friction, Model};
+use crate::model::{Direction, Model, Term};
 use std::path::Path;
 
 /// Figures, in the order of their columns.
@@ -88,7 +88,7 @@ impl Row {
 
 /// The dotted names of all parameters, in the order of their columns.
 pub(super) fn parameter_names() -> Vec<String> {
-    let friction = ["up", "down"].into_iter().flat_map(|d| Friction::NAMES.map(|name| format!("friction.{d}.{name}")));
+    let friction = Direction::BOTH.into_iter().flat_map(|direction| Term::ALL.map(|term| term.dotted(direction)));
     friction.chain(OTHERS.map(String::from)).collect()
 }
 

@@ -5,7 +5,7 @@ use super::record::{Diagnosed, FORMAT, Record};
 use crate::compare::unloaded_nm;
 use crate::identify::{self, FrictionFit, Identification};
 use crate::log::{Campaign, Protocol};
-use crate::model::{Friction, Model};
+use crate::model::{Model, Term};
 use crate::numerics::statistics::HALF_WIDTH;
 use crate::prepare::read_campaign;
 use crate::problem::{Problem, Problems, Result};
@@ -110,14 +110,12 @@ fn identified(found: &Identification, figures: &mut BTreeMap<String, f64>) {
 /// covariance. Parameters known only together still give a B(v) that is known well. NaN without a covariance.
 fn half_width_nm(model: &Model, fit: &FrictionFit, speed_rad_s: f64) -> f64 {
     let Ok(covariance) = &fit.covariance else { return f64::NAN };
-    let slope = |name: &&str| {
-        let Some(at) = Friction::NAMES.iter().position(|known| known == name) else { return 0.0 };
-        let step = STEP * fit.friction.values()[at].abs().max(STEP);
+    let slope = |term: &Term| {
+        let step = STEP * fit.friction[*term].abs().max(STEP);
         let moved = |by: f64| {
-            let mut values = fit.friction.values();
-            values[at] += by;
             let mut moved = model.clone();
-            *moved.friction.of_mut(fit.direction) = Friction::from_values(values);
+            *moved.friction.of_mut(fit.direction) = fit.friction;
+            moved.friction.of_mut(fit.direction)[*term] += by;
             unloaded_nm(&moved, fit.direction, speed_rad_s)
         };
         (moved(step) - moved(-step)) / (2.0 * step)

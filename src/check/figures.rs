@@ -1,9 +1,10 @@
 //! The figures of a baseline, each with what it may move by.
 
 use super::marks::TrialMark;
+use crate::dynamics::JointKind;
 use crate::evaluate::{Evaluation, Group, Split};
 use crate::identify::{FrictionFit, Identification, Route};
-use crate::model::{Combination, Confidence, Direction, Friction, Model};
+use crate::model::{Combination, Confidence, Direction, Model, Term};
 use crate::numerics::statistics::{HALF_WIDTH, mean, standard_deviation, student_t};
 use std::f64::consts::SQRT_2;
 
@@ -83,9 +84,9 @@ fn of_fit(fit: &FrictionFit) -> [Figure; 2] {
 fn parameters(model: &Model) -> Vec<Figure> {
     let mut all = Vec::new();
     for direction in Direction::BOTH {
-        let values = model.friction.of(direction).values();
-        for ((name, unit), value) in Friction::NAMES.iter().zip(Friction::UNITS).zip(values) {
-            all.push(parameter(model, format!("friction.{}.{name}", direction.name()), unit, value));
+        for term in Term::ALL {
+            let (unit, value) = (term.unit(JointKind::Revolute), model.friction.of(direction)[term]);
+            all.push(parameter(model, term.dotted(direction), unit, value));
         }
     }
     match model.combination {

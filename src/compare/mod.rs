@@ -4,7 +4,8 @@ mod effect;
 
 pub use effect::{Effect, Level, unloaded_nm};
 
-use crate::model::{Combination, Confidence, Direction, Friction, Model, Status};
+use crate::dynamics::JointKind;
+use crate::model::{Combination, Confidence, Direction, Friction, Model, Status, Term};
 use crate::problem::{Problem, Problems, Result};
 
 /// A parameter of which nobody said how well it is known: within this share of it.
@@ -152,9 +153,9 @@ fn parameters(before: &Model, after: &Model) -> Vec<Row> {
         add("dynamics.position_zero_rad", "rad", &|m| Some(m.dynamics.position_zero_rad));
     }
     for direction in Direction::BOTH {
-        for (i, name) in Friction::NAMES.iter().enumerate() {
-            let of = |m: &Model| present(m.friction.of(direction), i);
-            add(&format!("friction.{}.{name}", direction.name()), Friction::UNITS[i], &of);
+        for term in Term::ALL {
+            let of = |m: &Model| present(m.friction.of(direction), term);
+            add(&term.dotted(direction), term.unit(JointKind::Revolute), &of);
         }
     }
     let p = |m: &Model| if let Combination::Arctan { p, .. } = m.combination { Some(p) } else { None };
@@ -165,10 +166,9 @@ fn parameters(before: &Model, after: &Model) -> Vec<Row> {
     rows
 }
 
-/// Parameter `i`, unless it belongs to a Stribeck term without amplitude, which is no term.
-fn present(friction: &Friction, i: usize) -> Option<f64> {
-    let no_term = matches!(i, 2 | 3) && friction.b_c == 0.0 || matches!(i, 4 | 5) && friction.b_j == 0.0;
-    (!no_term).then(|| friction.values()[i])
+/// `term`, unless it belongs to a Stribeck term without amplitude, which is no term.
+fn present(friction: &Friction, term: Term) -> Option<f64> {
+    (!friction.lacks(term)).then(|| friction[term])
 }
 
 fn change(name: String, unit: &'static str, a: (Option<f64>, &Model), b: (Option<f64>, &Model)) -> Change {

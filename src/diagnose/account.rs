@@ -73,7 +73,7 @@ impl<'a, 'd> Account<'a, 'd> {
         let mut weights: Vec<(Cause, f64)> =
             choice.found.iter().map(|found| (found.cause, gain(found.without))).collect();
         if evidence.contact {
-            weights.push((Cause::Effect("contact"), (rest - self.mean(&choice.rest.held_out)).max(0.0)));
+            weights.push((Cause::CONTACT, (rest - self.mean(&choice.rest.held_out)).max(0.0)));
         }
         let explained = (rest - last).max(0.0).min(delivered - floor);
         let whole: f64 = weights.iter().map(|(_, w)| w).sum::<f64>().max(f64::MIN_POSITIVE);

@@ -6,7 +6,7 @@ use super::data::DataSet;
 use super::fit::Fit;
 use super::perturbation::{ParameterRef, Perturbation, Stale, of_effect, stale};
 use super::ripple;
-use crate::effects::{Added, Effect, Extent, LIBRARY, find};
+use crate::effects::{Added, Effect, Extent, LIBRARY, Starts, find};
 use crate::model::{Combination, Model};
 use rayon::prelude::*;
 
@@ -171,15 +171,6 @@ fn of_group<'d>(base: &BaseModel<'d>, group: Stale) -> FittedCause<'d> {
     FittedCause { cause: Cause::Stale(group.name), how: group.how, fit }
 }
 
-/// Whether `effect` is one that `model` could lack.
-fn can_be(model: &Model, effect: &dyn Effect) -> bool {
-    match effect.about().id {
-        "reversal_transition" => matches!(model.combination, Combination::Sign | Combination::Linear),
-        "inertia" => model.chain.is_none() && model.dynamics.inertia_kg_m2 == 0.0,
-        _ => true,
-    }
-}
-
 /// An effect at the starts from which it is to be fitted, the most promising first; never empty.
 struct Initialised {
     effect: &'static dyn Effect,
@@ -220,14 +211,11 @@ impl Initialised {
 
 /// `effect` at its most promising starts beside the base.
 fn begin(base: &BaseModel<'_>, effect: &'static dyn Effect, residual_nm: &[f64]) -> Option<Initialised> {
-    if !can_be(&base.model, effect) {
-        return None;
-    }
     let at = base.model.effects.len();
-    let starts = match effect.about().id {
-        id @ ("friction_ripple" | "torque_ripple") => ripple::starts(base, residual_nm, id == "friction_ripple"),
-        "saturation" => saturation_starts(base.data(), effect),
-        _ => effect.starts(&base.data().extent),
+    let starts = match effect.about().starts {
+        Starts::PositionLines { by_direction } => ripple::starts(base, residual_nm, by_direction),
+        Starts::ClipLevels => saturation_starts(base.data(), effect),
+        Starts::Shapes | Starts::Forms | Starts::Events => effect.starts(&base.data().extent),
     };
     let linearised_cost = |parameters: Vec<f64>| {
         let mut model = base.model.clone();
@@ -241,10 +229,10 @@ fn begin(base: &BaseModel<'_>, effect: &'static dyn Effect, residual_nm: &[f64])
     let mut starts: Vec<(f64, Model, Vec<Perturbation>)> = starts.into_par_iter().map(linearised_cost).collect();
     starts.sort_by(|a, b| a.0.total_cmp(&b.0));
     let is_linear = starts.first()?.2.iter().all(|way| way.is_linear);
-    let followed = match effect.about().id {
-        // Their starts are no guesses at one form, they are forms.
-        "sensor_drift" | "time_delay" | "elastic_spring" | "gravity_phase" => starts.len(),
-        id if is_linear || id.ends_with("ripple") => 1,
+    let followed = match effect.about().starts {
+        Starts::Forms => starts.len(),
+        Starts::PositionLines { .. } => 1,
+        _ if is_linear => 1,
         _ => STARTS,
     };
     starts.truncate(followed);

@@ -6,7 +6,7 @@ use super::candidates::{Cause, FittedCause};
 use super::fit::Fit;
 use super::folds::Folds;
 use super::perturbation::SAME_TORQUE;
-use crate::effects::find;
+use crate::model::groups;
 use crate::numerics::statistics::standard_deviation;
 
 /// A cause must change the prediction by this share of the floor at least, RMS ...
@@ -42,7 +42,7 @@ const SURPRISE_A_NUMBER: f64 = 9.0;
 
 /// Whether friction would have to grow in one direction by just as much as it falls in the other: of equals no likely cause.
 pub fn is_makeshift((cause, how): (Cause, &str)) -> bool {
-    cause == Cause::Stale("coulomb") && how == SAME_TORQUE
+    cause == Cause::Stale(groups::COULOMB.name) && how == SAME_TORQUE
 }
 
 /// The simplest of those that do as well as the best.
@@ -115,7 +115,7 @@ fn is_sure(folds: &Folds, before: &[f64], after: &[f64]) -> bool {
 /// one less.
 pub fn rivals(taken: &FittedCause, tried: &[FittedCause], start: f64) -> Vec<Cause> {
     let spare = |cause: Cause| {
-        usize::from(taken.cause == Cause::Effect("gravity_phase") && cause == Cause::Effect("elastic_spring"))
+        usize::from(taken.cause.effect().is_some_and(|effect| effect.about().outnumbered_by.contains(&cause.name())))
     };
     let is_rival = |other: &&FittedCause| {
         other.cause != taken.cause
@@ -146,8 +146,5 @@ pub fn seconds(taken: &FittedCause, tried: &[FittedCause], start: f64) -> Vec<Ca
 
 /// Whether `cause`, an effect, says that it can be mistaken for `other`.
 fn names(cause: Cause, other: Cause) -> bool {
-    match cause {
-        Cause::Effect(id) => find(id).is_some_and(|effect| effect.about().trades_with.contains(&other.name())),
-        Cause::Stale(_) => false,
-    }
+    cause.effect().is_some_and(|effect| effect.about().trades_with.contains(&other.name()))
 }

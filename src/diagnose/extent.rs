@@ -3,7 +3,7 @@
 use super::record::Records;
 use crate::dynamics::JointKind;
 use crate::effects::Extent;
-use crate::model::Model;
+use crate::model::{Combination, Model};
 use crate::numerics::statistics::{extent, quantile};
 
 /// Slower than this share of the fastest, the joint does not move.
@@ -29,6 +29,8 @@ pub fn of(records: &Records, model: &Model) -> Extent {
         torque_nm: extent(&records.measured_nm()),
         others: records.others(),
         gravity_nm: model.dynamics.gravity_nm,
+        has_inertia: model.chain.is_some() || model.dynamics.inertia_kg_m2 != 0.0,
+        has_curve: matches!(model.combination, Combination::Arctan { .. } | Combination::Power { .. }),
         backlash_m: model.joint.backlash_m,
         pulley_radius_m: model.joint.pulley_radius_m,
         turns: model.joint.kind == JointKind::Revolute,

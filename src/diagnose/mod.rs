@@ -7,6 +7,7 @@ mod account;
 mod base;
 mod bootstrap;
 mod candidates;
+mod cause;
 mod choose;
 mod contact_events;
 mod criteria;

@@ -5,7 +5,7 @@ use super::candidates::Cause;
 use super::choose::Choice;
 use super::fit::Fit;
 use super::perturbation::{self, ParameterRef};
-use crate::model::Model;
+use crate::model::{Model, Term, groups};
 
 /// Resamplings for a parameter's error.
 const DRAWS: usize = 100;
@@ -45,10 +45,9 @@ pub fn of_cause(resamples: &Resamples, fit: &Fit<'_>, (cause, how): (Cause, &str
             let belongs = match (parameter, cause) {
                 (ParameterRef::Effect(at, _), Cause::Effect(id)) => fit.model.effects[at].id() == id,
                 (ParameterRef::Effect(..), Cause::Stale(_)) | (_, Cause::Effect(_)) => false,
-                (_, Cause::Stale(name)) => {
-                    let group = perturbation::group_of(parameter);
-                    group == name || how == perturbation::WHOLE_LINE && group == "coulomb"
-                }
+                (_, Cause::Stale(name)) => perturbation::group_of(parameter).is_some_and(|group| {
+                    group.name == name || how == perturbation::WHOLE_LINE && group.name == groups::COULOMB.name
+                }),
             };
             if belongs && deviation.is_finite() {
                 let at = |x: f64| {
@@ -80,10 +79,7 @@ pub fn of_cause(resamples: &Resamples, fit: &Fit<'_>, (cause, how): (Cause, &str
 
 /// Viscous friction below zero would help the motion. A positive range is compared in its logarithm, for it spans decades.
 fn doubt(parameter: ParameterRef, model: &Model, most: f64) -> Option<&'static str> {
-    if matches!(parameter, ParameterRef::Friction(..))
-        && perturbation::group_of(parameter) == "viscous"
-        && parameter.value(model) < 0.0
-    {
+    if matches!(parameter, ParameterRef::Friction(_, Term::Viscous)) && parameter.value(model) < 0.0 {
         return Some("below zero: it makes up for something else");
     }
     let (low, high) = parameter.bounds(model);

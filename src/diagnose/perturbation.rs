@@ -5,7 +5,7 @@
 
 use crate::dynamics::Direction;
 use crate::effects::{Added, Extent, Parameter, Role};
-use crate::model::{Combination, Friction, Model};
+use crate::model::{Combination, Group, Model, Term, groups};
 
 /// Confidence of a parameter for which none is given, as a share of it: the 95 % interval reaches so far to either side.
 const UNKNOWN_SHARE: f64 = 0.05;
@@ -19,7 +19,7 @@ pub enum ParameterRef {
     Inertia,
     Backlash,
     Curve,
-    Friction(Direction, usize),
+    Friction(Direction, Term),
     Effect(usize, usize),
 }
 
@@ -34,14 +34,7 @@ impl ParameterRef {
                 Combination::Power { n } => Some(n),
                 Combination::Sign | Combination::Linear => None,
             },
-            Self::Friction(direction, at) => {
-                let f = model.friction.of_mut(direction);
-                Some(
-                    [&mut f.mu_c, &mut f.a_j, &mut f.b_c, &mut f.c_c, &mut f.b_j, &mut f.c_j, &mut f.d]
-                        .into_iter()
-                        .nth(at)?,
-                )
-            }
+            Self::Friction(direction, term) => Some(&mut model.friction.of_mut(direction)[term]),
             Self::Effect(effect, at) => model.effects.get_mut(effect)?.parameters.get_mut(at),
         }
     }
@@ -66,7 +59,7 @@ impl ParameterRef {
             Self::Backlash => "joint.backlash_m".to_string(),
             Self::Curve if matches!(model.combination, Combination::Power { .. }) => "combination.n".to_string(),
             Self::Curve => "combination.p".to_string(),
-            Self::Friction(direction, at) => format!("friction.{}.{}", direction.name(), Friction::NAMES[at]),
+            Self::Friction(direction, term) => term.dotted(direction),
             Self::Effect(effect, at) => {
                 let added = &model.effects[effect];
                 format!("effects.{}.{}", added.id(), added.effect.about().parameters[at].name)
@@ -175,7 +168,7 @@ impl ParameterRef {
     /// The range beyond which it makes no sense.
     pub fn bounds(self, model: &Model) -> (f64, f64) {
         match self {
-            Self::Friction(_, 0) => (-5.0, 0.95),
+            Self::Friction(_, Term::Load) => (-5.0, 0.95),
             Self::Backlash => (1e-9, 1e3),
             Self::Curve => (0.02, 100.0),
             Self::Effect(effect, at) => model.effects[effect].effect.about().parameters[at].bounds,
@@ -186,7 +179,7 @@ impl ParameterRef {
 
 /// Every base parameter that `model` has, free within its confidence: one move each, in standard deviations.
 pub fn within_confidence(model: &Model) -> Vec<Perturbation> {
-    let friction = Direction::BOTH.into_iter().flat_map(|d| (0..7).map(move |at| ParameterRef::Friction(d, at)));
+    let friction = Direction::BOTH.into_iter().flat_map(|d| Term::ALL.map(|term| ParameterRef::Friction(d, term)));
     [ParameterRef::Gravity, ParameterRef::Inertia, ParameterRef::Backlash, ParameterRef::Curve]
         .into_iter()
         .chain(friction)
@@ -204,8 +197,7 @@ fn matters(model: &Model, parameter: ParameterRef) -> bool {
         ParameterRef::Gravity | ParameterRef::Inertia => model.chain.is_none() && parameter.value(model) != 0.0,
         ParameterRef::Backlash => model.combination != Combination::Sign && model.joint.backlash_m > 0.0,
         // A rate without its amplitude does nothing.
-        ParameterRef::Friction(direction, 3) => model.friction.of(direction).b_c != 0.0,
-        ParameterRef::Friction(direction, 5) => model.friction.of(direction).b_j != 0.0,
+        ParameterRef::Friction(direction, term) if term.is_rate() => !model.friction.of(direction).lacks(term),
         _ => parameter.value(model) != 0.0,
     }
 }
@@ -224,16 +216,13 @@ fn deviation(model: &Model, parameter: ParameterRef) -> f64 {
 }
 
 /// The group that a base parameter goes stale with.
-pub fn group_of(parameter: ParameterRef) -> &'static str {
+pub fn group_of(parameter: ParameterRef) -> Option<&'static Group> {
     match parameter {
-        ParameterRef::Gravity => "gravity",
-        ParameterRef::Inertia => "inertia",
-        ParameterRef::Backlash => "backlash_width",
-        ParameterRef::Friction(_, 0) => "load_coefficient",
-        ParameterRef::Friction(_, 1) => "coulomb",
-        ParameterRef::Friction(_, 6) => "viscous",
-        ParameterRef::Friction(..) => "stribeck_level",
-        ParameterRef::Curve | ParameterRef::Effect(..) => "",
+        ParameterRef::Gravity => Some(&groups::GRAVITY),
+        ParameterRef::Inertia => Some(&groups::INERTIA),
+        ParameterRef::Backlash => Some(&groups::BACKLASH_WIDTH),
+        ParameterRef::Friction(_, term) => Some(Group::of_term(term)),
+        ParameterRef::Curve | ParameterRef::Effect(..) => None,
     }
 }
 
@@ -242,6 +231,11 @@ pub const WHOLE_LINE: &str = "each direction by itself, with its coulomb";
 
 /// How Coulomb friction moves where one direction gains what the other loses: as by a bias of the sensor.
 pub const SAME_TORQUE: &str = "up and down by the same torque";
+
+/// How a parameter moves that moves in one direction alone.
+pub const UP_ONLY: &str = "up only";
+/// See [`UP_ONLY`].
+pub const DOWN_ONLY: &str = "down only";
 
 /// A group of the model's own parameters that may have gone stale, in one of the ways in which that happens.
 #[derive(Debug, Clone, PartialEq)]
@@ -254,6 +248,9 @@ pub struct Stale {
     pub moves: Vec<Perturbation>,
 }
 
+/// The terms that a Stribeck curve is in proportion to.
+const AMPLITUDES: [Term; 2] = [Term::CableStribeck, Term::JointStribeck];
+
 /// The groups that `model` has.
 pub fn stale(model: &Model) -> Vec<Stale> {
     let mut found = Vec::new();
@@ -263,34 +260,34 @@ pub fn stale(model: &Model) -> Vec<Stale> {
     let curved = |parameter: ParameterRef| Perturbation { is_linear: false, ..free(vec![(parameter, Mode::Scale)]) };
     let scaled = |parameter: ParameterRef| free(vec![(parameter, Mode::Add(parameter.value(model)))]);
     if matters(model, ParameterRef::Gravity) {
-        add("gravity", "", vec![scaled(ParameterRef::Gravity)]);
+        add(groups::GRAVITY.name, "", vec![scaled(ParameterRef::Gravity)]);
     }
     if matters(model, ParameterRef::Inertia) {
-        add("inertia", "", vec![scaled(ParameterRef::Inertia)]);
+        add(groups::INERTIA.name, "", vec![scaled(ParameterRef::Inertia)]);
     }
     if matters(model, ParameterRef::Backlash) {
-        add("backlash_width", "", vec![curved(ParameterRef::Backlash)]);
+        add(groups::BACKLASH_WIDTH.name, "", vec![curved(ParameterRef::Backlash)]);
     }
-    let both = |at: usize| Direction::BOTH.map(|d| ParameterRef::Friction(d, at));
-    let size = |at: usize| both(at).iter().map(|parameter| parameter.value(model).abs()).sum::<f64>() / 2.0;
-    for (name, at) in [("coulomb", 1), ("viscous", 6), ("load_coefficient", 0)] {
-        let [up, down] = both(at);
-        let unit = if size(at) > 0.0 { size(at) } else { 0.1 };
+    let both = |term: Term| Direction::BOTH.map(|d| ParameterRef::Friction(d, term));
+    let size = |term: Term| both(term).iter().map(|parameter| parameter.value(model).abs()).sum::<f64>() / 2.0;
+    for term in [Term::Coulomb, Term::Viscous, Term::Load] {
+        let name = Group::of_term(term).name;
+        let [up, down] = both(term);
+        let unit = if size(term) > 0.0 { size(term) } else { 0.1 };
         let present = |parameter: ParameterRef| parameter.value(model) != 0.0;
         if present(up) && present(down) {
             let turn = |parameter: ParameterRef| (parameter, Mode::Add(parameter.value(model)));
             add(name, "both directions alike", vec![free(vec![turn(up), turn(down)])]);
         }
-        for (parameter, how) in [(up, "up only"), (down, "down only")] {
+        for (parameter, how) in [(up, UP_ONLY), (down, DOWN_ONLY)] {
             if present(parameter) {
                 add(name, how, vec![scaled(parameter)]);
             }
         }
-        if name == "coulomb" && present(up) && present(down) {
+        if term == Term::Coulomb && present(up) && present(down) {
             add(name, SAME_TORQUE, vec![free(vec![(up, Mode::Add(unit)), (down, Mode::Add(unit))])]);
         }
-        if (present(up) || present(down)) && name != "load_coefficient" || name == "load_coefficient" && size(at) == 0.0
-        {
+        if (present(up) || present(down)) != (term == Term::Load) {
             add(
                 name,
                 "each direction by itself",
@@ -300,19 +297,23 @@ pub fn stale(model: &Model) -> Vec<Stale> {
     }
     // A model of Coulomb and viscous friction alone has a line per direction: its two numbers, fitted together, make up for each
     // other, so that neither is right where the other is not.
-    let is_line = |d: Direction| [2, 4].iter().all(|at| ParameterRef::Friction(d, *at).value(model) == 0.0);
-    if Direction::BOTH.into_iter().all(is_line) && size(1) > 0.0 && size(6) > 0.0 {
-        let unit = |at: usize| both(at).map(|parameter| free(vec![(parameter, Mode::Add(size(at)))]));
-        add("viscous", WHOLE_LINE, [unit(6), unit(1)].concat());
+    let is_line = |d: Direction| AMPLITUDES.iter().all(|term| model.friction.of(d).lacks(*term));
+    if Direction::BOTH.into_iter().all(is_line) && size(Term::Coulomb) > 0.0 && size(Term::Viscous) > 0.0 {
+        let unit = |term: Term| both(term).map(|parameter| free(vec![(parameter, Mode::Add(size(term)))]));
+        add(groups::VISCOUS.name, WHOLE_LINE, [unit(Term::Viscous), unit(Term::Coulomb)].concat());
     }
     let amplitudes: Vec<Vec<(ParameterRef, Mode)>> = Direction::BOTH
         .map(|d| {
-            [2, 4].map(|at| ParameterRef::Friction(d, at)).into_iter().map(|k| (k, Mode::Add(k.value(model)))).collect()
+            AMPLITUDES
+                .map(|term| ParameterRef::Friction(d, term))
+                .into_iter()
+                .map(|k| (k, Mode::Add(k.value(model))))
+                .collect()
         })
         .to_vec();
     if amplitudes.iter().flatten().any(|(parameter, _)| parameter.value(model) != 0.0) {
-        add("stribeck_level", "both directions alike", vec![free(amplitudes.concat())]);
-        add("stribeck_level", "each direction by itself", amplitudes.into_iter().map(free).collect());
+        add(groups::STRIBECK_LEVEL.name, "both directions alike", vec![free(amplitudes.concat())]);
+        add(groups::STRIBECK_LEVEL.name, "each direction by itself", amplitudes.into_iter().map(free).collect());
     }
     found
 }

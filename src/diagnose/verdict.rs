@@ -3,7 +3,9 @@
 use super::bootstrap::{Numbers, Resamples, Shrink, above};
 use super::candidates::Cause;
 use super::choose::{Choice, Found};
+use super::perturbation::{DOWN_ONLY, UP_ONLY};
 use crate::effects::Region;
+use crate::model::groups::LOAD_COEFFICIENT;
 
 /// A gap above this many floors that no cause closes is one from outside the library ...
 const UNKNOWN_FLOORS: f64 = 1.0;
@@ -97,7 +99,7 @@ pub fn verdict(choice: &Choice<'_>, evidence: &Evidence<'_>) -> Verdict {
     let mean = |squares: &[f64]| squares.iter().sum::<f64>() / rows;
     let mut effects: Vec<Cause> = choice.found.iter().map(|found| found.cause).collect();
     if evidence.contact {
-        effects.push(Cause::Effect("contact"));
+        effects.push(Cause::CONTACT);
     }
     let is_open = |rest: f64, last: f64| {
         let exceeds = |floor_square: f64, floors: f64, share: f64| {
@@ -174,16 +176,9 @@ fn stands(found: &[Found<'_>], evidence: &Evidence<'_>) -> f64 {
 
 /// Where a cause shows by its nature.
 pub fn signature(cause: Cause, how: &str) -> Region {
-    match cause {
-        Cause::Effect(id) => crate::effects::find(id).map_or(Region::Everywhere, |effect| effect.about().signature),
-        Cause::Stale("gravity") => Region::Position,
-        Cause::Stale("coulomb" | "viscous") if how == "up only" => Region::Up,
-        Cause::Stale("coulomb" | "viscous") if how == "down only" => Region::Down,
-        Cause::Stale("viscous") => Region::HighSpeed,
-        Cause::Stale("backlash_width") => Region::AfterReversal,
-        Cause::Stale("load_coefficient") => Region::Load,
-        Cause::Stale("stribeck_level") => Region::LowSpeed,
-        Cause::Stale("inertia") => Region::Acceleration,
-        Cause::Stale(_) => Region::Everywhere,
+    match (cause, how) {
+        (Cause::Stale(name), UP_ONLY) if name != LOAD_COEFFICIENT.name => Region::Up,
+        (Cause::Stale(name), DOWN_ONLY) if name != LOAD_COEFFICIENT.name => Region::Down,
+        _ => cause.signature(),
     }
 }

@@ -1,16 +1,20 @@
 //! The cable stretches: under load the joint is not where the winch's encoder says.
 
-use super::{About, Effect, Extent, Family, Parameter, Region};
+use super::{About, ActsOn, Effect, Excitation, Extent, Family, Parameter, Region};
 
 static ABOUT: About = About {
     id: "cable_elasticity",
     family: Family::Physics,
+    acts_on: ActsOn::Load,
     means: "the joint lags the measured angle in proportion to load",
     formula: "q_joint = q - compliance_rad_nm tau; gravity is taken there; tau = the load, or y r2/r1 where with_friction",
     source: "two-mass models; Spong 1987",
     signature: Region::Load,
     trades_with: &["gravity_phase", "elastic_spring", "gravity"],
     parameters: &[Parameter::choice("with_friction", 0.0, 1.0), Parameter::strength("compliance_rad_nm")],
+    needs: &[Excitation::Loads],
+    by_hand: Some("lock the joint and pull: how far the winch turns for a torque is the cable's stretch"),
+    ..About::PLAIN
 };
 
 #[derive(Debug)]

@@ -1,11 +1,15 @@
 //! External torque in a burst: a person, an obstacle.
 
-use super::{About, Effect, Extent, Family, Parameter, Region, Sample};
+use super::{About, ActsOn, Effect, Extent, Family, Parameter, Region, Sample, Starts};
 use std::f64::consts::PI;
 
+/// Its name in files.
+pub(super) const ID: &str = "contact";
+
 static ABOUT: About = About {
-    id: "contact",
+    id: ID,
     family: Family::Outside,
+    acts_on: ActsOn::Outside,
     means: "external torque in bursts",
     formula: "peak_nm sin^2(pi (t - start_s)/length_s) within the burst, t since the campaign began",
     source: "the paper's interaction torque (31)",
@@ -16,6 +20,10 @@ static ABOUT: About = About {
         Parameter::shape("start_s", 0.0, 1e9),
         Parameter::shape("length_s", 1e-3, 1e6),
     ],
+    by_hand: Some("repeat one trial with nobody near the joint"),
+    starts: Starts::Events,
+    of_time: true,
+    ..About::PLAIN
 };
 
 #[derive(Debug)]

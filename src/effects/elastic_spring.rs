@@ -1,10 +1,13 @@
 //! A spring about the joint: sheath, cabling, passive tissue.
 
-use super::{About, Effect, Extent, Family, Parameter, Region, Role, Sample};
+use super::{
+    About, ActsOn, Effect, Excitation, Extent, Family, Parameter, Region, Role, Sample, SimulatorJoint, Starts,
+};
 
 static ABOUT: About = About {
     id: "elastic_spring",
     family: Family::Physics,
+    acts_on: ActsOn::Load,
     means: "a spring about the joint",
     formula: "stiffness_nm_rad q + preload_nm at the joint, which rests at -preload/stiffness; if it stiffens, + cubic_nm_rad3 (q - \
               centre_rad)^3",
@@ -18,7 +21,16 @@ static ABOUT: About = About {
         Parameter::strength("cubic_nm_rad3"),
         Parameter::placed("centre_rad", Role::Position, 1e3).or(0.0),
     ],
+    needs: &[Excitation::Range],
+    by_hand: Some("pull the joint with a spring balance through its range with the cables off"),
+    starts: Starts::Forms,
+    ..About::PLAIN
 };
+
+/// The parameters of a spring without stiffness: `torque_nm` everywhere.
+pub(super) fn preload(torque_nm: f64) -> Vec<f64> {
+    vec![0.0, torque_nm, 0.0, 0.0, 0.0]
+}
 
 #[derive(Debug)]
 pub struct ElasticSpring;
@@ -41,6 +53,10 @@ impl Effect for ElasticSpring {
     /// One that softens, or stiffens the wrong way, is another thing.
     fn is_itself(&self, p: &[f64], _extent: &Extent) -> bool {
         p[2] <= 0.5 || p[0].min(p[3]) >= 0.0
+    }
+
+    fn in_simulator(&self, p: &[f64]) -> Option<SimulatorJoint> {
+        Some(SimulatorJoint { stiffness_nm_rad: p[0], preload_nm: p[1], ..SimulatorJoint::default() })
     }
 
     fn joint_torque_nm(&self, p: &[f64], sample: &Sample<'_>) -> f64 {

@@ -1,6 +1,6 @@
 //! A stop engaged near one end of travel.
 
-use super::{About, Effect, Extent, Family, Parameter, RESTING_RAD_S, Region, Role, Sample};
+use super::{About, ActsOn, Effect, Excitation, Extent, Family, Parameter, RESTING_RAD_S, Region, Role, Sample};
 
 /// Where a stop may begin, as shares of the range from its end.
 const REACHES: [f64; 5] = [0.03, 0.07, 0.13, 0.22, 0.35];
@@ -10,6 +10,7 @@ const REACH_MAX: f64 = 0.5;
 static ABOUT: About = About {
     id: "end_stop",
     family: Family::Physics,
+    acts_on: ActsOn::Load,
     means: "a stop is engaged near the end of travel",
     formula: "(side stiffness_nm + or - loss_nm) (side (q - position_rad) / 1 rad)^exponent beyond position_rad, at the joint; the \
               sign goes by the direction",
@@ -23,6 +24,9 @@ static ABOUT: About = About {
         Parameter::shape("exponent", 0.8, 3.0),
         Parameter::strength("loss_nm"),
     ],
+    needs: &[Excitation::Range],
+    by_hand: Some("move the joint by hand to its ends with the cables off: where does it meet resistance?"),
+    ..About::PLAIN
 };
 
 #[derive(Debug)]

@@ -1,12 +1,13 @@
 //! Friction that varies periodically with position and changes sign with the direction.
 
 use super::ripple::{parameters, repeats, ripple_nm, starts};
-use super::{About, Carried, Effect, Extent, Family, Region, Sample};
+use super::{About, ActsOn, Carried, Effect, Excitation, Extent, Family, Region, Sample, Starts};
 use crate::dynamics::Both;
 
 static ABOUT: About = About {
     id: "friction_ripple",
     family: Family::Physics,
+    acts_on: ActsOn::Friction,
     means: "friction varies with position",
     formula: "+ or - sum over h of sin_h_nm sin(2 pi h periods_per_rad q) + cos_h_nm cos(...), by the direction; + (sin_of_friction \
               sin + cos_of_friction cos) of one period times friction",
@@ -14,6 +15,9 @@ static ABOUT: About = About {
     signature: Region::Position,
     trades_with: &["load_dependent_friction", "torque_ripple"],
     parameters: &parameters("sin_of_friction", "cos_of_friction"),
+    needs: &[Excitation::Range],
+    starts: Starts::PositionLines { by_direction: true },
+    ..About::PLAIN
 };
 
 #[derive(Debug)]

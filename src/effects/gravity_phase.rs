@@ -1,16 +1,22 @@
 //! The centre of mass lies off the line that the model assumes.
 
-use super::{About, Effect, Extent, Family, Parameter, Region, Sample};
+use super::{About, ActsOn, Effect, Excitation, Extent, Family, Parameter, Region, Sample, Starts};
 
 static ABOUT: About = About {
     id: "gravity_phase",
     family: Family::Physics,
+    acts_on: ActsOn::Load,
     means: "the centre of mass lies off the assumed line",
     formula: "cos_nm cos(q) at the joint; of a weight of_nm that is turned, + (sqrt(of_nm^2 - cos_nm^2) - of_nm) sin(q)",
     source: "(17) with a second coordinate of the centre of mass",
     signature: Region::Position,
     trades_with: &["elastic_spring", "cable_elasticity", "gravity"],
     parameters: &[Parameter::strength("cos_nm"), Parameter::form("of_nm", 1e6)],
+    needs: &[Excitation::Range],
+    by_hand: Some("weigh the moving part, and find where it hangs at rest with the cables off"),
+    starts: Starts::Forms,
+    outnumbered_by: &["elastic_spring"],
+    ..About::PLAIN
 };
 
 #[derive(Debug)]

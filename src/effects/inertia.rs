@@ -1,16 +1,20 @@
 //! Inertia that the model has not.
 
-use super::{About, Effect, Extent, Family, Parameter, Region, Sample};
+use super::{About, ActsOn, Effect, Excitation, Extent, Family, Parameter, Region, Sample, SimulatorJoint};
 
 static ABOUT: About = About {
     id: "inertia",
     family: Family::Physics,
+    acts_on: ActsOn::Load,
     means: "inertia that the model lacks",
     formula: "inertia_kg_m2 a at the joint",
     source: "(4)",
     signature: Region::Acceleration,
     trades_with: &["time_delay", "quadratic_viscous"],
     parameters: &[Parameter::strength("inertia_kg_m2")],
+    needs: &[Excitation::Acceleration],
+    by_hand: Some("let the joint swing freely with the cables off: its period gives the inertia"),
+    ..About::PLAIN
 };
 
 #[derive(Debug)]
@@ -21,8 +25,12 @@ impl Effect for Inertia {
         &ABOUT
     }
 
-    fn starts(&self, _extent: &Extent) -> Vec<Vec<f64>> {
-        vec![vec![0.0]]
+    fn starts(&self, extent: &Extent) -> Vec<Vec<f64>> {
+        if extent.has_inertia { Vec::new() } else { vec![vec![0.0]] }
+    }
+
+    fn in_simulator(&self, p: &[f64]) -> Option<SimulatorJoint> {
+        Some(SimulatorJoint { inertia_kg_m2: p[0], ..SimulatorJoint::default() })
     }
 
     fn joint_torque_nm(&self, p: &[f64], sample: &Sample<'_>) -> f64 {

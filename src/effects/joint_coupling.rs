@@ -1,10 +1,11 @@
 //! Torque that follows another joint: cables routed over it, its weight, its friction.
 
-use super::{About, Effect, Extent, Family, Parameter, RESTING_RAD_S, Region, Sample};
+use super::{About, ActsOn, Effect, Excitation, Extent, Family, Parameter, RESTING_RAD_S, Region, Sample};
 
 static ABOUT: About = About {
     id: "joint_coupling",
     family: Family::Physics,
+    acts_on: ActsOn::Load,
     means: "torque follows another joint",
     formula: "stiffness q2 + viscous v2 + coulomb tanh(v2/0.01) + inertia a2 + weight (sin(q + q2) - sin q) + inertia_cos cos(q) a2 + bending q2^2 + offset",
     source: "rigid-body coupling (1); cables routed over a moving joint",
@@ -21,6 +22,9 @@ static ABOUT: About = About {
         Parameter::strength("bending_nm_rad2"),
         Parameter::strength("offset_nm"),
     ],
+    needs: &[Excitation::OtherJoint],
+    by_hand: Some("hold the other joints fixed and repeat one trial"),
+    ..About::PLAIN
 };
 
 #[derive(Debug)]
@@ -35,8 +39,12 @@ impl Effect for JointCoupling {
         (1..=extent.others).map(|joint| vec![joint as f64, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0]).collect()
     }
 
+    fn other_joint(&self, p: &[f64]) -> Option<usize> {
+        (p[0] as usize).checked_sub(1)
+    }
+
     fn winch_torque_nm(&self, p: &[f64], sample: &Sample<'_>, _load_nm: f64) -> f64 {
-        let Some(other) = sample.others.get(p[0] as usize - 1) else { return 0.0 };
+        let Some(other) = self.other_joint(p).and_then(|joint| sample.others.get(joint)) else { return 0.0 };
         let q = sample.own.position;
         p[1] * other.position
             + p[2] * other.velocity

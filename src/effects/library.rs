@@ -31,6 +31,14 @@ pub fn find(id: &str) -> Option<&'static dyn Effect> {
     LIBRARY.into_iter().find(|effect| effect.about().id == id)
 }
 
+/// The effect of bursts from outside, which are found by their not being repeated.
+pub const CONTACT: &str = contact::ID;
+
+/// What adds `torque_nm` at the joint everywhere: a load that no column records.
+pub fn constant_load(torque_nm: f64) -> Added {
+    Added { effect: &elastic_spring::ElasticSpring, parameters: elastic_spring::preload(torque_nm) }
+}
+
 /// An effect that a model has, with its parameters in the order of its list.
 #[derive(Debug, Clone)]
 pub struct Added {

@@ -1,6 +1,6 @@
 //! Friction in proportion to the load that the joint carries.
 
-use super::{About, Carried, Effect, Extent, Family, Parameter, Region, Sample};
+use super::{About, ActsOn, Carried, Effect, Excitation, Extent, Family, Parameter, Region, Sample};
 use crate::dynamics::Both;
 
 /// Pretensions, and torques at which it levels off, that are tried, as shares of the reading's range.
@@ -12,6 +12,7 @@ const OPPOSED_MAX: f64 = 0.3;
 static ABOUT: About = About {
     id: "load_dependent_friction",
     family: Family::Physics,
+    acts_on: ActsOn::Friction,
     means: "friction grows with the load carried",
     formula: "up |T| moving up, -down |T| moving down; T = (r1/r2) (G + I a + measured load), with the model's own friction in \
               the branch if of_tension: what a sheath or a capstan bears is the cable's whole tension; |T| is \
@@ -26,6 +27,9 @@ static ABOUT: About = About {
         Parameter::form("pretension_nm", 1e6),
         Parameter::form("levels_off_nm", 1e6),
     ],
+    needs: &[Excitation::Loads],
+    by_hand: Some("repeat one sweep with a second, known load at the joint"),
+    ..About::PLAIN
 };
 
 #[derive(Debug)]

@@ -18,12 +18,10 @@ mod friction_ripple;
 mod gravity_phase;
 mod inertia;
 mod joint_coupling;
-mod library;
 mod load_dependent_friction;
 mod presliding;
 mod quadratic_viscous;
 mod reversal_transition;
-mod ripple;
 mod saturation;
 mod sensor_bias;
 mod sensor_drift;
@@ -33,237 +31,23 @@ mod time_delay;
 mod torque_ripple;
 mod warm_up;
 
-pub use library::{Added, LIBRARY, find};
+mod about;
+mod library;
+mod parameter;
+mod region;
+mod ripple;
+mod sample;
+mod transition;
+
+pub use about::{About, ActsOn, Excitation, Family, Starts};
+pub use library::{Added, CONTACT, LIBRARY, constant_load, find};
+pub use parameter::{Parameter, Role};
+pub use region::Region;
 pub use ripple::{HARMONICS, NUMBERS as RIPPLE_NUMBERS};
+pub use sample::{Carried, Extent, Sample};
+pub use transition::{Curve, Presliding};
 
-use crate::dynamics::{Both, Motion};
-
-/// What the joint does at one sample, as effects see it.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Sample<'a> {
-    /// Since the trial began, s.
-    pub time_s: f64,
-    /// Since the campaign began, s: by the logs' own clock where it runs on from trial to trial, else the lengths of the logs
-    /// before added up.
-    pub elapsed_s: f64,
-    /// The joint.
-    pub own: Motion,
-    /// The other joints, in the order of the campaign's columns.
-    pub others: &'a [Motion],
-}
-
-/// What the cable carries at one sample, N m at the winch.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Carried {
-    /// (r1/r2) (G + I a + j): the joint's load.
-    pub load_nm: f64,
-    /// The model's own friction on each branch, u and d.
-    pub friction_nm: Both<f64>,
-}
-
-/// Over what range a campaign moves, for an effect to know where its shape may lie.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Extent {
-    /// Lowest and highest position, rad.
-    pub position_rad: (f64, f64),
-    /// The longest way between two reversals in the trial where that is shortest, rad.
-    pub stroke_rad: f64,
-    /// Speeds that 5 % and all of the moving samples stay below, rad/s.
-    pub speed_rad_s: (f64, f64),
-    /// The longest trial, s.
-    pub trial_s: f64,
-    /// The whole campaign, s.
-    pub campaign_s: f64,
-    /// Lowest and highest reading of the torque, N m.
-    pub torque_nm: (f64, f64),
-    /// How many other joints are recorded moving.
-    pub others: usize,
-    /// Gravity of the model, N m at the joint: 0 where a chain says it.
-    pub gravity_nm: f64,
-    /// X_cl of the model, m on the cable.
-    pub backlash_m: f64,
-    /// r2, m.
-    pub pulley_radius_m: f64,
-    /// Whether the joint turns rather than slides.
-    pub turns: bool,
-}
-
-/// How a parameter enters the prediction.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Role {
-    /// In proportion, or nearly so; at 0 the effect is absent.
-    Strength,
-    /// Above 0, it decides how the effect acts: searched in its logarithm.
-    Shape,
-    /// A position at which the effect acts: searched along the joint's range.
-    Position,
-    /// A torque at which the effect acts: searched along the reading's range.
-    Level,
-    /// It selects, and is neither fitted nor has it an interval: which joint, which clock.
-    Choice,
-    /// It selects a form of the effect, like a choice; 0 is the plainest, and is meant where nothing is said.
-    Form,
-}
-
-/// One parameter of an effect.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Parameter {
-    /// Its name in files; the unit stands in it.
-    pub name: &'static str,
-    /// How it enters.
-    pub role: Role,
-    /// The range beyond which it makes no sense.
-    pub bounds: (f64, f64),
-    /// How large it is believed to be, as a share of the torque's range: infinite where nobody can say.
-    pub share: f64,
-    /// What it is where nothing is said; none where it must be said.
-    pub default: Option<f64>,
-}
-
-impl Parameter {
-    /// Whether it may be `value`.
-    pub fn allows(&self, value: f64) -> bool {
-        (self.bounds.0..=self.bounds.1).contains(&value)
-    }
-
-    const fn strength(name: &'static str) -> Self {
-        Self { role: Role::Strength, default: Some(0.0), ..Self::choice(name, -1e9, 1e9) }
-    }
-
-    /// One of many strengths that together describe a curve.
-    const fn wave(name: &'static str, share: f64) -> Self {
-        Self { share, ..Self::strength(name) }
-    }
-
-    const fn shape(name: &'static str, low: f64, high: f64) -> Self {
-        Self { role: Role::Shape, ..Self::choice(name, low, high) }
-    }
-
-    const fn placed(name: &'static str, role: Role, limit: f64) -> Self {
-        Self { role, ..Self::choice(name, -limit, limit) }
-    }
-
-    const fn form(name: &'static str, high: f64) -> Self {
-        Self { role: Role::Form, default: Some(0.0), ..Self::choice(name, 0.0, high) }
-    }
-
-    const fn choice(name: &'static str, low: f64, high: f64) -> Self {
-        Self { name, role: Role::Choice, bounds: (low, high), share: f64::INFINITY, default: None }
-    }
-
-    const fn or(self, default: f64) -> Self {
-        Self { default: Some(default), ..self }
-    }
-}
-
-/// What an effect is of.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Family {
-    /// The joint.
-    Physics,
-    /// The measurement: the joint is innocent.
-    Fault,
-    /// Something outside both: no model of the joint should hold it.
-    Outside,
-}
-
-/// Where an effect shows most.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub enum Region {
-    /// Travel since the last reversal.
-    AfterReversal,
-    /// The joint rests.
-    Rest,
-    /// Slow motion.
-    LowSpeed,
-    /// Fast motion.
-    HighSpeed,
-    /// Moving up.
-    Up,
-    /// Moving down.
-    Down,
-    /// Some positions.
-    Position,
-    /// Large load.
-    Load,
-    /// Some times.
-    Time,
-    /// In step with acceleration.
-    Acceleration,
-    /// In step with another joint.
-    OtherJoint,
-    /// One frequency in time.
-    Frequency,
-    /// The sensor at the end of its range.
-    Clipped,
-    /// Short stretches that are not repeated.
-    Bursts,
-    /// No place more than any other.
-    Everywhere,
-}
-
-impl Region {
-    /// All of them.
-    pub const ALL: [Self; 15] = [
-        Self::AfterReversal,
-        Self::Rest,
-        Self::LowSpeed,
-        Self::HighSpeed,
-        Self::Up,
-        Self::Down,
-        Self::Position,
-        Self::Load,
-        Self::Time,
-        Self::Acceleration,
-        Self::OtherJoint,
-        Self::Frequency,
-        Self::Clipped,
-        Self::Bursts,
-        Self::Everywhere,
-    ];
-
-    /// The name used in files.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::AfterReversal => "after_reversal",
-            Self::Rest => "rest",
-            Self::LowSpeed => "low_speed",
-            Self::HighSpeed => "high_speed",
-            Self::Up => "up",
-            Self::Down => "down",
-            Self::Position => "position",
-            Self::Load => "load",
-            Self::Time => "time",
-            Self::Acceleration => "acceleration",
-            Self::OtherJoint => "other_joint",
-            Self::Frequency => "frequency",
-            Self::Clipped => "clipped",
-            Self::Bursts => "bursts",
-            Self::Everywhere => "everywhere",
-        }
-    }
-}
-
-/// What an effect is, apart from its physics.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct About {
-    /// Its name in files.
-    pub id: &'static str,
-    /// What it is of.
-    pub family: Family,
-    /// For people, in a few words: "friction passes gradually ...".
-    pub means: &'static str,
-    /// The formula, in the words of the parameters.
-    pub formula: &'static str,
-    /// Where it comes from.
-    pub source: &'static str,
-    /// Where it shows.
-    pub signature: Region,
-    /// What it can be mistaken for: ids of effects and names of stale parameters.
-    pub trades_with: &'static [&'static str],
-    /// Its parameters, in order.
-    pub parameters: &'static [Parameter],
-}
+use crate::dynamics::Both;
 
 /// One effect: what it is, and its hooks. A hook's `p` holds the parameters in the order of [`About::parameters`].
 pub trait Effect: Sync + std::fmt::Debug {
@@ -292,6 +76,16 @@ pub trait Effect: Sync + std::fmt::Debug {
     /// The most that parameter number `at` may be for a campaign to show it.
     fn most(&self, _at: usize, _extent: &Extent) -> f64 {
         f64::INFINITY
+    }
+
+    /// What it is in a simulator whose joints know a spring and an inertia.
+    fn in_simulator(&self, _p: &[f64]) -> Option<SimulatorJoint> {
+        None
+    }
+
+    /// The other joint that it follows, counted from 0.
+    fn other_joint(&self, _p: &[f64]) -> Option<usize> {
+        None
     }
 
     /// Added to gravity and inertia, N m at the joint.
@@ -362,43 +156,15 @@ pub trait Effect: Sync + std::fmt::Debug {
     }
 }
 
-/// Friction as bristles that bend before they slide: dk = sgn(K~ - k) |K~ - k|^exponent |dx| / travel.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Presliding {
-    /// Travel in which a bristle bends, rad.
-    pub travel_rad: f64,
-    /// Dahl's exponent, dimensionless: 1 is exponential.
-    pub exponent: f64,
-}
-
-impl Presliding {
-    /// What is left of a distance `left` in [0, 1] to the branch after `travel_rad` more: the equation integrated.
-    pub fn left(&self, left: f64, travel_rad: f64) -> f64 {
-        let share = travel_rad / self.travel_rad;
-        if left <= 0.0 || (self.exponent - 1.0).abs() < 1e-6 {
-            return left * (-share).exp();
-        }
-        let power = 1.0 - self.exponent;
-        (left.powf(power) - power * share).max(0.0).powf(1.0 / power)
-    }
-}
-
-/// A change-over of friction: K~ = ( atan(2 p u) / atan(2 p) )^n over the share u of the clearance.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Curve {
-    /// X_cl, m on the cable.
-    pub backlash_m: f64,
-    /// Steepness at its start, dimensionless.
-    pub p: f64,
-    /// Exponent, dimensionless: above 1 the change begins slowly.
-    pub n: f64,
-}
-
-impl Curve {
-    /// How much of the change is done at the share `u` of the clearance.
-    pub fn share(&self, u: f64) -> f64 {
-        ((2.0 * self.p * u).atan() / (2.0 * self.p).atan()).powf(self.n)
-    }
+/// What an effect is in a simulator's joint.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct SimulatorJoint {
+    /// Inertia beyond the link's own, kg m^2.
+    pub inertia_kg_m2: f64,
+    /// Of a spring, N m/rad.
+    pub stiffness_nm_rad: f64,
+    /// Torque of that spring at position 0, N m.
+    pub preload_nm: f64,
 }
 
 /// Values from `low` to `high`, evenly spaced in their logarithm.

@@ -1,6 +1,6 @@
 //! Elastic displacement before sliding, without a clearance.
 
-use super::{About, Effect, Extent, Family, Parameter, Presliding, Region, spaced};
+use super::{About, ActsOn, Effect, Excitation, Extent, Family, Parameter, Presliding, Region, spaced};
 
 /// Travels tried, as shares of the range moved through.
 const TRAVELS: (f64, f64) = (0.002, 0.15);
@@ -11,12 +11,15 @@ const EXPONENT_MIN: f64 = 0.65;
 static ABOUT: About = About {
     id: "presliding",
     family: Family::Physics,
+    acts_on: ActsOn::Friction,
     means: "elastic displacement before sliding",
     formula: "dk = sgn(K~ - k) |K~ - k|^exponent |dx| / travel_rad: friction k follows its branch over the travel",
     source: "Dahl 1968; Canudas de Wit, Olsson, Astrom and Lischinsky 1995",
     signature: Region::AfterReversal,
     trades_with: &["reversal_transition", "backlash_width", "time_delay"],
     parameters: &[Parameter::shape("travel_rad", 1e-9, 10.0), Parameter::shape("exponent", EXPONENT_MIN, 4.0)],
+    needs: &[Excitation::Reversals],
+    ..About::PLAIN
 };
 
 #[derive(Debug)]

@@ -1,11 +1,12 @@
 //! Drag beyond linear in speed.
 
-use super::{About, Carried, Effect, Extent, Family, Parameter, Region, Sample};
+use super::{About, ActsOn, Carried, Effect, Excitation, Extent, Family, Parameter, Region, Sample};
 use crate::dynamics::Both;
 
 static ABOUT: About = About {
     id: "quadratic_viscous",
     family: Family::Physics,
+    acts_on: ActsOn::Friction,
     means: "drag grows faster than speed, as with its square",
     formula: "up_nm_s2_rad2 |v|^exponent moving up, -down_nm_s2_rad2 |v|^exponent moving down, |v| over 1 rad/s; on \
               the branches of friction, or by_speed alone whatever the clearance does",
@@ -18,6 +19,8 @@ static ABOUT: About = About {
         Parameter::shape("exponent", 1.7, 3.0).or(2.0),
         Parameter::form("by_speed", 1.0),
     ],
+    needs: &[Excitation::Speeds],
+    ..About::PLAIN
 };
 
 #[derive(Debug)]

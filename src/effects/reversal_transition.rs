@@ -1,6 +1,6 @@
 //! Friction passes gradually from one branch to the other after a reversal: the clearance takes up first.
 
-use super::{About, Curve, Effect, Extent, Family, Parameter, Region, spaced};
+use super::{About, ActsOn, Curve, Effect, Excitation, Extent, Family, Parameter, Region, spaced};
 
 /// Clearances tried, as shares of the range moved through.
 const WIDTHS: (f64, f64) = (0.004, 0.4);
@@ -14,6 +14,7 @@ const CROSSED: f64 = 0.8;
 static ABOUT: About = About {
     id: "reversal_transition",
     family: Family::Physics,
+    acts_on: ActsOn::Friction,
     means: "friction passes gradually from one branch to the other after a reversal",
     formula: "K~ = (atan(2 p u) / atan(2 p))^n, u = travel since the reversal over backlash_rad",
     source: "paper (21) to (30); Nordin, Galic and Gutman 1997",
@@ -24,6 +25,8 @@ static ABOUT: About = About {
         Parameter::shape("p", 0.05, 50.0),
         Parameter::shape("n", 0.05, 5.0),
     ],
+    needs: &[Excitation::Reversals],
+    ..About::PLAIN
 };
 
 #[derive(Debug)]
@@ -35,6 +38,9 @@ impl Effect for ReversalTransition {
     }
 
     fn starts(&self, extent: &Extent) -> Vec<Vec<f64>> {
+        if extent.has_curve {
+            return Vec::new();
+        }
         let range_m = (extent.position_rad.1 - extent.position_rad.0) * extent.pulley_radius_m;
         let own_m = (extent.backlash_m > 0.0).then_some(extent.backlash_m);
         spaced(WIDTHS.0 * range_m, WIDTHS.1 * range_m, 8)

@@ -1,6 +1,6 @@
 //! The torque sensor clips at the ends of its range.
 
-use super::{About, Effect, Extent, Family, Parameter, Region, Role, Sample};
+use super::{About, ActsOn, Effect, Extent, Family, Parameter, Region, Role, Sample, Starts};
 
 /// Shares of the reading's range at which it is tried to clip.
 const LEVELS: [f64; 4] = [0.0, 0.05, 0.15, 0.3];
@@ -8,12 +8,17 @@ const LEVELS: [f64; 4] = [0.0, 0.05, 0.15, 0.3];
 static ABOUT: About = About {
     id: "saturation",
     family: Family::Fault,
+    acts_on: ActsOn::Sensor,
     means: "the torque sensor clips",
     formula: "reading = y kept between low_nm and high_nm",
     source: "end of the amplifier's or converter's range",
     signature: Region::Clipped,
     trades_with: &["end_stop"],
     parameters: &[Parameter::placed("low_nm", Role::Level, 1e9), Parameter::placed("high_nm", Role::Level, 1e9)],
+    by_hand: Some("pull with a torque near the sensor's range and see where the reading stops"),
+    remedy: Some("Record with a wider range of the torque sensor, or with less load."),
+    starts: Starts::ClipLevels,
+    ..About::PLAIN
 };
 
 #[derive(Debug)]

@@ -1,16 +1,25 @@
 //! The torque sensor's zero is off.
 
-use super::{About, Effect, Extent, Family, Parameter, Region, Sample};
+use super::{About, ActsOn, Effect, Extent, Family, Parameter, Region, Sample};
 
 static ABOUT: About = About {
     id: "sensor_bias",
     family: Family::Fault,
+    acts_on: ActsOn::Sensor,
     means: "the torque sensor has a constant offset",
     formula: "reading = y + bias_nm",
     source: "tare error",
     signature: Region::Everywhere,
     trades_with: &["coulomb"],
     parameters: &[Parameter::strength("bias_nm")],
+    by_hand: Some("take the cable off the winch and read the torque sensor at rest: what it reads is the bias"),
+    told_apart: &[(
+        "coulomb",
+        "take the cable off the winch and read the torque sensor at rest: a reading is the sensor's bias, none means that \
+         Coulomb friction changed",
+    )],
+    remedy: Some("Tare the torque sensor, then record again; the model need not change for it."),
+    ..About::PLAIN
 };
 
 #[derive(Debug)]

@@ -1,6 +1,6 @@
 //! The torque sensor's zero moves with time.
 
-use super::{About, Effect, Extent, Family, Parameter, Region, Sample, clock_s};
+use super::{About, ActsOn, Effect, Excitation, Extent, Family, Parameter, Region, Sample, Starts, clock_s};
 use std::f64::consts::PI;
 
 /// Where the waves stand among the parameters.
@@ -8,9 +8,13 @@ const FIRST_WAVE: usize = 6;
 /// Most waves; without any it settles and runs on, with them it may wander.
 const WAVES: usize = 4;
 
+/// Times at which its size is looked at: each wave's crests are met within 1 %.
+const SCANNED: usize = 64;
+
 static ABOUT: About = About {
     id: "sensor_drift",
     family: Family::Fault,
+    acts_on: ActsOn::Sensor,
     means: "the torque sensor's offset moves with time",
     formula: "reading = y + line_nm t/horizon_s + settle_nm exp(-t/settle_s) + sum over k of wave_k_nm cos(pi k t/horizon_s), k to \
               waves",
@@ -29,6 +33,12 @@ static ABOUT: About = About {
         Parameter::wave("wave_3_nm", 0.0056),
         Parameter::wave("wave_4_nm", 0.0031),
     ],
+    needs: &[Excitation::Time],
+    by_hand: Some("leave the joint at rest without load for as long as the campaign took and log the sensor"),
+    remedy: Some("Let the torque sensor warm up and tare it before each trial; the model need not change for it."),
+    starts: Starts::Forms,
+    of_time: true,
+    ..About::PLAIN
 };
 
 #[derive(Debug)]
@@ -58,16 +68,27 @@ impl Effect for SensorDrift {
         at < FIRST_WAVE || ((at - FIRST_WAVE) as f64) < p[2]
     }
 
-    fn reading_nm(&self, p: &[f64], sample: &Sample<'_>, torque_nm: f64) -> f64 {
-        let t_s = clock_s(p[0], sample);
-        let share = t_s / p[1];
-        // cos(k x) from the two before: a smooth drift needs no more.
-        let first = (PI * share).cos();
-        let (mut before, mut now, mut sum) = (1.0, first, 0.0);
-        for wave_nm in &p[FIRST_WAVE..] {
-            sum += wave_nm * now;
-            (before, now) = (now, 2.0 * first * now - before);
-        }
-        torque_nm + p[4] * (-t_s / p[3]).exp() + p[5] * share + sum
+    /// A zero that moves by more than all that the sensor read is no drift.
+    fn is_itself(&self, p: &[f64], extent: &Extent) -> bool {
+        let drift: Vec<f64> = (0..=SCANNED).map(|i| offset_nm(p, p[1] * i as f64 / SCANNED as f64)).collect();
+        let (low, high) = drift.iter().fold((f64::MAX, f64::MIN), |(low, high), x| (low.min(*x), high.max(*x)));
+        high - low <= extent.torque_nm.1 - extent.torque_nm.0
     }
+
+    fn reading_nm(&self, p: &[f64], sample: &Sample<'_>, torque_nm: f64) -> f64 {
+        torque_nm + offset_nm(p, clock_s(p[0], sample))
+    }
+}
+
+/// The offset `t_s` on its clock, N m.
+fn offset_nm(p: &[f64], t_s: f64) -> f64 {
+    let share = t_s / p[1];
+    // cos(k x) from the two before: a smooth drift needs no more.
+    let first = (PI * share).cos();
+    let (mut before, mut now, mut sum) = (1.0, first, 0.0);
+    for wave_nm in &p[FIRST_WAVE..] {
+        sum += wave_nm * now;
+        (before, now) = (now, 2.0 * first * now - before);
+    }
+    p[4] * (-t_s / p[3]).exp() + p[5] * share + sum
 }

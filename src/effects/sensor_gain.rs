@@ -1,16 +1,35 @@
 //! The torque sensor's scale is off.
 
-use super::{About, Effect, Extent, Family, Parameter, Region, Sample};
+use super::{About, ActsOn, Effect, Excitation, Extent, Family, Parameter, Region, Sample};
 
 static ABOUT: About = About {
     id: "sensor_gain",
     family: Family::Fault,
+    acts_on: ActsOn::Sensor,
     means: "the torque sensor's scale is off",
     formula: "reading = (1 + error) y",
     source: "calibration error",
     signature: Region::Load,
     trades_with: &["load_coefficient", "gravity"],
     parameters: &[Parameter::strength("error")],
+    needs: &[Excitation::Loads],
+    by_hand: Some(
+        "hang a known weight on the winch without the joint: the reading over its torque is the sensor's gain",
+    ),
+    told_apart: &[
+        (
+            "load_coefficient",
+            "hang a known weight on the winch without the joint: a wrong reading is the sensor's gain, a right one means \
+             that load-dependent friction changed",
+        ),
+        (
+            "gravity",
+            "hang a known weight on the winch without the joint: a wrong reading is the sensor's gain, a right one means \
+             that the weight changed",
+        ),
+    ],
+    remedy: Some("Calibrate the torque sensor against a known load; the model need not change for it."),
+    ..About::PLAIN
 };
 
 #[derive(Debug)]

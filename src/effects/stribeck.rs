@@ -1,11 +1,12 @@
 //! Friction that falls as the speed grows from rest.
 
-use super::{About, Carried, Effect, Extent, Family, Parameter, Region, Sample, spaced};
+use super::{About, ActsOn, Carried, Effect, Excitation, Extent, Family, Parameter, Region, Sample, spaced};
 use crate::dynamics::Both;
 
 static ABOUT: About = About {
     id: "stribeck",
     family: Family::Physics,
+    acts_on: ActsOn::Friction,
     means: "friction falls with speed at low speed",
     formula: "up_nm exp(-(|v| / speed_rad_s)^exponent) moving up, -down_nm exp(...) moving down",
     source: "Armstrong-Helouvry, Dupont and Canudas de Wit 1994",
@@ -17,6 +18,8 @@ static ABOUT: About = About {
         Parameter::shape("speed_rad_s", 1e-5, 100.0),
         Parameter::shape("exponent", 0.5, 3.0),
     ],
+    needs: &[Excitation::Speeds],
+    ..About::PLAIN
 };
 
 #[derive(Debug)]

@@ -1,10 +1,11 @@
 //! The torque is recorded late, or early, against the position.
 
-use super::{About, Effect, Extent, Family, Parameter, Region};
+use super::{About, ActsOn, Effect, Excitation, Extent, Family, Parameter, Region, Starts};
 
 static ABOUT: About = About {
     id: "time_delay",
     family: Family::Fault,
+    acts_on: ActsOn::Sensor,
     means: "torque is recorded late against position",
     formula: "reading(t) = y(t - delay_s); if first_order: delay_s d(reading)/dt = y - reading",
     source: "transport on the bus, an analog filter",
@@ -14,6 +15,11 @@ static ABOUT: About = About {
         Parameter { bounds: (-10.0, 10.0), ..Parameter::strength("delay_s") },
         Parameter::form("first_order", 1.0),
     ],
+    needs: &[Excitation::TorqueRate],
+    by_hand: Some("tap the winch and compare when encoder and torque sensor answer"),
+    remedy: Some("Find where the recorder stamps torque and position apart; the model need not change for it."),
+    starts: Starts::Forms,
+    ..About::PLAIN
 };
 
 #[derive(Debug)]

@@ -1,17 +1,21 @@
 //! Torque that varies periodically with position whatever the direction: cogging, an eccentric pulley.
 
 use super::ripple::{parameters, repeats, ripple_nm, starts};
-use super::{About, Effect, Extent, Family, Region, Sample};
+use super::{About, ActsOn, Effect, Excitation, Extent, Family, Region, Sample, Starts};
 
 static ABOUT: About = About {
     id: "torque_ripple",
     family: Family::Physics,
+    acts_on: ActsOn::Load,
     means: "torque varies with position whatever the direction: cogging, an eccentric pulley",
     formula: "sum over h of sin_h_nm sin(2 pi h periods_per_rad q) + cos_h_nm cos(...), + (sin_of_load sin + cos_of_load cos) of one period times the load",
     source: "Tuttle and Seering 1996; cogging at 6 and 12 times the pole pairs",
     signature: Region::Position,
     trades_with: &["gravity_phase", "elastic_spring", "friction_ripple"],
     parameters: &parameters("sin_of_load", "cos_of_load"),
+    needs: &[Excitation::Range],
+    starts: Starts::PositionLines { by_direction: false },
+    ..About::PLAIN
 };
 
 #[derive(Debug)]

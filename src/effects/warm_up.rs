@@ -1,6 +1,6 @@
 //! Friction that falls as grease and bearings warm up.
 
-use super::{About, Carried, Effect, Extent, Family, Parameter, Region, Sample, clock_s, spaced};
+use super::{About, ActsOn, Carried, Effect, Excitation, Extent, Family, Parameter, Region, Sample, clock_s, spaced};
 use crate::dynamics::Both;
 
 /// How cold the joint still is, 1 at first.
@@ -15,6 +15,7 @@ const LESS_MAX: f64 = 0.1;
 static ABOUT: About = About {
     id: "warm_up",
     family: Family::Physics,
+    acts_on: ActsOn::Friction,
     means: "friction decays as the joint warms up",
     formula: "friction (1 + cold_share w) + or - cold_nm w + cold_nm_s_rad v w, w = exp(-(t/time_constant_s)^exponent), or \
               with a long_tail (1 + t/time_constant_s)^-exponent",
@@ -30,6 +31,10 @@ static ABOUT: About = About {
         Parameter::shape("exponent", 0.3, 2.0),
         Parameter::form("long_tail", 1.0),
     ],
+    needs: &[Excitation::Time],
+    by_hand: Some("repeat the first trial cold and again after ten minutes of motion"),
+    of_time: true,
+    ..About::PLAIN
 };
 
 #[derive(Debug)]

@@ -98,13 +98,13 @@ pub fn controller(model: &Model, language: Language, settings: &Settings) -> Res
 
 fn parts(model: &Model, language: Language, settings: &Settings) -> Result<Parts> {
     let name = plain_name(model);
-    let of_other = |e: &Added| if e.id() == "joint_coupling" { e.parameters[0] as usize } else { 0 };
+    let of_other = |e: &Added| e.effect.other_joint(&e.parameters).map_or(0, |joint| joint + 1);
     let presliding = model.presliding().map(|bristles| Bristles {
         travel_rad: number(bristles.travel_rad),
         exponential: (bristles.exponent - 1.0).abs() < 1e-6,
         power: number(1.0 - bristles.exponent),
     });
-    let needs_slope = model.chain.is_some() && model.effects.iter().any(|e| e.id() == "cable_elasticity");
+    let needs_slope = model.chain.is_some() && stretches(model);
     Ok(Parts {
         upper: name.to_ascii_uppercase(),
         joint: commented(&model.joint.name),
@@ -125,6 +125,11 @@ fn parts(model: &Model, language: Language, settings: &Settings) -> Result<Parts
         body: body(model, language, needs_slope),
         name,
     })
+}
+
+/// Whether any effect takes the joint away from where its encoder is.
+fn stretches(model: &Model) -> bool {
+    model.effects.iter().any(|e| e.effect.position_lag_rad(&e.parameters, 1.0, 1.0) != 0.0)
 }
 
 /// What stands in a comment: nothing that would end it or begin another, on one line, in the order in which it is read.
@@ -235,7 +240,7 @@ fn rigid(model: &Model, needs_slope: bool, code: &mut Code) {
     };
     let weight = if turns { format!("{gravity} * sin({angle})") } else { gravity.clone() };
     code.constant("asked_nm", &format!("({inertia} * a + {weight}) + {load}"));
-    if model.effects.iter().any(|e| e.id() == "cable_elasticity") {
+    if stretches(model) {
         let slope = match (needs_slope, turns) {
             (true, _) => code.of_sample("slope_nm_rad"),
             (false, true) => format!("{gravity} * cos({angle})"),

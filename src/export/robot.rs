@@ -3,7 +3,7 @@
 
 use super::plain_name;
 use crate::dynamics::{JointKind, Motion};
-use crate::effects::{Added, Sample};
+use crate::effects::{Added, Family, Sample, SimulatorJoint};
 use crate::model::{Asked, Direction, Model};
 use crate::problem::{visible, visible_lines};
 use std::f64::consts::FRAC_PI_2;
@@ -43,34 +43,36 @@ struct Point {
 impl Likeness {
     /// Of `model`, judged at constant speeds between the two `speeds_rad_s`, hanging to level under its own weight.
     pub fn of(model: &Model, speeds_rad_s: (f64, f64)) -> Self {
-        let sum = |id: &str, at: usize| -> f64 {
-            model.effects.iter().filter(|e| e.id() == id).map(|e| e.parameters[at]).sum()
-        };
-        let (stiffness, preload) = (sum("elastic_spring", 0), sum("elastic_spring", 1));
+        let sum = |of: fn(SimulatorJoint) -> f64| model.effects.iter().filter_map(held).map(of).sum::<f64>();
+        let (stiffness, preload) = (sum(|joint| joint.stiffness_nm_rad), sum(|joint| joint.preload_nm));
         let points = points(model, speeds_rad_s);
         let (friction_nm, damping_nm_s_rad) = line(&points);
         let rms = |of: &dyn Fn(&Point) -> f64| {
             (points.iter().map(|p| of(p).powi(2)).sum::<f64>() / points.len().max(1) as f64).sqrt()
         };
-        let held = |p: &Point| p.sign * (friction_nm + damping_nm_s_rad * p.speed_rad_s);
+        let simple_nm = |p: &Point| p.sign * (friction_nm + damping_nm_s_rad * p.speed_rad_s);
         Self {
             friction_nm,
             damping_nm_s_rad,
-            armature_kg_m2: sum("inertia", 0).max(0.0),
+            armature_kg_m2: sum(|joint| joint.inertia_kg_m2).max(0.0),
             stiffness_nm_rad: stiffness,
             spring_rests_rad: if stiffness == 0.0 { 0.0 } else { -preload / stiffness },
-            left_nm: rms(&|p| p.friction_nm - held(p)),
+            left_nm: rms(&|p| p.friction_nm - simple_nm(p)),
             whole_nm: rms(&|p| p.friction_nm),
             lacks: lacks(model, &points),
         }
     }
 }
 
+/// What a simulator's joint holds of an effect.
+fn held(added: &Added) -> Option<SimulatorJoint> {
+    added.effect.in_simulator(&added.parameters)
+}
+
 /// The model's friction, its spring and inertia left out, over speeds, directions and positions.
 fn points(model: &Model, (slow, fast): (f64, f64)) -> Vec<Point> {
-    let is_held = |e: &Added| matches!(e.id(), "elastic_spring" | "inertia" | "contact" | "saturation");
     let mut model = model.clone();
-    model.effects.retain(|e| !is_held(e));
+    model.effects.retain(|e| held(e).is_none() && e.effect.about().family != Family::Outside);
     let turns = model.joint.kind == JointKind::Revolute;
     let reach = if turns { FRAC_PI_2 } else { 0.0 };
     let mut points = Vec::new();
@@ -132,7 +134,7 @@ fn lacks(model: &Model, points: &[Point]) -> Vec<String> {
             1e3 * model.backlash_m()
         ));
     }
-    for e in model.effects.iter().filter(|e| !matches!(e.id(), "elastic_spring" | "inertia")) {
+    for e in model.effects.iter().filter(|e| held(e).is_none()) {
         lacks.push(format!("{}: {}", e.id(), e.effect.about().means));
     }
     lacks
@@ -183,7 +185,7 @@ fn remark(model: &Model, like: &Likeness, source: &str, has_springs: bool) -> St
     ];
     lines.extend(like.lacks.iter().map(|lack| format!("  - {lack}")));
     if !has_springs && like.stiffness_nm_rad != 0.0 {
-        lines.push("  - elastic_spring: a spring about the joint".to_string());
+        lines.push("  - a spring about the joint".to_string());
     }
     if !has_springs && like.armature_kg_m2 != 0.0 {
         lines.push(format!("  - {} kg m^2 of inertia beyond the link's: add it to the link", like.armature_kg_m2));

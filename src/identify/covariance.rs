@@ -7,13 +7,14 @@
 
 use super::scale::Scale;
 use super::stribeck::{ExponentialFit, Points};
+use crate::model::Term;
 use nalgebra::{DMatrix, DVector};
 
 /// Covariance of the friction parameters of one direction that the fit left free.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Covariance {
-    /// Their names, a selection of `Friction::NAMES`.
-    pub parameters: Vec<&'static str>,
+    /// Which.
+    pub parameters: Vec<Term>,
     /// Their covariance, each in its own unit.
     pub matrix: DMatrix<f64>,
 }
@@ -36,7 +37,7 @@ impl Covariance {
         let matrix = &factors * of_b * factors.transpose()
             + &by_a * by_a.transpose() * variance_of_a
             + &by_zero * by_zero.transpose() * scale.variance_of_zero();
-        Ok(Self { parameters: free.iter().map(|i| places[*i].name).collect(), matrix })
+        Ok(Self { parameters: free.iter().map(|i| places[*i].term).collect(), matrix })
     }
 
     /// Correlation of the parameters at `i` and `j`, -1 to 1; NaN where one has no variance.
@@ -45,10 +46,10 @@ impl Covariance {
     }
 
     /// The `number` pairs that are correlated most, either way: where a change of one is made up for by the other.
-    pub fn strongest(&self, number: usize) -> Vec<(&'static str, &'static str, f64)> {
+    pub fn strongest(&self, number: usize) -> Vec<(Term, Term, f64)> {
         let n = self.parameters.len();
         let pairs = (0..n).flat_map(|i| (i + 1..n).map(move |j| (i, j)));
-        let mut pairs: Vec<(&'static str, &'static str, f64)> =
+        let mut pairs: Vec<(Term, Term, f64)> =
             pairs.map(|(i, j)| (self.parameters[i], self.parameters[j], self.correlation(i, j))).collect();
         pairs.retain(|pair| pair.2.is_finite());
         pairs.sort_by(|a, b| b.2.abs().total_cmp(&a.2.abs()));

@@ -8,7 +8,7 @@ use super::legs::{Amplitude, LegFit, weights};
 use super::scale::{CONSPIRING, Scale};
 use super::stribeck::{ExponentialFit, Points, Profile};
 use crate::log::Uncertainty;
-use crate::model::{Both, Confidence, Direction, Friction, Joint};
+use crate::model::{Both, Confidence, Direction, Friction, Joint, Term};
 use crate::numerics::statistics::{mean, standard_deviation};
 use crate::problem::{Problem, Result};
 use std::path::Path;
@@ -27,8 +27,8 @@ pub struct FrictionFit {
     pub a: Amplitude,
     /// The seven parameters.
     pub friction: Friction,
-    /// What is known of each, in the order of `Friction::NAMES`.
-    pub confidence: [Confidence; 7],
+    /// What is known of each, in the order of [`Term::ALL`].
+    pub confidence: [Confidence; Term::COUNT],
     /// What is known of them together, or in words why that cannot be said.
     pub covariance: std::result::Result<Covariance, &'static str>,
     /// The points B(v).

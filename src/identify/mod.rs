@@ -44,7 +44,7 @@ pub use zero::Zero;
 
 use crate::dynamics::JointKind;
 use crate::log::{Arm, Campaign, Protocol, TrialEntry};
-use crate::model::{Both, Combination, Confidence, Direction, Friction, Model, Status};
+use crate::model::{Both, Combination, Confidence, Direction, Friction, Model, Status, Term};
 use crate::problem::{Problem, Problems, Result};
 use drift::{Drift, LegTime};
 use predicted::Prepared;
@@ -264,8 +264,8 @@ pub fn with_friction(mut model: Model, fits: &Both<FrictionFit>) -> Model {
     for direction in Direction::BOTH {
         let fit = fits.of(direction);
         *model.friction.of_mut(direction) = fit.friction;
-        for (name, confidence) in Friction::NAMES.iter().zip(fit.confidence) {
-            model.confidence.insert(format!("friction.{}.{name}", direction.name()), confidence);
+        for (term, confidence) in Term::ALL.iter().zip(fit.confidence) {
+            model.confidence.insert(term.dotted(direction), confidence);
         }
     }
     model
@@ -294,8 +294,8 @@ fn from_free_motion(campaign: &Campaign, readings: Vec<Reading>, settings: Setti
     let mut model = fit.fit.model.clone();
     let unseen = Confidence { low: f64::NEG_INFINITY, high: f64::INFINITY, cv: f64::INFINITY, status: Status::Flat };
     for direction in Direction::BOTH {
-        for name in Friction::NAMES {
-            model.confidence.insert(format!("friction.{}.{name}", direction.name()), unseen);
+        for term in Term::ALL {
+            model.confidence.insert(term.dotted(direction), unseen);
         }
     }
     learn(&mut model, &fit.fit.confidence);

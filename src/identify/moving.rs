@@ -2,7 +2,7 @@
 
 use super::combination::CurveKind;
 use super::predicted::Prepared;
-use crate::model::{Combination, Direction, Friction, Model};
+use crate::model::{Combination, Direction, Model, Term};
 use crate::numerics::statistics::extent;
 
 /// The largest clearance looked for, as a share of the longest stroke: beyond, no sample would ever be off a transition.
@@ -11,8 +11,8 @@ pub const MAX_BACKLASH: f64 = 0.5;
 /// A parameter that may move.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Free {
-    /// One of `Friction::NAMES`, by place. Rates move by their logarithm.
-    Friction(Direction, usize),
+    /// A term of friction. Rates move by their logarithm.
+    Friction(Direction, Term),
     /// p or n of a curve that has one, by its logarithm.
     Curve(CurveKind),
     /// X_cl, by its logarithm.
@@ -25,7 +25,7 @@ impl Free {
     /// Dotted name as in `model.json`.
     pub fn name(self) -> String {
         match self {
-            Self::Friction(direction, i) => format!("friction.{}.{}", direction.name(), Friction::NAMES[i]),
+            Self::Friction(direction, term) => term.dotted(direction),
             Self::Curve(kind) => format!("combination.{}", if kind == CurveKind::Power { "n" } else { "p" }),
             Self::Backlash => "joint.backlash_m".to_string(),
             Self::Zero => super::zero::NAME.to_string(),
@@ -33,7 +33,7 @@ impl Free {
     }
 
     fn is_rate(self) -> bool {
-        matches!(self, Self::Friction(_, 3 | 5))
+        matches!(self, Self::Friction(_, term) if term.is_rate())
     }
 
     fn is_logarithmic(self) -> bool {
@@ -43,7 +43,7 @@ impl Free {
     /// The parameter of `model` as it moves: its logarithm or itself.
     pub fn read(self, model: &Model) -> f64 {
         let value = match self {
-            Self::Friction(direction, i) => model.friction.of(direction).values()[i],
+            Self::Friction(direction, term) => model.friction.of(direction)[term],
             Self::Curve(_) => match model.combination {
                 Combination::Arctan { p, .. } => p,
                 Combination::Power { n } => n,
@@ -59,11 +59,9 @@ impl Free {
     pub fn write(self, model: &mut Model, moved: f64) {
         let value = if self.is_logarithmic() { moved.exp() } else { moved };
         match self {
-            Self::Friction(direction, i) => {
-                let branch = model.friction.of_mut(direction);
-                let mut values = branch.values();
-                values[i] = if self.is_rate() { direction.sign() * value } else { value };
-                *branch = Friction::from_values(values);
+            Self::Friction(direction, term) => {
+                let sign = if term.is_rate() { direction.sign() } else { 1.0 };
+                model.friction.of_mut(direction)[term] = sign * value;
             }
             Self::Curve(kind) => model.combination = kind.with(value),
             Self::Backlash => model.joint.backlash_m = value,
@@ -110,12 +108,14 @@ impl Limits {
         let rates = ((0.2 / self.speed_rad_s).ln(), (100.0 / self.speed_rad_s).ln());
         let (low, high) = match free {
             // Below zero where the load pulls the other way: mu_c y must oppose the motion whatever the sign of y.
-            Free::Friction(_, 0) => (-5.0, 0.9),
-            Free::Friction(_, 3) => (rates.0 - self.pulley_radius_m.ln(), rates.1 - self.pulley_radius_m.ln()),
-            Free::Friction(_, 5) => rates,
+            Free::Friction(_, Term::Load) => (-5.0, 0.9),
+            Free::Friction(_, Term::CableDecay) => {
+                (rates.0 - self.pulley_radius_m.ln(), rates.1 - self.pulley_radius_m.ln())
+            }
+            Free::Friction(_, Term::JointDecay) => rates,
             // Of either sign, as in the fit of B(v): where friction falls with speed, a bound at zero would hold the rest off its
             // best and slow the search tenfold.
-            Free::Friction(_, 6) => {
+            Free::Friction(_, Term::Viscous) => {
                 let steepest = 10.0 * self.force_n / self.speed_rad_s;
                 (-steepest, steepest)
             }

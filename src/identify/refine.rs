@@ -8,7 +8,7 @@ use super::predicted::Prepared;
 use super::strokes::{Part, square_sums};
 use super::support::excess;
 use super::whole::{WholeFit, best_whole, fit_whole, rmse_nm};
-use crate::model::{Both, Confidence, Direction, Friction, Model};
+use crate::model::{Both, Confidence, Direction, Friction, Model, Term};
 use crate::numerics::marquardt::Stopped;
 
 /// What refining gained.
@@ -130,13 +130,9 @@ fn free_parameters(model: &Model) -> Vec<Free> {
     let mut free = Vec::new();
     for direction in Direction::BOTH {
         let friction: &Friction = model.friction.of(direction);
-        free.extend([0, 1, 6].map(|i| Free::Friction(direction, i)));
-        if friction.b_c != 0.0 {
-            free.extend([2, 3].map(|i| Free::Friction(direction, i)));
-        }
-        if friction.b_j != 0.0 {
-            free.extend([4, 5].map(|i| Free::Friction(direction, i)));
-        }
+        free.extend(
+            Term::ALL.into_iter().filter(|term| !friction.lacks(*term)).map(|term| Free::Friction(direction, term)),
+        );
     }
     let kind = CurveKind::of(&model.combination);
     free.extend(kind.range().map(|_| Free::Curve(kind)));

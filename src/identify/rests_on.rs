@@ -2,7 +2,7 @@
 
 use super::legs::Amplitude;
 use super::zero::Zero;
-use crate::model::{Both, Combination, Direction, Friction, Model};
+use crate::model::{Both, Combination, Direction, Model, Term};
 use std::collections::BTreeMap;
 
 /// One thing that an interval rests on.
@@ -35,7 +35,8 @@ pub(super) fn of_sweeps(
         let (friction, a) = (model.friction.of(direction), a.of(direction));
         let loss = 1.0 - friction.mu_c;
         let by_degree = if a.a_nm == 0.0 { 0.0 } else { (a.by_zero_nm_rad / a.a_nm).to_radians() };
-        for (name, value) in Friction::NAMES.iter().zip(friction.values()) {
+        for term in Term::ALL {
+            let value = friction[term];
             if value == 0.0 {
                 continue;
             }
@@ -43,18 +44,17 @@ pub(super) fn of_sweeps(
             let of_zero =
                 |moves: f64| RestsOn { on: "zero of the position", fitted: zero.is_fitted(), change: "1 deg", moves };
             let mut rests = Vec::new();
-            match *name {
-                "mu_c" if load_nm != 0.0 => {
+            match term {
+                Term::Load if load_nm != 0.0 => {
                     rests.push(declared("gravity or measured load", "1 %", PERCENT * loss));
                     rests.push(declared("winch_radius_m", "1 %", PERCENT * loss));
                     rests.push(declared("pulley_radius_m", "1 %", PERCENT * loss));
                     rests.push(declared("scale of the torque", "1 %", PERCENT * loss));
                     rests.push(of_zero((loss * by_degree).abs()));
                 }
-                "mu_c" => {}
-                "c_c" => rests.push(declared("pulley_radius_m", "1 %", PERCENT * value)),
-                "c_j" => {}
-                force => {
+                Term::Load | Term::JointDecay => {}
+                Term::CableDecay => rests.push(declared("pulley_radius_m", "1 %", PERCENT * value)),
+                _ => {
                     if load_nm != 0.0 {
                         rests.push(declared("gravity or measured load", "1 %", PERCENT * value));
                         rests.push(declared("pulley_radius_m", "1 %", PERCENT * value));
@@ -63,13 +63,13 @@ pub(super) fn of_sweeps(
                         rests.push(declared("winch_radius_m", "1 %", PERCENT * value));
                         rests.push(declared("scale of the torque", "1 %", PERCENT * value));
                     }
-                    if force == "a_j" {
+                    if term == Term::Coulomb {
                         let moves = MILLI * loss / model.joint.winch_radius_m;
                         rests.push(declared("zero of the torque", "1 mN m", moves));
                     }
                 }
             }
-            all.insert(format!("friction.{}.{name}", direction.name()), rests);
+            all.insert(term.dotted(direction), rests);
         }
     }
     all.extend(of_curve(model));

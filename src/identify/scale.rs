@@ -4,7 +4,7 @@ use super::confidence::interval;
 use super::legs::Amplitude;
 use super::stribeck::{ExponentialFit, Points, Profile};
 use crate::log::Uncertainty;
-use crate::model::{Confidence, Direction, Friction, Joint, Status};
+use crate::model::{Confidence, Direction, Friction, Joint, Status, Term};
 use crate::numerics::statistics::{HALF_WIDTH, fisher_f};
 
 /// A parameter's interval leaves both rates free to conspire with it: where they cannot be told apart, the interval of one
@@ -34,8 +34,8 @@ pub(super) struct Scale {
 
 /// Where a parameter comes from.
 pub(super) struct Place {
-    /// One of `Friction::NAMES`.
-    pub name: &'static str,
+    /// Which.
+    pub term: Term,
     /// Its place among the fit's coefficients and rates; `None` of mu_c.
     pub in_fit: Option<usize>,
     /// The parameter per coefficient or rate there.
@@ -94,35 +94,35 @@ impl Scale {
         }
     }
 
-    /// Where each parameter of the form of `fit` comes from, in the order of `Friction::NAMES`.
+    /// Where each parameter of the form of `fit` comes from, in the order of [`Term::ALL`].
     pub fn places(&self, fit: &ExponentialFit) -> Vec<Place> {
         let (sign, per_nm, number) = (self.direction.sign(), self.per_nm, fit.rates.len());
         let with_load = self.a_relative.is_finite();
         // By (18) 1 - mu_c, and with it every force, goes as 1 / A.
         let relative = if with_load { 1.0 / self.a.a_nm } else { 0.0 };
-        let force = |name, i: usize, factor: f64, shift: f64| {
+        let force = |term, i: usize, factor: f64, shift: f64| {
             let by_a = -factor * (fit.coefficients[i] * relative + shift);
             // The zero moves A, and B = y - A R by R itself.
             let direct = if shift == 0.0 { 0.0 } else { factor * self.a.a_nm * self.mean_slope };
-            Place { name, in_fit: Some(i), factor, by_a, by_zero: by_a * self.a.by_zero_nm_rad - direct, held: false }
+            Place { term, in_fit: Some(i), factor, by_a, by_zero: by_a * self.a.by_zero_nm_rad - direct, held: false }
         };
-        let rate = |name, i: usize, factor: f64| {
+        let rate = |term, i: usize, factor: f64| {
             let in_fit = Some(fit.coefficients.len() + i);
-            Place { name, in_fit, factor, by_a: 0.0, by_zero: 0.0, held: fit.at_bound[i] }
+            Place { term, in_fit, factor, by_a: 0.0, by_zero: 0.0, held: fit.at_bound[i] }
         };
         let by_a = (1.0 - self.mu_c) * relative;
         let by_zero = by_a * self.a.by_zero_nm_rad;
-        let mut places = vec![Place { name: "mu_c", in_fit: None, factor: 0.0, by_a, by_zero, held: !with_load }];
-        places.push(force("a_j", 0, per_nm, self.mean_sine));
+        let mut places = vec![Place { term: Term::Load, in_fit: None, factor: 0.0, by_a, by_zero, held: !with_load }];
+        places.push(force(Term::Coulomb, 0, per_nm, self.mean_sine));
         if number == 2 {
-            places.push(force("b_c", 3, per_nm, 0.0));
-            places.push(rate("c_c", 1, sign / self.pulley_radius_m));
+            places.push(force(Term::CableStribeck, 3, per_nm, 0.0));
+            places.push(rate(Term::CableDecay, 1, sign / self.pulley_radius_m));
         }
         if number > 0 {
-            places.push(force("b_j", 2, per_nm, 0.0));
-            places.push(rate("c_j", 0, sign));
+            places.push(force(Term::JointStribeck, 2, per_nm, 0.0));
+            places.push(rate(Term::JointDecay, 0, sign));
         }
-        places.push(force("d", 1, sign * per_nm, 0.0));
+        places.push(force(Term::Viscous, 1, sign * per_nm, 0.0));
         places
     }
 
@@ -136,29 +136,34 @@ impl Scale {
         if self.a.given_zero_nm == 0.0 { 0.0 } else { self.a.sd_nm.powi(2) / self.a.legs as f64 }
     }
 
-    /// What is known of each parameter, in the order of `Friction::NAMES`.
-    pub fn confidence(&self, fit: &ExponentialFit, profile: Option<&Profile>, points: &Points) -> [Confidence; 7] {
+    /// What is known of each parameter, in the order of [`Term::ALL`].
+    pub fn confidence(
+        &self,
+        fit: &ExponentialFit,
+        profile: Option<&Profile>,
+        points: &Points,
+    ) -> [Confidence; Term::COUNT] {
         let sigma = (fit.residual_sum / fit.freedom().max(1.0)).sqrt();
         let known_half_widths = (CONSPIRING * fisher_f(CONSPIRING, MANY)).sqrt();
         let (sign, two) = (self.direction.sign(), fit.rates.len() == 2);
         let absent =
             Confidence { low: f64::NEG_INFINITY, high: f64::INFINITY, cv: f64::INFINITY, status: Status::Flat };
         let places = self.places(fit);
-        // What A, the zero and what is declared add to the interval of the parameter called `name`; with mu_c left out, not
+        // What A, the zero and what is declared add to the interval of the parameter `term`; with mu_c left out, not
         // estimated, its error is nobody's.
-        let beside = |name: &str, value: f64| {
-            let Some(place) = places.iter().find(|place| place.name == name) else { return 0.0 };
+        let beside = |term: Term, value: f64| {
+            let Some(place) = places.iter().find(|place| place.term == term) else { return 0.0 };
             let of_a = if self.a.given_zero_nm.is_finite() { place.by_a * self.a.given_zero_nm } else { f64::INFINITY };
-            let of_torque = if name == "a_j" { place.factor * self.uncertainty.torque_zero_nm } else { 0.0 };
+            let of_torque = if term == Term::Coulomb { place.factor * self.uncertainty.torque_zero_nm } else { 0.0 };
             let of_zero = place.by_zero * self.a.zero_half_width_rad;
             of_a.hypot(of_zero).hypot(of_torque).hypot(value * self.uncertainty.of_force())
         };
         // A coefficient of B, `i`, as the parameter that is `factor` times it; without a profile nothing is known of it.
-        let linear = |name: &str, i: usize, factor: f64| {
+        let linear = |term: Term, i: usize, factor: f64| {
             let Some(profile) = profile else { return absent };
             let value = factor * fit.coefficients[i];
             let (low, high) = profile.coefficients[i];
-            let beside = beside(name, value);
+            let beside = beside(term, value);
             let column = points.weighted_norm(|u| basis(i, u, &fit.rates));
             let alone = sigma / column / fit.coefficients[i].abs();
             interval(value, [factor * low, factor * high], beside, known_half_widths, alone, false)
@@ -178,12 +183,12 @@ impl Scale {
         let any = !fit.rates.is_empty();
         [
             interval(self.mu_c, [self.mu_c - mu_half, self.mu_c + mu_half], 0.0, HALF_WIDTH, mu_alone, false),
-            linear("a_j", 0, per_nm),
-            if two { linear("b_c", 2 + fast, per_nm) } else { absent },
+            linear(Term::Coulomb, 0, per_nm),
+            if two { linear(Term::CableStribeck, 2 + fast, per_nm) } else { absent },
             if two { rate(fast, sign / self.pulley_radius_m) } else { absent },
-            if any { linear("b_j", 2, per_nm) } else { absent },
+            if any { linear(Term::JointStribeck, 2, per_nm) } else { absent },
             if any { rate(0, sign) } else { absent },
-            linear("d", 1, sign * per_nm),
+            linear(Term::Viscous, 1, sign * per_nm),
         ]
     }
 }

@@ -9,7 +9,7 @@ use super::confidence::interval;
 use super::moving::{Free, Limits};
 use super::strokes::{Part, Stroke};
 use super::zero::known;
-use crate::model::{Both, Confidence, Direction, Model};
+use crate::model::{Both, Confidence, Direction, Model, Term};
 use crate::numerics::cluster;
 use crate::numerics::marquardt::{Minimum, Residuals, Stopped, minimise};
 use crate::numerics::statistics::{HALF_WIDTH, student_t};
@@ -128,7 +128,7 @@ impl Whole<'_> {
             };
             let ends = [moved - t * se, moved + t * se];
             let confidence = match free {
-                Free::Friction(d, 3 | 5) => {
+                Free::Friction(d, term) if term.is_rate() => {
                     let of = |x: f64| d.sign() * x.exp();
                     interval(of(moved), [of(ends[0]), of(ends[1])], 0.0, HALF_WIDTH, alone, minimum.at_bound[i])
                 }
@@ -162,8 +162,8 @@ impl Whole<'_> {
         let (torque, k_tilde) = (&torque, &k_tilde);
         let slope = |free: &Free| -> Box<dyn Fn(usize) -> f64 + '_> {
             match free {
-                Free::Friction(direction, i) => {
-                    let slope = BranchSlope { model, direction: *direction, parameter: *i };
+                Free::Friction(direction, term) => {
+                    let slope = BranchSlope { model, direction: *direction, term: *term };
                     Box::new(move |at| slope.at(trial.series.velocity_rad_s[at], torque[at], k_tilde[at]))
                 }
                 Free::Zero => {
@@ -210,7 +210,7 @@ impl ByLoad {
 struct BranchSlope<'a> {
     model: &'a Model,
     direction: Direction,
-    parameter: usize,
+    term: Term,
 }
 
 impl BranchSlope<'_> {
@@ -223,14 +223,14 @@ impl BranchSlope<'_> {
         let weight = share / (1.0 - mu_down - k * (mu_up - mu_down));
         let speed = self.direction.sign() * v.abs();
         let term = |b: f64, rate: f64| b * (-rate * speed).exp();
-        let by_branch = match self.parameter {
-            0 => return weight * y,
-            1 => 1.0,
-            2 => term(1.0, friction.c_c * r2),
-            3 => -friction.c_c * r2 * speed * term(friction.b_c, friction.c_c * r2),
-            4 => term(1.0, friction.c_j),
-            5 => -friction.c_j * speed * term(friction.b_j, friction.c_j),
-            _ => speed,
+        let by_branch = match self.term {
+            Term::Load => return weight * y,
+            Term::Coulomb => 1.0,
+            Term::CableStribeck => term(1.0, friction.c_c * r2),
+            Term::CableDecay => -friction.c_c * r2 * speed * term(friction.b_c, friction.c_c * r2),
+            Term::JointStribeck => term(1.0, friction.c_j),
+            Term::JointDecay => -friction.c_j * speed * term(friction.b_j, friction.c_j),
+            Term::Viscous => speed,
         };
         weight * r1 * by_branch
     }

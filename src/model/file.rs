@@ -1,6 +1,6 @@
 //! `model.json`: read and written.
 
-use super::{Both, ChainName, Combination, Confidence, Direction, Friction, Joint, Model, Status};
+use super::{Both, ChainName, Combination, Confidence, Direction, Friction, Joint, Model, Status, Term};
 use crate::document::{Document, Section};
 use crate::dynamics::{Dynamics, JointKind};
 use crate::effects::{Added, LIBRARY, Parameter};
@@ -68,12 +68,7 @@ impl Model {
     /// The model as in `model.json`, without what an identification adds; numbers that are not finite become null.
     pub fn to_json(&self) -> Value {
         let branch = |f: &Friction| -> Value {
-            Friction::NAMES
-                .iter()
-                .zip(f.values())
-                .map(|(name, x)| (name.to_string(), json!(x)))
-                .collect::<Map<_, _>>()
-                .into()
+            Term::ALL.iter().map(|term| (term.name().to_string(), json!(f[*term]))).collect::<Map<_, _>>().into()
         };
         let mut combination = json!({ "kind": self.combination.name() });
         match self.combination {
@@ -159,25 +154,20 @@ impl Confidence {
 
 /// A branch; its rates must make the exponentials decay with speed in its own direction.
 fn read_friction(s: &Section, direction: Direction) -> Option<Friction> {
-    let values = Friction::NAMES.map(|name| s.need(name).number());
-    for (name, value) in Friction::NAMES.iter().zip(values) {
-        let wrong = match *name {
-            "c_c" | "c_j" => value.is_some_and(|c| c * direction.sign() < 0.0),
-            "mu_c" => value.is_some_and(|mu| mu >= 1.0),
-            _ => false,
-        };
-        if wrong && *name == "mu_c" {
-            s.reject(name, "leaves nothing of the tension", "a friction coefficient is below 1");
-        } else if wrong {
+    let values = Term::ALL.map(|term| (term, s.need(term.name()).number()));
+    let mut friction = Friction::default();
+    for (term, value) in values {
+        if term == Term::Load && value.is_some_and(|mu| mu >= 1.0) {
+            s.reject(term.name(), "leaves nothing of the tension", "a friction coefficient is below 1");
+        } else if term.is_rate() && value.is_some_and(|rate| rate * direction.sign() < 0.0) {
             let sign = if direction == Direction::Up { "positive" } else { "negative" };
-            s.reject(name, "grows with speed", format!("on `{}` it is {sign}", direction.name()));
+            s.reject(term.name(), "grows with speed", format!("on `{}` it is {sign}", direction.name()));
         }
     }
-    let mut found = [0.0; 7];
-    for (slot, value) in found.iter_mut().zip(values) {
-        *slot = value?;
+    for (term, value) in values {
+        friction[term] = value?;
     }
-    Some(Friction::from_values(found))
+    Some(friction)
 }
 
 fn read_combination(s: &Section) -> Option<Combination> {

@@ -4,9 +4,10 @@
 //! left side of the prediction (`predict`), the rest is a function of speed alone. On the `down` branch a_j, b_c, b_j, c_c
 //! and c_j are negative and v < 0, so the exponentials decay with speed there too.
 
-use crate::dynamics::Direction;
+use crate::dynamics::{Direction, JointKind};
+use std::ops::{Index, IndexMut};
 
-/// The seven friction parameters of one branch, P = [mu_c, a_j, b_c, c_c, b_j, c_j, d] (Table II).
+/// The parameters of one branch (Table II).
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Friction {
     /// Equivalent friction coefficient of the cable, dimensionless: friction per tension carried.
@@ -25,22 +26,152 @@ pub struct Friction {
     pub d: f64,
 }
 
-impl Friction {
-    /// Names of the parameters as in files, in the order of `values`.
-    pub const NAMES: [&'static str; 7] = ["mu_c", "a_j", "b_c", "c_c", "b_j", "c_j", "d"];
+/// One parameter of a branch.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum Term {
+    /// mu_c.
+    Load,
+    /// a_j.
+    Coulomb,
+    /// b_c.
+    CableStribeck,
+    /// c_c.
+    CableDecay,
+    /// b_j.
+    JointStribeck,
+    /// c_j.
+    JointDecay,
+    /// d.
+    Viscous,
+}
 
-    /// Units of the parameters, in the order of `NAMES`.
-    pub const UNITS: [&'static str; 7] = ["", "N", "N", "s/m", "N", "s/rad", "N s/rad"];
+impl Term {
+    /// How many there are.
+    pub const COUNT: usize = 7;
 
-    /// The parameters in the order of `NAMES`.
-    pub fn values(&self) -> [f64; 7] {
-        [self.mu_c, self.a_j, self.b_c, self.c_c, self.b_j, self.c_j, self.d]
+    /// All of them, in the order of files: P = [mu_c, a_j, b_c, c_c, b_j, c_j, d].
+    pub const ALL: [Self; Self::COUNT] = [
+        Self::Load,
+        Self::Coulomb,
+        Self::CableStribeck,
+        Self::CableDecay,
+        Self::JointStribeck,
+        Self::JointDecay,
+        Self::Viscous,
+    ];
+
+    /// Its name in files.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Load => "mu_c",
+            Self::Coulomb => "a_j",
+            Self::CableStribeck => "b_c",
+            Self::CableDecay => "c_c",
+            Self::JointStribeck => "b_j",
+            Self::JointDecay => "c_j",
+            Self::Viscous => "d",
+        }
     }
 
-    /// The branch whose parameters are `values`, in the order of `NAMES`.
-    pub fn from_values(values: [f64; 7]) -> Self {
-        let [mu_c, a_j, b_c, c_c, b_j, c_j, d] = values;
-        Self { mu_c, a_j, b_c, c_c, b_j, c_j, d }
+    /// The term called `name` in files.
+    pub fn find(name: &str) -> Option<Self> {
+        Self::ALL.into_iter().find(|term| term.name() == name)
+    }
+
+    /// Its dotted name in files, on the branch of `direction`.
+    pub fn dotted(self, direction: Direction) -> String {
+        format!("friction.{}.{}", direction.name(), self.name())
+    }
+
+    /// Its unit on a joint of this `kind`; empty without.
+    pub fn unit(self, kind: JointKind) -> &'static str {
+        let turns = kind == JointKind::Revolute;
+        match self {
+            Self::Load => "",
+            Self::Coulomb | Self::CableStribeck | Self::JointStribeck => "N",
+            Self::CableDecay => "s/m",
+            Self::JointDecay => {
+                if turns {
+                    "s/rad"
+                } else {
+                    "s/m"
+                }
+            }
+            Self::Viscous => {
+                if turns {
+                    "N s/rad"
+                } else {
+                    "N s/m"
+                }
+            }
+        }
+    }
+
+    /// For people, in a few words.
+    pub fn means(self) -> &'static str {
+        match self {
+            Self::Load => "friction coefficient of the cable: friction per tension carried",
+            Self::Coulomb => "Coulomb friction, as a force at the winch",
+            Self::CableStribeck => "Stribeck amplitude of the cable",
+            Self::CableDecay => "decay of the cable's Stribeck term with cable speed",
+            Self::JointStribeck => "Stribeck amplitude of the joint",
+            Self::JointDecay => "decay of the joint's Stribeck term with joint speed",
+            Self::Viscous => "viscous friction",
+        }
+    }
+
+    /// The amplitude without which a rate of decay does nothing; `None` for any other term.
+    pub fn amplitude(self) -> Option<Self> {
+        match self {
+            Self::CableDecay => Some(Self::CableStribeck),
+            Self::JointDecay => Some(Self::JointStribeck),
+            _ => None,
+        }
+    }
+
+    /// Whether it is a rate of decay, whose sign is that of its branch's speed.
+    pub fn is_rate(self) -> bool {
+        self.amplitude().is_some()
+    }
+}
+
+impl Index<Term> for Friction {
+    type Output = f64;
+
+    fn index(&self, term: Term) -> &f64 {
+        match term {
+            Term::Load => &self.mu_c,
+            Term::Coulomb => &self.a_j,
+            Term::CableStribeck => &self.b_c,
+            Term::CableDecay => &self.c_c,
+            Term::JointStribeck => &self.b_j,
+            Term::JointDecay => &self.c_j,
+            Term::Viscous => &self.d,
+        }
+    }
+}
+
+impl IndexMut<Term> for Friction {
+    fn index_mut(&mut self, term: Term) -> &mut f64 {
+        match term {
+            Term::Load => &mut self.mu_c,
+            Term::Coulomb => &mut self.a_j,
+            Term::CableStribeck => &mut self.b_c,
+            Term::CableDecay => &mut self.c_c,
+            Term::JointStribeck => &mut self.b_j,
+            Term::JointDecay => &mut self.c_j,
+            Term::Viscous => &mut self.d,
+        }
+    }
+}
+
+impl Friction {
+    /// Whether `term` does nothing: its Stribeck term has no amplitude.
+    pub fn lacks(&self, term: Term) -> bool {
+        match term {
+            Term::CableStribeck | Term::JointStribeck => self[term] == 0.0,
+            _ => term.amplitude().is_some_and(|amplitude| self[amplitude] == 0.0),
+        }
     }
 
     /// The part of (15) that does not depend on the load, as a torque at the winch, N m.

@@ -5,6 +5,7 @@ use super::wording::{Units, moving};
 use crate::identify::FrictionFit;
 use crate::identify::stribeck::ExponentialFit;
 use crate::identify::stribeck::exponentials;
+use crate::model::Term;
 
 /// Correlations shown of each direction.
 const TRADES_SHOWN: usize = 4;
@@ -59,7 +60,9 @@ pub fn forms_of(fit: &FrictionFit, units: &Units) -> FormsTable {
 
 /// The strongest correlations of the parameters taken, in a sentence.
 fn trades(fit: &FrictionFit) -> String {
-    let pair = |(one, other, r): (&str, &str, f64)| format!("{one} and {other} {}", with_minus(&format!("{r:.3}")));
+    let pair = |(one, other, r): (Term, Term, f64)| {
+        format!("{} and {} {}", one.name(), other.name(), with_minus(&format!("{r:.3}")))
+    };
     match &fit.covariance {
         Err(reason) => format!("The covariance of the parameters is not to be had: {reason}."),
         Ok(covariance) => {

@@ -4,7 +4,7 @@
 //! texts a dash or a word. What overflowed is neither. It shows as `∞`, `inf` or `NaN` where a figure is written, and as null under
 //! a key that always holds a number. Readings and parameters are checked where they are read; this is the second line.
 
-use crate::model::Friction;
+use crate::model::Term;
 use crate::problem::{Problem, Result};
 use serde_json::Value;
 use std::path::Path;
@@ -12,7 +12,7 @@ use std::path::Path;
 /// How numbers that are none are written.
 const WORDS: [&str; 3] = ["inf", "NaN", "∞"];
 
-/// Keys under which a number stands, whatever the result; those of friction come from `Friction::NAMES`.
+/// Keys under which a number stands, whatever the result; those of friction come from `Term::ALL`.
 const FIGURES: [&str; 19] = [
     "winch_radius_m",
     "pulley_radius_m",
@@ -99,7 +99,7 @@ fn lacking(value: &Value, path: &str) -> Option<String> {
             let has_samples = object.get("samples").and_then(Value::as_u64).is_some_and(|samples| samples > 0);
             object.iter().find_map(|(key, value)| {
                 let is_figure = FIGURES.contains(&key.as_str())
-                    || Friction::NAMES.contains(&key.as_str())
+                    || Term::find(key).is_some()
                     || has_samples && OVER_SAMPLES.contains(&key.as_str());
                 if is_figure && value.is_null() { Some(at(key)) } else { lacking(value, &at(key)) }
             })

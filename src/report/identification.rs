@@ -86,7 +86,7 @@ pub fn write_covariance(out: &mut Value, fit: &FrictionFit) {
     match &fit.covariance {
         Ok(covariance) => {
             let rows: Vec<Vec<f64>> = covariance.matrix.row_iter().map(|row| row.iter().copied().collect()).collect();
-            out["covariance"] = json!({ "parameters": covariance.parameters, "matrix": rows });
+            out["covariance"] = json!({ "parameters": covariance.parameters.iter().map(|term| term.name()).collect::<Vec<_>>(), "matrix": rows });
         }
         Err(reason) => (out["covariance"], out["covariance_absent"]) = (Value::Null, json!(reason)),
     }

@@ -1,9 +1,9 @@
 //! The parameters of a model as rows, for every table and figure that shows them.
 
 use super::number::{interval, significant};
-use super::wording::{FRICTION_MEANINGS, Units};
+use super::wording::Units;
 use crate::identify::{FrictionFit, Identification, zero};
-use crate::model::{Both, Combination, Confidence, Direction, Friction, Joint, Model, Status};
+use crate::model::{Both, Combination, Confidence, Direction, Joint, Model, Status, Term};
 
 /// One parameter, in the unit in which it is shown.
 #[derive(Debug, Clone, PartialEq)]
@@ -40,34 +40,31 @@ impl Parameter {
     }
 }
 
-/// Friction of both branches, `up` first, in the order of `Friction::NAMES`, then the combination.
+/// Friction of both branches, `up` first, in the order of [`Term::ALL`], then the combination.
 pub fn parameters(model: &Model) -> Vec<Parameter> {
     let branches = Direction::BOTH.into_iter().flat_map(|direction| friction(model, direction, None));
     branches.chain(combination(model)).collect()
 }
 
-/// The seven of one branch, in the order of `Friction::NAMES`; the fits of the sweeps, if it comes of any, tell where the
+/// The seven of one branch, in the order of [`Term::ALL`]; the fits of the sweeps, if it comes of any, tell where the
 /// rates' intervals ended with the search.
-pub fn friction(model: &Model, direction: Direction, sweeps: Option<&Both<FrictionFit>>) -> [Parameter; 7] {
+pub fn friction(model: &Model, direction: Direction, sweeps: Option<&Both<FrictionFit>>) -> [Parameter; Term::COUNT] {
     let branch = model.friction.of(direction);
-    let units = Units::of(model.joint.kind);
-    std::array::from_fn(|i| {
-        let name = Friction::NAMES[i];
-        let value = branch.values()[i];
-        let confidence = model.confidence.get(&format!("friction.{}.{name}", direction.name())).copied();
+    Term::ALL.map(|term| {
+        let value = branch[term];
+        let confidence = model.confidence.get(&term.dotted(direction)).copied();
         // What ended at its bound was fitted, even if the bound is zero.
         let open = confidence
             .is_some_and(|c| c.low == f64::NEG_INFINITY && c.high == f64::INFINITY && c.status != Status::AtBound);
-        // A Stribeck term without amplitude is no term, whatever its rate says.
-        let no_term = matches!(i, 2 | 3) && branch.b_c == 0.0 || matches!(i, 4 | 5) && branch.b_j == 0.0;
         let row = Parameter {
             direction: Some(direction),
-            name,
-            meaning: FRICTION_MEANINGS[i],
-            unit: units.friction[i],
+            name: term.name(),
+            meaning: term.means(),
+            unit: term.unit(model.joint.kind),
             value,
             confidence,
-            left_out: no_term || open && value == 0.0,
+            // A Stribeck term without amplitude is no term, whatever its rate says.
+            left_out: branch.lacks(term) || open && value == 0.0,
             searched: [false; 2],
         };
         match sweeps {
@@ -82,8 +79,8 @@ const AT_LIMIT: f64 = 1e-6;
 
 fn with_search_limits(row: Parameter, fit: &FrictionFit, joint: &Joint) -> Parameter {
     let per_rate = match row.name {
-        "c_c" => 1.0 / joint.pulley_radius_m,
-        "c_j" => 1.0,
+        name if name == Term::CableDecay.name() => 1.0 / joint.pulley_radius_m,
+        name if name == Term::JointDecay.name() => 1.0,
         _ => return row,
     };
     let (slow, fast) = fit.points.rate_limits();
@@ -126,14 +123,14 @@ pub fn combination(model: &Model) -> Vec<Parameter> {
 /// What the intervals of the friction parameters assume, in a sentence or two; `None` where they do not come from sweeps.
 pub fn rests_on(found: &Identification, units: &Units) -> Option<String> {
     found.route.sweeps()?;
-    let largest = |name: &str, on: &str| {
-        let of = |direction: Direction| found.rests_on.get(&format!("friction.{}.{name}", direction.name()));
+    let largest = |term: Term, on: &str| {
+        let of = |direction: Direction| found.rests_on.get(&term.dotted(direction));
         let moves =
             Direction::BOTH.into_iter().filter_map(of).flatten().filter(|one| one.on == on).map(|one| one.moves);
         moves.fold(0.0, f64::max)
     };
-    let of_load = largest("mu_c", "gravity or measured load");
-    let of_torque = largest("a_j", "zero of the torque");
+    let of_load = largest(Term::Load, "gravity or measured load");
+    let of_torque = largest(Term::Coulomb, "zero of the torque");
     let zero = found.model.confidence.get(zero::NAME).map(|known| {
         let at_deg = found.model.dynamics.position_zero_rad.to_degrees();
         let half_deg = (known.high - known.low).to_degrees() / 2.0;

@@ -3,7 +3,7 @@
 use crate::dynamics::JointKind;
 use crate::identify::combination::JudgedOn;
 use crate::identify::{Amplitude, FrictionFit};
-use crate::model::{Direction, Friction, Status};
+use crate::model::{Direction, Status};
 use crate::report::number::{as_precise_as, r_squared, significant};
 
 /// Names of units as a reader sees them; the fields called `_nm` and `_rad` hold N and m for a prismatic joint.
@@ -19,8 +19,6 @@ pub struct Units {
     pub position: &'static str,
     /// Position as shown per position as held.
     pub position_factor: f64,
-    /// Of the friction parameters, in the order of `Friction::NAMES`.
-    pub friction: [&'static str; 7],
 }
 
 impl Units {
@@ -33,16 +31,10 @@ impl Units {
                 speed: "rad/s",
                 position: "deg",
                 position_factor: 180.0 / std::f64::consts::PI,
-                friction: Friction::UNITS,
             },
-            JointKind::Prismatic => Self {
-                torque: "N",
-                milli_torque: "mN",
-                speed: "m/s",
-                position: "mm",
-                position_factor: 1e3,
-                friction: ["", "N", "N", "s/m", "N", "s/m", "N s/m"],
-            },
+            JointKind::Prismatic => {
+                Self { torque: "N", milli_torque: "mN", speed: "m/s", position: "mm", position_factor: 1e3 }
+            }
         }
     }
 
@@ -84,17 +76,6 @@ pub fn met(fit: &FrictionFit, units: &Units) -> String {
         false => format!("met to {}, R² {}", units.torque(fit.taken.rmse_nm), r_squared(fit.r_squared)),
     }
 }
-
-/// What the friction parameters are, in the order of `Friction::NAMES`.
-pub const FRICTION_MEANINGS: [&str; 7] = [
-    "friction coefficient of the cable: friction per tension carried",
-    "Coulomb friction, as a force at the winch",
-    "Stribeck amplitude of the cable",
-    "decay of the cable's Stribeck term with cable speed",
-    "Stribeck amplitude of the joint",
-    "decay of the joint's Stribeck term with joint speed",
-    "viscous friction",
-];
 
 /// The status in a word for people.
 pub fn status_word(status: Status) -> &'static str {

@@ -38,7 +38,7 @@ pub(super) fn of_causes_nm(real: &Diagnosis, trial: &MotionTrial) -> Vec<f64> {
     let Some(view) = real.views.iter().find(|view| view.file == trial.file) else { return unknown };
     let &[first_s, next_s, ..] = &view.time_s[..] else { return unknown };
     let last_s = view.time_s[view.time_s.len() - 1];
-    let is_contact = real.verdict.effects.contains(&Cause::Effect("contact"));
+    let is_contact = real.verdict.effects.contains(&Cause::CONTACT);
     let in_contact = |t: f64| {
         let mut contacts = real.contacts.iter().filter(|contact| contact.file == view.file);
         is_contact && contacts.any(|contact| (contact.from_s..=contact.to_s).contains(&t))

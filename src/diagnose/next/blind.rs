@@ -3,7 +3,9 @@
 use super::motions::Motion;
 use super::words;
 use crate::diagnose::base::BaseModel;
+use crate::diagnose::cause::needing;
 use crate::diagnose::data::DataSet;
+use crate::effects::Excitation;
 use crate::numerics::statistics::{extent, quantile, root_mean_square};
 use crate::trajectory::Trajectory;
 
@@ -54,14 +56,14 @@ struct Sight<'s> {
 
 impl Sight<'_> {
     /// A spot that `motion` would light, or what `otherwise` says.
-    fn spot(&self, what: String, hides: &[&'static str], motion: &str, otherwise: &str) -> Option<BlindSpot> {
+    fn spot(&self, what: String, hides: Vec<&'static str>, motion: &str, otherwise: &str) -> Option<BlindSpot> {
         let found = self.motions.iter().find(|m| m.trajectory.name == motion);
         let advice = match found {
             Some(motion) => words::record(motion, super::REPEATS_MIN, &self.base.data().extent),
             None => otherwise.to_string(),
         };
         let trajectory = found.map(|m| Trajectory { repeats: Some(super::REPEATS_MIN), ..m.trajectory.clone() });
-        Some(BlindSpot { what, hides: hides.to_vec(), advice, trajectory })
+        Some(BlindSpot { what, hides, advice, trajectory })
     }
 
     fn load(&self) -> Option<BlindSpot> {
@@ -77,7 +79,7 @@ impl Sight<'_> {
         let weighs = model.chain.is_some() || (self.base.data().extent.turns && model.dynamics.gravity_nm != 0.0);
         self.spot(
             format!("one load only ({low:.3} to {high:.3} {unit} at the joint): load dependence cannot be shown"),
-            &["load_dependent_friction", "load_coefficient", "sensor_gain", "cable_elasticity", "gravity"],
+            needing(Excitation::Loads),
             if weighs { "wide_slow_sweeps" } else { "" },
             "Record the same motion again with a second, known load",
         )
@@ -95,7 +97,7 @@ impl Sight<'_> {
         }
         self.spot(
             "no reversal: what happens after one cannot be shown".to_string(),
-            &["reversal_transition", "presliding", "backlash_width"],
+            needing(Excitation::Reversals),
             "small_reversals",
             "Record motion back and forth",
         )
@@ -114,7 +116,7 @@ impl Sight<'_> {
                 "one speed only ({fast:.3} {}): dependence on speed cannot be shown",
                 words::speed(&self.base.data().extent)
             ),
-            &["stribeck", "quadratic_viscous", "viscous", "stribeck_level"],
+            needing(Excitation::Speeds),
             "sweeps",
             "Record at several speeds",
         )
@@ -128,7 +130,7 @@ impl Sight<'_> {
         let range = words::range(&self.base.data().extent, (low, high));
         self.spot(
             format!("a short way only ({range}): functions of position look like straight lines"),
-            &["gravity_phase", "elastic_spring", "gravity", "end_stop", "torque_ripple", "friction_ripple"],
+            needing(Excitation::Range),
             "wide_sweeps",
             "Record a wider range",
         )
@@ -152,13 +154,13 @@ impl Sight<'_> {
             model.chain.is_none() && inertia > 0.0 && root_mean_square(&asks) < self.base.mask.floor_nm / 2.0,
             late < self.base.mask.floor_nm / 2.0,
         );
-        let hides: Vec<&'static str> =
-            [("inertia", blind_inertia), ("time_delay", blind_delay)].iter().filter(|x| x.1).map(|x| x.0).collect();
+        let blind = [(Excitation::Acceleration, blind_inertia), (Excitation::TorqueRate, blind_delay)];
+        let hides: Vec<&'static str> = blind.into_iter().filter(|x| x.1).flat_map(|x| needing(x.0)).collect();
         if hides.is_empty() {
             return None;
         }
         let what = format!("no fast motion: {} cannot be shown above the noise floor", words::listed(&hides));
-        self.spot(what, &hides, "fast_cosines", "Record faster motion")
+        self.spot(what, hides, "fast_cosines", "Record faster motion")
     }
 
     fn time(&self) -> Option<BlindSpot> {
@@ -168,7 +170,7 @@ impl Sight<'_> {
         }
         self.spot(
             format!("{whole_s:.0} s in all: what takes minutes cannot be shown"),
-            &["sensor_drift", "warm_up"],
+            needing(Excitation::Time),
             "long_dwells",
             "Record for some minutes",
         )
@@ -183,7 +185,7 @@ impl Sight<'_> {
         };
         self.spot(
             format!("{what}: what another joint does to this one cannot be shown"),
-            &["joint_coupling"],
+            needing(Excitation::OtherJoint),
             "other_1_alone",
             "Where another joint's cables pass this one, record its position too (other_position), moving alone",
         )

@@ -11,7 +11,7 @@ use super::super::folds::Folds;
 use super::super::gram::{Gram, Prior};
 use super::super::perturbation::Perturbation;
 use crate::dynamics::Chain;
-use crate::effects::{Added, find};
+use crate::effects::constant_load;
 use crate::model::{Model, settle};
 use crate::numerics::filter::LowPass;
 use crate::simulate::{Course, Sensors, record};
@@ -94,12 +94,13 @@ impl Stage<'_> {
         filtered.into_iter().skip(from).step_by(self.thinned()).collect()
     }
 
-    /// `model` under the measured load: a spring without stiffness adds the same at the joint.
+    /// `model` under the measured load.
     fn loaded(&self, model: &Model) -> Option<Model> {
-        let effect = find("elastic_spring").filter(|_| self.load_nm != 0.0)?;
-        let mut loaded = model.clone();
-        loaded.effects.push(Added { effect, parameters: vec![0.0, self.load_nm, 0.0, 0.0, 0.0] });
-        Some(loaded)
+        (self.load_nm != 0.0).then(|| {
+            let mut loaded = model.clone();
+            loaded.effects.push(constant_load(self.load_nm));
+            loaded
+        })
     }
 
     /// What two rivals cannot make up for between them, root mean square, N m.

@@ -14,7 +14,7 @@ use super::combination::{CombinationFit, CurveFit, CurveKind, Settings, overlay}
 use super::moving::{Limits, MAX_BACKLASH};
 use super::predicted::Prepared;
 use super::whole::{WholeFit, rmse_nm};
-use crate::model::Model;
+use crate::model::{Model, Term};
 use crate::numerics::statistics::standard_deviation;
 use crate::problem::Result;
 use choice::Choice;
@@ -48,11 +48,11 @@ impl FreeForm {
         }
     }
 
-    fn parameters(self) -> &'static [usize] {
+    fn parameters(self) -> &'static [Term] {
         match self {
-            Self::Viscous => &[1, 6],
-            Self::Load => &[0, 1, 6],
-            Self::Stribeck => &[0, 1, 4, 5, 6],
+            Self::Viscous => &[Term::Coulomb, Term::Viscous],
+            Self::Load => &[Term::Load, Term::Coulomb, Term::Viscous],
+            Self::Stribeck => &[Term::Load, Term::Coulomb, Term::JointStribeck, Term::JointDecay, Term::Viscous],
         }
     }
 }

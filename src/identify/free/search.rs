@@ -116,7 +116,7 @@ impl Search<'_> {
     }
 
     fn free(&self, kind: CurveKind, form: FreeForm) -> Vec<Free> {
-        let friction = |direction| form.parameters().iter().map(move |i| Free::Friction(direction, *i));
+        let friction = |direction| form.parameters().iter().map(move |term| Free::Friction(direction, *term));
         let mut free: Vec<Free> = Direction::BOTH.into_iter().flat_map(friction).collect();
         free.extend(kind.range().map(|_| Free::Curve(kind)));
         free.extend(self.moves_backlash(kind).then_some(Free::Backlash));

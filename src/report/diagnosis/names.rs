@@ -5,17 +5,7 @@ use crate::effects::{Family, Region, find};
 
 /// What `cause` means, in a few words without its name.
 pub fn means(cause: Cause) -> &'static str {
-    match cause {
-        Cause::Effect(id) => find(id).map_or(id, |effect| effect.about().means),
-        Cause::Stale("gravity") => "the gravity torque",
-        Cause::Stale("coulomb") => "Coulomb friction",
-        Cause::Stale("viscous") => "viscous friction",
-        Cause::Stale("backlash_width") => "the width of the clearance",
-        Cause::Stale("load_coefficient") => "the friction per load",
-        Cause::Stale("stribeck_level") => "the level of the Stribeck terms",
-        Cause::Stale("inertia") => "the inertia",
-        Cause::Stale(name) => name,
-    }
+    cause.means()
 }
 
 /// What `cause` would be, to stand beside rivals: "friction varies with position (friction_ripple)", "Coulomb friction out of
@@ -37,10 +27,7 @@ pub fn formula(cause: Cause) -> &'static str {
 
 /// What an effect is of; `None` for the model's own parameters.
 pub fn family(cause: Cause) -> Option<Family> {
-    match cause {
-        Cause::Effect(id) => find(id).map(|effect| effect.about().family),
-        Cause::Stale(_) => None,
-    }
+    cause.family()
 }
 
 /// Where a gap lies, as a sentence goes on.

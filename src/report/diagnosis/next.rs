@@ -29,8 +29,7 @@ fn by_verdict(found: &Diagnosis) -> Vec<String> {
 /// What to do about each of `causes`: the measurement first, since a model fitted to its faults is of no use elsewhere.
 fn mend(causes: &[Cause]) -> Vec<String> {
     let of = |wanted: Option<Family>| causes.iter().copied().filter(move |cause| family(*cause) == wanted);
-    let mut steps: Vec<String> =
-        of(Some(Family::Fault)).map(|cause| mend_measurement(cause.name()).to_string()).collect();
+    let mut steps: Vec<String> = of(Some(Family::Fault)).map(|cause| mend_measurement(cause).to_string()).collect();
     if !steps.is_empty() {
         let step = "The model.json written here holds the fault too: it foretells these recordings, not the joint.";
         steps.push(step.to_string());
@@ -57,17 +56,9 @@ fn mend(causes: &[Cause]) -> Vec<String> {
     steps
 }
 
-fn mend_measurement(id: &str) -> &'static str {
-    match id {
-        "sensor_bias" => "Tare the torque sensor, then record again; the model need not change for it.",
-        "sensor_gain" => "Calibrate the torque sensor against a known load; the model need not change for it.",
-        "sensor_drift" => {
-            "Let the torque sensor warm up and tare it before each trial; the model need not change for it."
-        }
-        "time_delay" => "Find where the recorder stamps torque and position apart; the model need not change for it.",
-        "saturation" => "Record with a wider range of the torque sensor, or with less load.",
-        _ => "Mend the measurement, then record again; the model need not change for it.",
-    }
+fn mend_measurement(fault: Cause) -> &'static str {
+    let remedy = fault.effect().and_then(|effect| effect.about().remedy);
+    remedy.unwrap_or("Mend the measurement, then record again; the model need not change for it.")
 }
 
 /// Where each rival would show: a motion that separates these regions separates the rivals.

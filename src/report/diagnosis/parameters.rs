@@ -1,7 +1,8 @@
 //! Fitted parameters as a reader wants them: their units read off their names, before and after, ripples by their amplitudes.
 
 use crate::diagnose::{Candidate, Cause, Diagnosis, Fitted};
-use crate::model::{Combination, Direction, Friction, Model};
+use crate::dynamics::JointKind;
+use crate::model::{Combination, Direction, Model, Term};
 use crate::report::number::{as_precise_as, interval, significant};
 use crate::report::wording::Units;
 
@@ -103,9 +104,8 @@ fn split(name: &str) -> (&str, &'static str) {
 
 /// The unit of a parameter of friction, which its name does not tell.
 fn friction_unit(name: &str) -> &'static str {
-    let of = |last: &str| Friction::NAMES.iter().position(|known| *known == last);
     let last = name.strip_prefix("friction.").and_then(|rest| rest.split_once('.'));
-    last.and_then(|(_, last)| of(last)).map_or("", |at| Friction::UNITS[at])
+    last.and_then(|(_, last)| Term::find(last)).map_or("", |term| term.unit(JointKind::Revolute))
 }
 
 /// The unit in which a value of this `size` reads well, and the factor to it.
@@ -166,8 +166,7 @@ pub fn of_model(model: &Model, name: &str) -> Option<f64> {
         _ => {
             let (direction, last) = name.strip_prefix("friction.")?.split_once('.')?;
             let direction = Direction::BOTH.into_iter().find(|d| d.name() == direction)?;
-            let at = Friction::NAMES.iter().position(|known| *known == last)?;
-            Some(model.friction.of(direction).values()[at])
+            Some(model.friction.of(direction)[Term::find(last)?])
         }
     }
 }

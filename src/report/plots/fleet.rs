@@ -5,7 +5,7 @@
 
 use crate::batch::{Fleet, Joint, Row, day};
 use crate::compare::parameters_of;
-use crate::model::{Direction, Friction, Status};
+use crate::model::{Direction, Status, Term};
 use crate::report::chart::{Anchor, Axis, Canvas, Drawn, Frame, LABEL_PX, Mark, Panel, Stroke, palette, span, svg};
 use crate::report::number::significant;
 use crate::report::page::Drawing;
@@ -134,7 +134,7 @@ impl<'a> History<'a> {
         let model = self.row(self.joint.since).model.as_ref()?;
         let (_, unit, _) = parameters_of(model).into_iter().find(|row| row.0 == name)?;
         let of_direction = name.strip_prefix("friction.").and_then(|rest| rest.split_once('.'));
-        let (title, names) = match of_direction.filter(|(_, name)| Friction::NAMES.contains(name)) {
+        let (title, names) = match of_direction.filter(|(_, name)| Term::find(name).is_some()) {
             Some((_, name)) => {
                 (name, Direction::BOTH.map(|d| (Some(d), format!("friction.{}.{name}", d.name()))).to_vec())
             }

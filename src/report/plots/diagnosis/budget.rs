@@ -60,7 +60,7 @@ fn parts(found: &Diagnosis) -> Vec<Part> {
     ];
     for ((cause, square), color) in budget.causes.iter().zip(COLORS.into_iter().cycle()) {
         all.push(match cause {
-            Cause::Effect("contact") => part("contact", *square, CONTACT),
+            &Cause::CONTACT => part("contact", *square, CONTACT),
             Cause::Effect(id) => part(id, *square, color),
             Cause::Stale(name) => part(&format!("stale parameters: {name}"), *square, color),
         });

@@ -63,7 +63,7 @@ impl Residual {
 
 /// Whether contact is among the causes: what happens within one is then explained, though by no model.
 fn names_contact(found: &Diagnosis) -> bool {
-    found.budget.causes.iter().any(|(cause, _)| *cause == Cause::Effect("contact"))
+    found.budget.causes.iter().any(|(cause, _)| *cause == Cause::CONTACT)
 }
 
 /// The residuals of `view`: by the model as delivered, and with what was found.
@@ -84,7 +84,7 @@ fn residuals(found: &Diagnosis, view: &View) -> [Residual; 2] {
 
 /// What the second of two pictures shows.
 fn after_name(found: &Diagnosis) -> &'static str {
-    let found_more = found.budget.causes.iter().any(|(cause, _)| *cause != Cause::Effect("contact"));
+    let found_more = found.budget.causes.iter().any(|(cause, _)| *cause != Cause::CONTACT);
     match (found_more, names_contact(found)) {
         (true, true) => "with what was found, contacts aside",
         (true, false) => "with what was found",

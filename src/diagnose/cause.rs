@@ -1,0 +1,71 @@
+//! What is known of a cause, whether an effect of the library or a group of the model's own parameters.
+
+use super::candidates::Cause;
+use crate::effects::{CONTACT, Effect, Excitation, Family, LIBRARY, Region, find};
+use crate::model::Group;
+
+impl Cause {
+    /// Torque from outside, in bursts.
+    pub const CONTACT: Self = Self::Effect(CONTACT);
+
+    /// The effect that it is.
+    pub fn effect(self) -> Option<&'static dyn Effect> {
+        if let Self::Effect(id) = self { find(id) } else { None }
+    }
+
+    /// The group of the model's own parameters that it is.
+    pub fn group(self) -> Option<&'static Group> {
+        if let Self::Stale(name) = self { Group::find(name) } else { None }
+    }
+
+    /// What it means, in a few words without its name.
+    pub fn means(self) -> &'static str {
+        match self {
+            Self::Effect(id) => find(id).map_or(id, |effect| effect.about().means),
+            Self::Stale(name) => Group::find(name).map_or(name, |group| group.means),
+        }
+    }
+
+    /// Where it lies; `None` for the model's own parameters.
+    pub fn family(self) -> Option<Family> {
+        self.effect().map(|effect| effect.about().family)
+    }
+
+    /// Where it shows by its nature.
+    pub fn signature(self) -> Region {
+        let of_group = || self.group().map(|group| group.signature);
+        self.effect().map(|effect| effect.about().signature).or_else(of_group).unwrap_or(Region::Everywhere)
+    }
+}
+
+/// How the cause called `name` is checked by hand, without the joint's motion.
+pub fn by_hand(name: &str) -> Option<&'static str> {
+    let of_group = || Group::find(name).and_then(|group| group.by_hand);
+    find(name).and_then(|effect| effect.about().by_hand).or_else(of_group)
+}
+
+/// What tells the causes called `a` and `b` apart, where no motion does.
+pub fn told_apart(a: &str, b: &str) -> Option<&'static str> {
+    let of = |one: &str, other: &str| {
+        let known = match (find(one), Group::find(one)) {
+            (Some(effect), _) => effect.about().told_apart,
+            (None, Some(group)) => group.told_apart,
+            (None, None) => &[],
+        };
+        known.iter().find(|(name, _)| *name == other).map(|(_, how)| *how)
+    };
+    of(a, b).or_else(|| of(b, a))
+}
+
+/// Names of the causes that only show in motion with `excitation`: effects in the library's order, then groups.
+pub fn needing(excitation: Excitation) -> Vec<&'static str> {
+    let effects = LIBRARY.into_iter().map(|effect| (effect.about().id, effect.about().needs));
+    let groups = Group::ALL.into_iter().map(|group| (group.name, group.needs));
+    let mut found: Vec<&'static str> = Vec::new();
+    for (name, needs) in effects.chain(groups) {
+        if needs.contains(&excitation) && !found.contains(&name) {
+            found.push(name);
+        }
+    }
+    found
+}

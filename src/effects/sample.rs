@@ -1,0 +1,57 @@
+//! What effects see: one sample of the motion, what the cable carries there, and the range of a campaign.
+
+use crate::dynamics::{Both, Motion};
+
+/// What the joint does at one sample, as effects see it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Sample<'a> {
+    /// Since the trial began, s.
+    pub time_s: f64,
+    /// Since the campaign began, s: by the logs' own clock where it runs on from trial to trial, else the lengths of the logs
+    /// before added up.
+    pub elapsed_s: f64,
+    /// The joint.
+    pub own: Motion,
+    /// The other joints, in the order of the campaign's columns.
+    pub others: &'a [Motion],
+}
+
+/// What the cable carries at one sample, N m at the winch.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Carried {
+    /// (r1/r2) (G + I a + j): the joint's load.
+    pub load_nm: f64,
+    /// The model's own friction on each branch, u and d.
+    pub friction_nm: Both<f64>,
+}
+
+/// Over what range a campaign moves, for an effect to know where its shape may lie.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Extent {
+    /// Lowest and highest position, rad.
+    pub position_rad: (f64, f64),
+    /// The longest way between two reversals in the trial where that is shortest, rad.
+    pub stroke_rad: f64,
+    /// Speeds that 5 % and all of the moving samples stay below, rad/s.
+    pub speed_rad_s: (f64, f64),
+    /// The longest trial, s.
+    pub trial_s: f64,
+    /// The whole campaign, s.
+    pub campaign_s: f64,
+    /// Lowest and highest reading of the torque, N m.
+    pub torque_nm: (f64, f64),
+    /// How many other joints are recorded moving.
+    pub others: usize,
+    /// Gravity of the model, N m at the joint: 0 where a chain says it.
+    pub gravity_nm: f64,
+    /// Whether the model has inertia, its own or a chain's.
+    pub has_inertia: bool,
+    /// Whether the model's friction changes over along a fitted curve.
+    pub has_curve: bool,
+    /// X_cl of the model, m on the cable.
+    pub backlash_m: f64,
+    /// r2, m.
+    pub pulley_radius_m: f64,
+    /// Whether the joint turns rather than slides.
+    pub turns: bool,
+}
