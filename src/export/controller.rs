@@ -186,11 +186,12 @@ fn body(model: &Model, language: Language, needs_slope: bool) -> String {
     made.iter().filter_map(|(_, h)| h.joint_nm.as_ref()).for_each(|more| code.change("joint_nm", "+=", more));
     code.constant("load", &format!("{transmission} * joint_nm"));
     branches(model, &mut code);
-    if model.effects.iter().any(|e| ["load_dependent_friction", "friction_ripple"].contains(&e.id())) {
+    let friction = || made.iter().filter_map(|(_, h)| h.friction_nm.as_ref());
+    if friction().flatten().any(|more| more.contains("own_")) {
         code.constant("own_up", "up");
         code.constant("own_down", "down");
     }
-    for more in made.iter().filter_map(|(_, h)| h.friction_nm.as_ref()) {
+    for more in friction() {
         code.change("up", "+=", &more[0]);
         code.change("down", "+=", &more[1]);
     }
