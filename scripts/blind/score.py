@@ -1,10 +1,13 @@
 #!/usr/bin/env python3
 """Compares what `tautline diagnose` says of blind cases with the answers.
 
-usage: scripts/blind/score.py --cases DIR --answers DIR2 [--binary PATH] [--results DIR3] [--json FILE] [--verbose] [--need effect=0.95,none=0.98]
+usage: scripts/blind/score.py --cases DIR --answers DIR2 [--binary PATH] [--results DIR3] [--json FILE] [--verbose]
+                              [--need effect=0.95,effect@0.5=0.8,none=0.98] [--most ece=0.05,wrong_when_sure=0.1]
 
 Without --results it runs the binary on every case, one after the other; with it, it reads DIR3/<case>/diagnosis.json.
---need holds the shares of right verdicts among causes of 1.5 floors net or more (all cases of none); exit status 1 below any of them.
+--need holds the least shares of right verdicts, of a kind among causes of 1.5 floors net or more (all cases of none), of kind@floors
+among causes from that strength up; --most holds the largest expected calibration error, and of verdicts said with 0.9 or more the
+largest share of wrong ones. Exit status 1 where one is missed. With --pool FILE,... the rows of earlier --json files are scored along.
 """
 import argparse
 import collections
@@ -19,9 +22,12 @@ import time
 import numpy as np
 from scipy.optimize import minimize
 
-KINDS = ("effect", "stale", "none", "unknown", "pair", "tie")
+KINDS = ("effect", "stale", "none", "unknown", "pair", "triple", "tie")
 CLEAR = 1.5  # floors, net: what any good judge should see
 CLOSE = 0.03  # of shrink
+SURE = 0.9  # a verdict said with this confidence or more
+BINS = (0.0, 0.3, 0.5, 0.6, 0.7, 0.8, 0.9, 0.95, 0.99, 1.0000001)  # of confidence, for the reliability diagram
+STRENGTHS = (0.0, 0.5, 1.0, 1.5, 3.0, 6.0, float("inf"))  # floors net
 TIMEOUT_S = 600.0
 
 
@@ -63,8 +69,8 @@ def right(answer, kind, effects):
 
 
 def strength(answer):
-    """Net strength in floors: of the weaker one for a pair."""
-    if answer["kind"] == "pair":
+    """Net strength in floors: of the weakest one of several."""
+    if answer["kind"] in ("pair", "triple"):
         return min(answer["net_of_each_over_floor"])
     return answer["net_over_floor"]
 
@@ -98,6 +104,44 @@ def share(rows, key="right"):
     return sum(seen) / len(seen) if seen else None
 
 
+def several_named(rows):
+    """Of cases with several causes: how many had all named, all but one, ..."""
+    found = collections.Counter(len(r["effects"]) - len(set(r["named"]) & set(r["effects"])) for r in rows)
+    most = max((len(r["effects"]) for r in rows), default=0)
+    return [found[k] for k in range(most + 1)]
+
+
+def calibration(rows):
+    """Expected calibration error, the reliability diagram's points, and how often a sure verdict was wrong."""
+    said = [r for r in rows if r["confidence"] is not None]
+    points, error = [], 0.0
+    for low, high in zip(BINS[:-1], BINS[1:]):
+        group = [r for r in said if low <= r["confidence"] < high]
+        if group:
+            mean, hit = float(np.mean([r["confidence"] for r in group])), share(group)
+            points.append({"from": low, "to": min(1.0, high), "verdicts": len(group), "said": mean, "right": hit})
+            error += len(group) / len(said) * abs(mean - hit)
+    sure = [r for r in said if r["confidence"] >= SURE]
+    brier = float(np.mean([(r["confidence"] - r["right"]) ** 2 for r in said])) if said else None
+    return {
+        "verdicts": len(said), "ece": error if said else None, "brier": brier, "sure": len(sure),
+        "wrong_when_sure": 1 - share(sure) if sure else None, "points": points,
+    }
+
+
+def by_strength(rows):
+    """Share of right verdicts by net strength, for each kind that has one."""
+    table = {}
+    for kind in KINDS:
+        group = [r for r in rows if r["kind"] == kind and kind != "none"]
+        if group:
+            table[kind] = [
+                {"from": low, "to": high, "cases": len(g), "right": share(g)}
+                for low, high in zip(STRENGTHS[:-1], STRENGTHS[1:]) for g in [[r for r in group if low <= r["strength"] < high]]
+            ]
+    return table
+
+
 def found_nine_in_ten(rows):
     """The net strength at which a logistic curve through right and wrong passes 0.9, in floors."""
     if len(rows) < 20 or len({r["right"] for r in rows}) < 2:
@@ -128,7 +172,6 @@ def summary(rows):
     single = kinds["effect"] + kinds["stale"]
     shrunk = [r for r in rows if r["shrink"] is not None]
     off = np.array([abs(r["shrink"] - r["shrink_true"]) for r in shrunk])
-    pairs = [len(set(r["named"]) & set(r["effects"])) for r in kinds["pair"]]
     clear = lambda group: [r for r in group if r["kind"] == "none" or r["strength"] >= CLEAR]
     alone = lambda group: [r for r in clear(group) if not r["indistinguishable"] or r["kind"] == "tie"]
     by_cause = collections.defaultdict(list)
@@ -145,7 +188,10 @@ def summary(rows):
         },
         "ambiguous_with_truth": sum(r["verdict"] == "ambiguous" and not r["right"] and bool(set(r["named"]) & set(r["effects"])) for r in rows),
         "false_alarms": sum(not r["right"] for r in kinds["none"]),
-        "pairs": {"both": pairs.count(2), "one": pairs.count(1), "none": pairs.count(0)},
+        "pairs_missing": several_named(kinds["pair"]),
+        "triples_missing": several_named(kinds["triple"]),
+        "by_strength": by_strength(rows),
+        "calibration": calibration(rows),
         "stale_named": share([{"right": set(r["effects"]) <= set(r["named"])} for r in kinds["stale"]]),
         "where_first": share(rows, "where_right"),
         "shrink": {
@@ -190,18 +236,34 @@ def table(s):
         f"   {v['alone']:19}    {percent(v['right_alone'])}"
         for k, v in s["kinds"].items()
     ]
-    p, h = s["pairs"], s["shrink"]
+    h, c = s["shrink"], s["calibration"]
     lines += [
         "",
         f"not called none where nothing is wrong   {s['false_alarms']} of {s['kinds'].get('none', {}).get('cases', 0)}",
         f"ambiguous, the truth among others: wrong {s['ambiguous_with_truth']}",
-        f"pairs: both named, one, none             {p['both']}, {p['one']}, {p['none']}",
+        f"pairs: both named, one, none             {', '.join(map(str, s['pairs_missing'])) or '-'}",
+        f"triples: all named, two, one, none       {', '.join(map(str, s['triples_missing'])) or '-'}",
         f"stale parameter among those named        {percent(s['stale_named'])} %",
         f"first place right                        {percent(s['where_first'])} %",
         f"shrink against the true form's           median off {number(h['median_off'])}, within {CLOSE}: {percent(h['within'])} % of {h['cases']}",
         f"its 95 % interval holds the true form's  {percent(h['interval_holds'])} %",
         f"found 9 times in 10 from (logistic)      {number(s['found_nine_in_ten_floors'], '{:.2f}')} floors net",
         f"seconds a case                           median {s['seconds']['median']:.2f}, most {s['seconds']['most']:.2f}",
+        f"expected calibration error               {number(c['ece'])} over {c['verdicts']} verdicts, Brier score {number(c['brier'])}",
+        f"said with {SURE} or more                   {c['sure']}, wrong among them {percent(c['wrong_when_sure'])} %",
+        "",
+        "confidence said    verdicts   mean said   right %",
+    ]
+    lines += [
+        f"{p['from']:.2f} to {p['to']:.2f}      {p['verdicts']:9}       {p['said']:.3f}     {percent(p['right'])}  {'#' * round(20 * p['right'])}"
+        for p in c["points"]
+    ]
+    lines += ["", "floors net   " + "".join(f"{low:>9g} up" for low in STRENGTHS[:-1]) + "   (right of cases)"]
+    lines += [
+        f"{kind:10}   " + "".join(f"{round((b['right'] or 0) * b['cases'])} of {b['cases']}".rjust(12) if b["cases"] else "-".rjust(12) for b in bins)
+        for kind, bins in s["by_strength"].items()
+    ]
+    lines += [
         "",
         "cause                            right of cases   9 in 10 right from (floors net)",
     ]
@@ -223,15 +285,30 @@ def told(row):
     return f"{row['case']}  {truth}, {row['strength']:.2f} floors net -> {verdict}; first place {row['where']}{same}"
 
 
-def missed(kinds, need):
-    """The kinds that stay below what is needed, told."""
+def missed(rows, figures, need, most):
+    """What stays below what is needed, or above what is allowed, told."""
     short = []
-    for entry in need.split(","):
-        kind, least = entry.split("=")
-        got = kinds.get(kind, {}).get("right_clear")
+    for entry in need.split(",") if need else []:
+        name, least = entry.split("=")
+        kind, _, floors = name.partition("@")
+        group = [r for r in rows if r["kind"] == kind and (kind == "none" or r["strength"] >= float(floors or CLEAR))]
+        got = share(group)
         if got is not None and got < float(least):
-            short.append(f"{kind}: {got:.3f} right, {least} needed")
+            short.append(f"{name}: {got:.3f} right, {least} needed")
+    for entry in most.split(",") if most else []:
+        name, limit = entry.split("=")
+        got = figures["calibration"][name]
+        if got is not None and got > float(limit):
+            short.append(f"{name}: {got:.3f}, at most {limit} allowed")
     return short
+
+
+def commit():
+    """Of the checkout that this script lies in; '+' where something is changed in it."""
+    folder = pathlib.Path(__file__).parent
+    git = lambda *words: subprocess.run(["git", "-C", folder, *words], capture_output=True, text=True)
+    head = git("rev-parse", "--short=12", "HEAD")
+    return head.stdout.strip() + ("+" if git("status", "--porcelain", "-uno").stdout.strip() else "") if head.returncode == 0 else "unknown"
 
 
 def diagnoses(args, names):
@@ -257,20 +334,24 @@ def main():
     parser.add_argument("--results", type=pathlib.Path)
     parser.add_argument("--json", type=pathlib.Path)
     parser.add_argument("--verbose", action="store_true")
-    parser.add_argument("--need", help="least shares of right verdicts, kind=share,...")
+    parser.add_argument("--need", help="least shares of right verdicts, kind=share or kind@floors=share,...")
+    parser.add_argument("--most", help="largest values of ece and wrong_when_sure, name=value,...")
+    parser.add_argument("--pool", help="JSON files of earlier runs, to be scored together with this one")
     args = parser.parse_args()
     answers = [json.loads(p.read_text()) for p in sorted(args.answers.glob("*.json"))]
     if not answers:
         sys.exit(f"no answers in {args.answers}")
     found = diagnoses(args, [a["case"] for a in answers])
     rows = [judge(answer, *found_one) for answer, found_one in zip(answers, found)]
+    for earlier in args.pool.split(",") if args.pool else []:
+        rows += json.loads(pathlib.Path(earlier).read_text())["rows"]
     figures = summary(rows)
     if args.json:
         args.json.write_text(json.dumps({"summary": figures, "rows": rows}, indent=2, default=float) + "\n")
     if args.verbose:
         print("\n".join(told(r) for r in rows if not r["right"]), end="\n\n")
-    print(table(figures), flush=True)
-    short = missed(figures["kinds"], args.need) if args.need else []
+    print(f"code {commit()}\n{table(figures)}", flush=True)
+    short = missed(rows, figures, args.need, args.most)
     if short:
         sys.exit("below what is needed: " + "; ".join(short))
 

@@ -1,0 +1,229 @@
+"""Puts a case together: a joint, its motions, what is wrong with it at the strength asked for, the model handed over, the answer."""
+import dataclasses
+import itertools
+
+import numpy as np
+
+from effect import log_uniform
+from frictions import FRICTIONS
+from joints import NOISES, STALE, draw_base, draw_span, jacobian, known, may_be, noise, stale
+from loads import LOADS
+from motions import record, smooth
+from outside import outside
+from plant import World, torque
+from readings import READINGS
+from rivals import Absorber, leaves
+
+EFFECTS = FRICTIONS | LOADS | READINGS
+STRENGTHS = {"effect": (0.3, 12.0), "stale": (0.5, 12.0), "unknown": (0.7, 12.0), "pair": (1.0, 10.0), "triple": (1.2, 10.0)}  # floors, net
+DRAWS = 20  # of an option
+DEFAULT = 0.05  # within which a base parameter moves that declares no confidence
+CLOSE = 0.25  # floors: a rival that leaves no more than this beyond the true cause's textbook form cannot be told from it
+NOISE_OVER_ROUNDING = 0.5  # at least: what the encoder's steps leave of a perfect model must not stand alone
+UNKNOWN_LEFT = 0.6  # of a gap from outside the library: the least that any one cause leaves
+OWN_LEFT = 0.7  # of a gap: the most that a textbook form of its own cause leaves
+SEVERAL_LEFT = 0.7  # floors: the least that any one cause leaves of a pair or three
+SAME_THING = {"load_dependent_friction": "load_coefficient", "load_coefficient": "load_dependent_friction", "stribeck_level": "stribeck"}
+HOLDS_CONSTANT = {"sensor_bias": {"elastic_spring", "sensor_drift", "joint_coupling"}}
+
+
+class Rejected(Exception):
+    """A draw that is no fair question."""
+
+
+@dataclasses.dataclass
+class Case:
+    world: World
+    style: str
+    base: object  # the model handed over
+    confidence: dict | None  # name to (low, high)
+    recorded: np.ndarray
+    encoder: float
+    clocked: bool
+    answer: dict
+
+
+def build(kind, options, rng):
+    """A case; each option is a list of causes, (family, id) with family effect, stale or outside.
+
+    Draws again what is no fair question: an option `DRAWS` times at most, several causes from all options in turn.
+    """
+    for attempt in range(DRAWS * len(options)):
+        option = options[attempt % len(options) if kind in ("pair", "triple") else attempt // DRAWS]
+        try:
+            return draw(kind, option, rng, attempt)
+        except (Rejected, np.linalg.LinAlgError):
+            continue
+    raise RuntimeError(f"no fair question in {DRAWS} draws of each of {options}")
+
+
+def make(family, name, world, base, rng, size):
+    if family == "stale":
+        return stale(name, base, rng)
+    if family == "outside":
+        return outside(name, world, base, rng, size)
+    return EFFECTS[name](world, base, rng, size)
+
+
+def draw(kind, names, rng, attempt):
+    slide = "prismatic" if rng.random() < 0.2 else "revolute"
+    if not all(may_be(n, slide) for _, n in names):
+        slide = "revolute"
+    span = draw_span(rng, slide)
+    base = draw_base(rng, slide, span, [f"{n}_effect" if (f, n) == ("effect", "inertia") else n for f, n in names])
+    style, rate, repeats, trials = record(span, rng)
+    lowpass = round(min(log_uniform(rng, 4, 25), rate / 6), 1)
+    if any(n == "joint_coupling" for _, n in names) or rng.random() < 0.12:
+        give_other(trials, rng)
+    world = World(trials, rate, lowpass, int(rng.choice([2, 4, 4])))
+    if world.kept.sum() < 150:
+        raise Rejected("too short")
+    y0 = torque(world, base)
+    size = 0.1 * np.ptp(world.judged(y0))
+    if not np.isfinite(size) or size <= 0:
+        raise Rejected("no torque")
+    floor = size * 10 * log_uniform(rng, 1e-3, 0.03)
+    encoder = 2 * span.half / log_uniform(rng, 300, 100_000)
+    rounding = rms(world.judged(torque(world.as_read(encoder), base) - y0))
+    noise_rms = max(floor, NOISE_OVER_ROUNDING * rounding)
+    floor = float(np.hypot(noise_rms, rounding))
+    causes = [make(family, name, world, base, rng, size) for family, name in names]
+    parameters, columns = jacobian(world, base)
+    declared = rng.random() > 0.15
+    sd, moved = known(world, parameters, columns, floor, rng)
+    if not declared:
+        moved = np.clip(moved, -0.02, 0.02)
+    drift = columns @ moved
+    moved *= min(1.0, floor / max(1e-300, np.sqrt(np.mean(drift**2))))  # an identification misses its own campaign by no more
+    bounds = 1.96 * sd if declared else np.full(len(parameters), DEFAULT)
+    target = [log_uniform(rng, *STRENGTHS[kind]) for _ in causes]
+    amounts = [tune(world, base, y0, c, columns, bounds, floor * s) for c, s in zip(causes, target)]
+    reached = [net(world, base, y0, c, x, columns, bounds)[0] / floor for c, x in zip(causes, amounts)]
+    if any(abs(np.log(r / s)) > 0.3 for r, s in zip(reached, target)):
+        raise Rejected("strength not reached")
+    y = torque(world, base, list(zip(causes, amounts)))
+    clocked = any("clock" in c.needs for c in causes) or rng.random() < 0.4
+    gap = world.judged(y - y0)
+    values = base.values()
+    model = base.changed({n: values[n] * (1 + m) for n, m in zip(parameters, moved)})
+    noises = str(rng.choice(NOISES, p=[0.35, 0.3, 0.15, 0.2]))
+    added = noise_rms * noise(world, rng, noises)
+    recorded = y + added
+    if "saturation" in [n for _, n in names]:  # what the rail holds, noise does not cross
+        inner = torque(world, base, [(c, x) for c, x in zip(causes, amounts) if c.id != "saturation"])
+        recorded = np.where(np.abs(y - inner) > 1e-9 * size, y + 0.02 * added, recorded)
+    answer = explain(kind, names, causes, amounts, world, base, y0, gap, parameters, columns, bounds, floor, clocked)
+    answer |= {
+        "floor_nm": floor, "style": style, "rate_hz": rate, "lowpass_hz": lowpass, "repeats": repeats, "trials": len(trials), "samples": len(world.q),
+        "noise": noises, "joint": slide, "declared_confidence": bool(declared), "attempts": attempt + 1, "base_off_over_floor": rms(columns @ moved) / floor,
+    }
+    answer["shrink_true_form"] = shrink(world, gap, columns, bounds, columns @ moved, world.judged(added), [
+        world.judged(torque(world, base, [(c, x)]) - y0) for c, x in zip(causes, amounts)]) if not {"contact", "saturation"} & {n for _, n in names} and kind not in ("none", "unknown") else None
+    confidence = {n: (values[n] * (1 + m - b), values[n] * (1 + m + b)) for n, m, b in zip(parameters, moved, bounds)} if declared else None
+    answer["encoder_steps_in_range"] = 2 * span.half / encoder
+    answer["rounding_over_floor"] = rounding / floor
+    return Case(world, style, model, confidence, recorded, encoder, clocked, answer)
+
+
+def rms(x):
+    return float(np.sqrt(np.mean(np.square(x))))
+
+
+def give_other(trials, rng):
+    """A second joint that goes its own way."""
+    for t in trials:
+        n = len(t.t_s)
+        rate = 1 / (t.t_s[1] - t.t_s[0])
+        f = rng.uniform(0.08, 0.3, 2) + 1.0 / t.t_s[-1]
+        angle = 0.5 * np.sin(2 * np.pi * f[0] * t.t_s + rng.uniform(0, 6)) + 0.3 * np.sin(2 * np.pi * f[1] * t.t_s + rng.uniform(0, 6))
+        angle = smooth(angle, min(0.1, 0.1 * n / rate), rate)
+        t.other = np.column_stack([angle, np.gradient(angle) * rate])
+
+
+def net(world, base, y0, cause, amount, columns, bounds):
+    """RMS of a cause's torque after and before the base has absorbed what its confidence lets it."""
+    gap = world.judged(torque(world, base, [(cause, amount)]) - y0)
+    return Absorber(columns, bounds, gap).left(), rms(gap)
+
+
+def tune(world, base, y0, cause, columns, bounds, wanted):
+    """The amount at which a cause's net strength is the one wanted."""
+    x, best = min(1.0, 0.5 * cause.most), None
+    for _ in range(10):
+        got = net(world, base, y0, cause, x, columns, bounds)[0]
+        if not np.isfinite(got) or got <= 0:
+            raise Rejected("no torque of its own")
+        best = x
+        ratio = wanted / got
+        if abs(np.log(ratio)) < 0.05:
+            break
+        following = min(cause.most, x * np.clip(ratio, 0.05, 20))
+        if following == x:
+            break
+        x = following
+    return best
+
+
+def explain(kind, names, causes, amounts, world, base, y0, gap, parameters, columns, bounds, floor, clocked):
+    """The answer: right verdicts, strengths, and what could not be told from the truth."""
+    own = [world.judged(torque(world, base, [(c, x)]) - y0) for c, x in zip(causes, amounts)]
+    each = []
+    for i, d in enumerate(own):
+        others = np.column_stack([o for k, o in enumerate(own) if k != i]) if len(own) > 1 else None
+        each.append(Absorber(columns, bounds, d).left(others) / floor)
+    whole = Absorber(columns, bounds, gap).left() / floor if causes else 0.0
+    answer = {
+        "kind": kind, "effects": [n for _, n in names] if kind != "unknown" else [], "variants": [c.variant for c in causes],
+        "families": [f for f, _ in names], "raw_over_floor": rms(gap) / floor if causes else 0.0, "net_over_floor": whole,
+        "net_of_each_over_floor": each, "amounts": amounts, "notes": [c.notes for c in causes], "indistinguishable": [], "where": [],
+    }
+    if kind == "none":
+        return answer | {"accepted": [{"kind": "none", "effects": []}], "left_by_over_floor": {}}
+    left = {n: v / floor for n, v in leaves(world, base, parameters, columns, bounds, gap, clocked).items()}
+    answer["left_by_over_floor"] = {n: round(v, 3) for n, v in sorted(left.items(), key=lambda item: item[1])}
+    best = min(left.values())
+    if kind == "unknown":
+        if best < UNKNOWN_LEFT * whole:
+            raise Rejected("a cause of the library does for it")
+        return answer | {"accepted": [{"kind": "unknown", "effects": []}]}
+    if kind in ("pair", "triple"):
+        if min(each) < 0.7 * STRENGTHS[kind][0]:
+            raise Rejected("one hides the other")
+        if best < max(SEVERAL_LEFT, 0.25 * whole):
+            raise Rejected("one cause does for all")
+        choices = [[n] + ([SAME_THING[n]] if n in SAME_THING else []) for _, n in names]
+        return answer | {"accepted": [{"kind": "several", "effects": sorted(c)} for c in itertools.product(*choices)]}
+    name = names[0][1]
+    mine = left.pop(name, 0.0)
+    alike = {n: v for n, v in left.items() if n not in HOLDS_CONSTANT.get(name, ())}
+    if mine > OWN_LEFT * max(whole, 0.4):
+        raise Rejected("so far from every textbook form of its cause that it is another thing")
+    if alike and min(alike.values()) < 0.8 * mine and mine > 0.3 and SAME_THING.get(name) != min(alike, key=alike.get):
+        raise Rejected("another cause explains it better")
+    answer["indistinguishable"] = sorted(n for n, v in alike.items() if v**2 - mine**2 < CLOSE**2)
+    family = names[0][0]
+    accepted = [{"kind": "stale_parameters" if family == "stale" else "effect", "effects": [name]}]
+    twin = SAME_THING.get(name)
+    if twin in answer["indistinguishable"]:
+        accepted.append({"kind": "stale_parameters" if twin in STALE else "effect", "effects": [twin]})
+    if family == "stale" and name == "inertia":
+        accepted.append({"kind": "effect", "effects": [name]})
+    return answer | {"accepted": accepted}
+
+
+def shrink(world, gap, columns, bounds, off, added, own):
+    """What the true form reaches: fitted with the base to three quarters of the trials (of the time, of a single one), judged on the rest."""
+    truth = gap - off
+    number = world.number[world.kept]
+    fold = number % 4 if number.max() >= 3 else (4 * np.arange(len(number)) // len(number))
+    after = np.zeros(len(gap))
+    design = np.column_stack([columns, *own])
+    scale = np.sqrt(np.mean(design**2, axis=0)) + 1e-300
+    limits = np.concatenate([2 * bounds, np.full(len(own), np.inf)]) * scale
+    from scipy.optimize import lsq_linear
+
+    for k in range(4):
+        seen = fold != k
+        x = lsq_linear(design[seen] / scale, (truth + added)[seen], (-limits, limits), method="trf" if design.shape[1] > 40 else "bvls").x
+        after[~seen] = truth[~seen] - design[~seen] / scale @ x
+    return float(1 - rms(after) / rms(truth))
