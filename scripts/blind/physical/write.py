@@ -40,11 +40,19 @@ def toml(case, sign, position, force):
     if world.trials[0].other is not None:
         lines.append('other_position = { name = "second_joint_deg", unit = "deg" }')
     for trial in world.trials:
-        lines += ["", "[[trials]]", f'file = "{trial.name}.csv"', f'protocol = "{trial.protocol}"']
-        if trial.protocol == "uniform":
+        protocol = trial.protocol if trial.protocol != "uniform" or plain_sweep(case, trial) else "free"
+        lines += ["", "[[trials]]", f'file = "{trial.name}.csv"', f'protocol = "{protocol}"']
+        if protocol == "uniform":
             lines.append(f"speed_rad_s = {float(trial.speed_rad_s)!r}")
         lines += [f"repeat = {trial.repeat}", f'trajectory = "{trial.trajectory}"']
     return "\n".join(lines) + "\n"
+
+
+def plain_sweep(case, trial):
+    """Whether a recording shows its constant speed well enough to be called a sweep: a turning joint, legs long in samples and in steps."""
+    leg = np.ptp(trial.q)
+    samples = leg / trial.speed_rad_s * case.world.rate_hz
+    return case.base.kind == "revolute" and samples > 150 and leg / case.encoder > 5000 and case.base.backlash_m / case.base.r2_m < 0.2 * leg
 
 
 def model(case):

@@ -1,0 +1,106 @@
+"""What every script here writes: a case, that is a campaign, trials held out of it, a model of the joint as it was, the answer beside.
+
+    CASE/campaign/     what `tautline diagnose` is given
+    CASE/held_out/     further recordings with the same intervention, that nothing is fitted to
+    CASE/model.json    identified from a reference recording without the intervention
+    CASE/answer.json   what was done to the joint, the causes that name it, figures to compare with, source and licence
+"""
+import json
+import os
+import pathlib
+import shutil
+import subprocess
+import sys
+import tempfile
+
+import numpy as np
+from scipy.signal import butter, sosfiltfilt
+
+BINARY = os.environ.get("TAUTLINE", "target/release/tautline")
+
+
+def stop(message):
+    sys.exit(f"{pathlib.Path(sys.argv[0]).name}: {message}")
+
+
+def needed(path):
+    """The path, or a word about what is missing."""
+    return path if path.exists() else stop(f"{path} is missing in the download")
+
+
+class Joint:
+    """The unchanging part of a campaign."""
+
+    def __init__(self, name, kind="revolute", winch_m=1.0, pulley_m=1.0, backlash_m=1e-4, gravity_nm=0.0, inertia=0.0, sign=1, lowpass_hz=5.0,
+                 loaded=False, notes=""):
+        self.__dict__.update(vars())
+
+    def toml(self, trials):
+        unit, force = ("m", "N") if self.kind == "prismatic" else ("rad", "N m")
+        lines = [f"# {n}" for n in self.notes.splitlines()] + [
+            'format = "campaign/1"', "", "[joint]", f'name = "{self.name}"', f'kind = "{self.kind}"', f"winch_radius_m = {self.winch_m!r}",
+            f"pulley_radius_m = {self.pulley_m!r}", f"backlash_m = {self.backlash_m!r}", "", "[dynamics]", f"gravity_nm = {float(self.gravity_nm)!r}",
+            f"inertia_kg_m2 = {float(self.inertia)!r}", "", "[signal]", f"torque_sign = {self.sign}", f"lowpass_hz = {float(self.lowpass_hz)!r}",
+            "lowpass_order = 4", "", "[columns]", 'time = { name = "time_s", unit = "s" }', f'position = {{ name = "position", unit = "{unit}" }}',
+            f'torque = {{ name = "torque", unit = "{force}" }}']
+        if self.loaded:
+            lines.append(f'load_torque = {{ name = "load", unit = "{force}" }}')
+        for name, trajectory, repeat in trials:
+            lines += ["", "[[trials]]", f'file = "{name}.csv"', 'protocol = "free"', f'trajectory = "{trajectory}"', f"repeat = {repeat}"]
+        return "\n".join(lines) + "\n"
+
+
+def campaign(folder, joint, recordings):
+    """Writes a campaign of recordings: name, trajectory, columns time, position, torque (and load)."""
+    folder.mkdir(parents=True, exist_ok=True)
+    counted, trials = {}, []
+    for name, trajectory, table in recordings:
+        counted[trajectory] = counted.get(trajectory, 0) + 1
+        trials.append((name, trajectory, counted[trajectory]))
+        head = "time_s,position,torque" + (",load" if joint.loaded else "")
+        np.savetxt(folder / f"{name}.csv", table, "%.8g", delimiter=",", header=head, comments="")
+    (folder / "campaign.toml").write_text(joint.toml(trials))
+    return folder
+
+
+def run(*words):
+    done = subprocess.run([str(w) for w in (BINARY, *words)], capture_output=True, text=True)
+    if done.returncode not in (0, 1):
+        stop(f"{' '.join(str(w) for w in words)}: {done.stderr.strip() or done.stdout.strip()}")
+    return done.stdout
+
+
+def identified(joint, recordings, *options):
+    """The model that tautline identifies from reference recordings."""
+    with tempfile.TemporaryDirectory() as scratch:
+        scratch = pathlib.Path(scratch)
+        campaign(scratch / "reference", joint, recordings)
+        run("identify", scratch / "reference", "-o", scratch / "out", "--quiet", *options)
+        return json.loads((scratch / "out" / "model.json").read_text())
+
+
+def case(folder, joint, model, recordings, held_out, answer):
+    """Writes a case; an existing one is replaced."""
+    shutil.rmtree(folder, ignore_errors=True)
+    campaign(folder / "campaign", joint, recordings)
+    if held_out:
+        campaign(folder / "held_out", joint, held_out)
+    (folder / "model.json").write_text(json.dumps(model, indent=2) + "\n")
+    (folder / "answer.json").write_text(json.dumps(answer, indent=2, default=float) + "\n")
+    print(f"{folder}: {answer['done']}")
+
+
+def low(x, hz, rate_hz, axis=0):
+    return sosfiltfilt(butter(4, hz, fs=rate_hz, output="sos"), x, axis=axis)
+
+
+def direction(v, still):
+    """+1 and -1, passing smoothly through rest: for a regression, not for a model."""
+    return np.tanh(v / still)
+
+
+def arguments(doc):
+    """FOLDER_OF_DOWNLOAD and OUTPUT."""
+    if len(sys.argv) != 3:
+        sys.exit(doc)
+    return pathlib.Path(sys.argv[1]), pathlib.Path(sys.argv[2])
