@@ -64,6 +64,8 @@ def campaign(folder, joint, recordings):
 
 
 def run(*words):
+    if shutil.which(BINARY) is None:
+        stop(f"{BINARY} cannot be run: build with `cargo build --release`, or name the program by the environment variable TAUTLINE")
     done = subprocess.run([str(w) for w in (BINARY, *words)], capture_output=True, text=True)
     if done.returncode not in (0, 1):
         stop(f"{' '.join(str(w) for w in words)}: {done.stderr.strip() or done.stdout.strip()}")

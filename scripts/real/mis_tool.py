@@ -1,12 +1,14 @@
 #!/usr/bin/env python3
-"""Cases from the da Vinci tool drives of MRDLab/mis-tool-characterization: wrist bent, another tool, transition or load withheld, faults injected.
+"""Cases from the da Vinci tool drives of MRDLab/mis-tool-characterization: another tool, transition withheld, faults injected.
 
 usage: scripts/real/mis_tool.py FOLDER_OF_DOWNLOAD OUTPUT      (TAUTLINE names the binary)
 
 FOLDER_OF_DOWNLOAD is a clone of github.com/MRDLab/mis-tool-characterization (data ODbL 1.0, contents DbCL 1.0). A motor turns the left
 spindle of a Maryland grasper by sines of +-30 deg; a second one resists at the jaw; both torques are measured. The model is
-what `tautline identify` makes of runs with the wrist straight.
+what `tautline identify` makes of other runs.
 """
+import json
+import pathlib
 
 import numpy as np
 
@@ -81,18 +83,14 @@ def named(figures):
     return sorted({n for k, v in parts.items() if v >= 0.5 * max(parts.values()) for n in NAMES[k]})
 
 
-def bent(download, out, pitch, degrees):
-    """The wrist bent: its cables lie over their pulleys on a longer arc."""
-    data = download / "data"
-    names = [f"{z}{x}{y}" for z in "01" for x in "01" for y in "03"]
-    straight = runs(data / "Tool_4_Maryland_L_Pitch_3", names)
-    folder = data / f"Tool_4_Maryland_L_Pitch_{pitch}"
-    changed, unseen = runs(folder, names[:6]), runs(folder, ["002", "011", "102", "111"])
-    j = joint("davinci_pitch")
-    figures = groups(straight, changed)
-    case(out / f"mis_tool_pitch_{degrees:+d}", j, identified(j, straight, "--estimate-backlash"), changed, unseen, SOURCE | {
-        "device": "da Vinci tool 4, left spindle", "kind": "intervention", "done": f"wrist bent by {degrees} deg", "accepted": named(figures),
-        "why": "bending the wrist changes how the cables wrap: friction that follows their tension, and its level", "figures": figures})
+def longer(download, out):
+    """The runs of data/davinci_l4 with four further ones held out."""
+    here = pathlib.Path(__file__).resolve().parents[2] / "data" / "davinci_l4"
+    folder = download / "data" / "Tool_4_Maryland_L_4"
+    j = joint("davinci_left_spindle")
+    case(out / "mis_tool_l4", j, json.loads((here / "base_model.json").read_text()), runs(folder, ["02", "06", "21", "25", "43", "47"]), runs(folder, ["04", "13", "34", "41"]), SOURCE | {
+        "device": "da Vinci tool 4, left spindle", "kind": "withheld", "done": "transition and friction by load withheld from the model",
+        "accepted": ["reversal_transition", "load_dependent_friction"], "why": "constant friction by direction, identified on steady sliding"})
 
 
 def other_tool(download, out):
@@ -155,8 +153,7 @@ def main():
     needed(download / "data" / "Tool_5_Maryland_L_3")
     withheld(download, out)
     injected(download, out)
-    bent(download, out, 1, 60)
-    bent(download, out, 5, -60)
+    longer(download, out)
     other_tool(download, out)
 
 
