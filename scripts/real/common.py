@@ -101,6 +101,26 @@ def direction(v, still):
     return np.tanh(v / still)
 
 
+ALIKE = 1.05  # a rival's straight-line fit that leaves no more than this times the right cause's cannot be told from it
+
+
+def explained(gap, q, torque):
+    """RMS that plain regressions leave of a gap: a mass (sin q, cos q), a spring (q and a constant), a gain of all that is read."""
+    one = np.ones_like(q)
+    forms = {"gravity": [np.sin(q)], "gravity_phase": [np.sin(q), np.cos(q)], "elastic_spring": [q, one], "sensor_gain": [torque]}
+    left = {}
+    for name, columns in forms.items():
+        x = np.column_stack(columns)
+        left[name] = float(np.sqrt(np.mean((gap - x @ np.linalg.lstsq(x, gap, rcond=None)[0]) ** 2)))
+    return left
+
+
+def cannot_be_told_from(left, right):
+    """Rivals that leave as little as the best of the right causes does."""
+    best = min(left[n] for n in right)
+    return sorted(n for n, v in left.items() if n not in right and v <= ALIKE * best)
+
+
 def arguments(doc):
     """FOLDER_OF_DOWNLOAD and OUTPUT."""
     if len(sys.argv) != 3:

@@ -12,7 +12,7 @@ campaign as `load_torque`, less the term sin(q), which is `gravity_nm`; tautline
 """
 import numpy as np
 
-from common import Joint, arguments, case, direction, identified, low, needed
+from common import Joint, arguments, cannot_be_told_from, case, direction, explained, identified, low, needed
 
 RATE_HZ, LOWPASS_HZ = 200.0, 4.0
 STILL_RAD_S = 0.03
@@ -70,17 +70,16 @@ def main():
         j, (joint, parameters, gravity, model) = JOINTS[name], models[name]
         full = read(data / f"one_results_1.0_scale_{grams}_grams_{mount}.csv")
         extra = low(full[3][:, j] - columns(full, j) @ parameters, LOWPASS_HZ, RATE_HZ)
-        q = full[0][:, j]
-        shape = np.column_stack([np.sin(q), np.cos(q), np.ones_like(q)])
-        found = np.linalg.lstsq(shape, extra, rcond=None)[0]
+        left = explained(extra, full[0][:, j], low(full[3][:, j], LOWPASS_HZ, RATE_HZ))
+        right = ["gravity", "gravity_phase"]
         rows = table(full, j, parameters, gravity)
         cut = int(SHOWN * len(rows))
         case(out / f"dvrk_{name}_{grams}g_{mount}", joint, model, [("shown", "shown", rows[:cut])],
              [("unseen", "unseen", rows[cut:] - [rows[cut, 0], 0, 0, 0])], SOURCE | {
                  "device": "dVRK patient-side manipulator", "kind": "intervention", "done": f"{grams} g mounted {mount}, seen at the {name} joint",
-                 "accepted": ["gravity", "gravity_phase"], "why": "an added mass: torque by the joint's angle, and by the insertion (a remainder)",
-                 "figures": {"mass_g": grams, "gravity_nm": gravity, "gap_rms_nm": float(np.sqrt(np.mean(extra**2))), "sin_cos_one_by_regression_nm": found.tolist(),
-                             "left_by_them_nm": float(np.std(extra - shape @ found))}})
+                 "accepted": right, "cannot_be_told_from": cannot_be_told_from(left, right),
+                 "why": "an added mass: torque by the joint's angle, and by the insertion (a remainder)",
+                 "figures": {"mass_g": grams, "gravity_nm": gravity, "gap_rms_nm": float(np.sqrt(np.mean(extra**2))), "left_by_regression_nm": left}})
 
 
 if __name__ == "__main__":

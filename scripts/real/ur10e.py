@@ -10,8 +10,8 @@ angle as sin(q), goes into the campaign as `load_torque`, that term is `gravity_
 """
 import numpy as np
 
-from chain import GRAVITY_M_S2, regressor
-from common import Joint, arguments, case, direction, identified, low, needed
+from chain import regressor
+from common import Joint, arguments, cannot_be_told_from, case, direction, explained, identified, low, needed
 
 HALF = np.pi / 2
 JOINTS = [((0, 0, 0.181), (0, 0, 0), (0, 0, 1)), ((0, 0.176, 0), (0, HALF, 0), (0, 1, 0)), ((0, -0.137, 0.613), (0, 0, 0), (0, 1, 0)),
@@ -82,11 +82,13 @@ def main():
         change = float(own @ extra / (own @ own))
         at_wrist = lever(record)
         kilograms = float(at_wrist @ extra / (at_wrist @ at_wrist))
+        left = explained(extra, q[:, SHOULDER] + HALF, low(y, LOWPASS_HZ, RATE_HZ))
+        right = ["gravity", "gravity_phase"]
         case(out / f"ur10e_payload_{name}", joint, model, recordings([record]), recordings([read(data / f"{unseen}.csv")]) if unseen else [], SOURCE | {
-            "device": "UR10e, shoulder lift", "kind": "intervention", "done": f"payload of {kg} kg", "accepted": ["gravity", "gravity_phase"],
+            "device": "UR10e, shoulder lift", "kind": "intervention", "done": f"payload of {kg} kg", "accepted": right, "cannot_be_told_from": cannot_be_told_from(left, right),
             "why": "a mass at the wrist: torque by the shoulder's angle, and by those of the joints beyond it (a remainder)",
             "figures": {"mass_kg": kg, "mass_by_regression_kg": kilograms, "gravity_change_by_regression_nm": change,
-                        "gravity_nm": gravity, "gap_rms_nm": float(np.std(extra)), "wrist_share_nm": kg * GRAVITY_M_S2 * 0.613}})
+                        "gravity_nm": gravity, "gap_rms_nm": float(np.std(extra)), "left_by_regression_nm": left}})
 
 
 if __name__ == "__main__":

@@ -6,6 +6,7 @@ import numpy as np
 
 from effect import log_uniform
 from frictions import FRICTIONS
+from identified import identify
 from joints import NOISES, STALE, draw_base, draw_span, jacobian, known, may_be, noise, stale
 from loads import LOADS
 from motions import record, smooth
@@ -17,6 +18,8 @@ from rivals import Absorber, leaves
 EFFECTS = FRICTIONS | LOADS | READINGS
 STRENGTHS = {"effect": (0.3, 12.0), "stale": (0.5, 12.0), "unknown": (0.7, 12.0), "pair": (1.0, 10.0), "triple": (1.2, 10.0)}  # floors, net
 DRAWS = 20  # of an option
+IDENTIFIED = 0.3  # of the models: identified by tautline, where the program is given
+OFF = 1.5  # floors: the most that such a model misses the joint as it was
 DEFAULT = 0.05  # within which a base parameter moves that declares no confidence
 CLOSE = 0.25  # floors: a rival that leaves no more than this beyond the true cause's textbook form cannot be told from it
 NOISE_OVER_ROUNDING = 0.5  # at least: what the encoder's steps leave of a perfect model must not stand alone
@@ -41,9 +44,10 @@ class Case:
     encoder: float
     clocked: bool
     answer: dict
+    written: dict | None = None  # the model file, where tautline identified it
 
 
-def build(kind, options, rng):
+def build(kind, options, rng, binary=None):
     """A case; each option is a list of causes, (family, id) with family effect, stale or outside.
 
     Draws again what is no fair question: an option `DRAWS` times at most, several causes from all options in turn.
@@ -51,7 +55,7 @@ def build(kind, options, rng):
     for attempt in range(DRAWS * len(options)):
         option = options[attempt % len(options) if kind in ("pair", "triple") else attempt // DRAWS]
         try:
-            return draw(kind, option, rng, attempt)
+            return draw(kind, option, rng, attempt, binary)
         except (Rejected, np.linalg.LinAlgError):
             continue
     raise RuntimeError(f"no fair question in {DRAWS} draws of each of {options}")
@@ -65,7 +69,7 @@ def make(family, name, world, base, rng, size):
     return EFFECTS[name](world, base, rng, size)
 
 
-def draw(kind, names, rng, attempt):
+def draw(kind, names, rng, attempt, binary):
     slide = "prismatic" if rng.random() < 0.2 else "revolute"
     if not all(may_be(n, slide) for _, n in names):
         slide = "revolute"
@@ -90,23 +94,34 @@ def draw(kind, names, rng, attempt):
     causes = [make(family, name, world, base, rng, size) for family, name in names]
     parameters, columns = jacobian(world, base)
     declared = rng.random() > 0.15
-    sd, moved = known(world, parameters, columns, floor, rng)
-    if not declared:
-        moved = np.clip(moved, -0.02, 0.02)
-    drift = columns @ moved
-    moved *= min(1.0, floor / max(1e-300, np.sqrt(np.mean(drift**2))))  # an identification misses its own campaign by no more
-    bounds = 1.96 * sd if declared else np.full(len(parameters), DEFAULT)
+    clocked = any("clock" in c.needs for c in causes) or rng.random() < 0.4
+    noises = str(rng.choice(NOISES, p=[0.35, 0.3, 0.15, 0.2]))
+    found = None
+    if rng.random() < IDENTIFIED and binary:
+        reference = Case(world, style, base, None, y0 + noise_rms * noise(world, rng, noises), encoder, clocked, {"floor_nm": floor})
+        found = identify(binary, reference, np.random.default_rng(rng.integers(2**31)))
+        if found is None:
+            raise Rejected("not identified")
+        bounds = np.array([found[2].get(n, DEFAULT) for n in parameters])
+        off = world.judged(torque(world, found[0]) - y0)
+        if rms(off) > OFF * floor:
+            raise Rejected("identification missed")
+    else:
+        sd, moved = known(world, parameters, columns, floor, rng)
+        if not declared:
+            moved = np.clip(moved, -0.02, 0.02)
+        moved *= min(1.0, floor / max(1e-300, rms(columns @ moved)))  # an identification misses its own campaign by no more
+        bounds = 1.96 * sd if declared else np.full(len(parameters), DEFAULT)
+        off = columns @ moved
     target = [log_uniform(rng, *STRENGTHS[kind]) for _ in causes]
     amounts = [tune(world, base, y0, c, columns, bounds, floor * s) for c, s in zip(causes, target)]
     reached = [net(world, base, y0, c, x, columns, bounds)[0] / floor for c, x in zip(causes, amounts)]
     if any(abs(np.log(r / s)) > 0.3 for r, s in zip(reached, target)):
         raise Rejected("strength not reached")
     y = torque(world, base, list(zip(causes, amounts)))
-    clocked = any("clock" in c.needs for c in causes) or rng.random() < 0.4
     gap = world.judged(y - y0)
     values = base.values()
-    model = base.changed({n: values[n] * (1 + m) for n, m in zip(parameters, moved)})
-    noises = str(rng.choice(NOISES, p=[0.35, 0.3, 0.15, 0.2]))
+    model = found[0] if found else base.changed({n: values[n] * (1 + m) for n, m in zip(parameters, moved)})
     added = noise_rms * noise(world, rng, noises)
     recorded = y + added
     if "saturation" in [n for _, n in names]:  # what the rail holds, noise does not cross
@@ -115,14 +130,14 @@ def draw(kind, names, rng, attempt):
     answer = explain(kind, names, causes, amounts, world, base, y0, gap, parameters, columns, bounds, floor, clocked)
     answer |= {
         "floor_nm": floor, "style": style, "rate_hz": rate, "lowpass_hz": lowpass, "repeats": repeats, "trials": len(trials), "samples": len(world.q),
-        "noise": noises, "joint": slide, "declared_confidence": bool(declared), "attempts": attempt + 1, "base_off_over_floor": rms(columns @ moved) / floor,
+        "noise": noises, "joint": slide, "declared_confidence": bool(declared), "attempts": attempt + 1, "base_off_over_floor": rms(off) / floor, "base": "identified" if found else "drawn",
     }
-    answer["shrink_true_form"] = shrink(world, gap, columns, bounds, columns @ moved, world.judged(added), [
+    answer["shrink_true_form"] = shrink(world, gap, columns, bounds, off, world.judged(added), [
         world.judged(torque(world, base, [(c, x)]) - y0) for c, x in zip(causes, amounts)]) if not {"contact", "saturation"} & {n for _, n in names} and kind not in ("none", "unknown") else None
-    confidence = {n: (values[n] * (1 + m - b), values[n] * (1 + m + b)) for n, m, b in zip(parameters, moved, bounds)} if declared else None
+    confidence = {n: (values[n] * (1 + m - b), values[n] * (1 + m + b)) for n, m, b in zip(parameters, moved, bounds)} if declared and not found else None
     answer["encoder_steps_in_range"] = 2 * span.half / encoder
     answer["rounding_over_floor"] = rounding / floor
-    return Case(world, style, model, confidence, recorded, encoder, clocked, answer)
+    return Case(world, style, model, confidence, recorded, encoder, clocked, answer, found[1] if found else None)
 
 
 def rms(x):

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Writes cases for the blind check from the physics of joints: campaigns with a model that lacks something, the answers elsewhere.
 
-usage: scripts/blind/physical/generate.py --seed 1 --cases 120 --out DIR --answers DIR2 [--kinds effect,stale,none] [--only ID]
+usage: scripts/blind/physical/generate.py --seed 1 --cases 120 --out DIR --answers DIR2 [--kinds effect,stale,none] [--only ID] [--identify BINARY]
 """
 import argparse
 import json
@@ -72,11 +72,11 @@ def plan(seed, count, kinds, only):
 
 def make(job):
     """One case, written; the answer apart."""
-    number, seed, (kind, options), out, answers = job
+    number, seed, (kind, options), out, answers, binary = job
     started = time.perf_counter()
     rng = np.random.default_rng([seed, 11, number])
     name = f"case_{number:03d}"
-    built = cases.build(kind, options, rng)
+    built = cases.build(kind, options, rng, binary)
     write_case(built, out / name, rng)
     built.answer |= {"case": name, "generator": "physical", "seconds": time.perf_counter() - started}
     (answers / f"{name}.json").write_text(json.dumps(built.answer, indent=2, default=float) + "\n")
@@ -91,6 +91,7 @@ def main():
     parser.add_argument("--answers", type=pathlib.Path, required=True)
     parser.add_argument("--kinds", default=",".join(MIX))
     parser.add_argument("--only", help="one effect, stale parameter or gap from outside")
+    parser.add_argument("--identify", metavar="BINARY", help="tautline, to identify some of the models; without it all are drawn")
     parser.add_argument("--processes", type=int, default=2)
     args = parser.parse_args()
     out, answers = args.out.resolve(), args.answers.resolve()
@@ -101,7 +102,7 @@ def main():
             sys.exit(f"{folder} is not empty")
         folder.mkdir(parents=True, exist_ok=True)
     listed = plan(args.seed, args.cases, args.kinds.split(","), args.only)
-    jobs = [(i, args.seed, entry, out, answers) for i, entry in enumerate(listed)]
+    jobs = [(i, args.seed, entry, out, answers, args.identify) for i, entry in enumerate(listed)]
     with multiprocessing.Pool(args.processes) as pool:
         for name, answer in pool.imap(make, jobs):
             print(f"{name} {answer['seconds']:.1f} s, {answer['samples']} samples, {answer['attempts']} draws", flush=True)

@@ -25,7 +25,7 @@ def write_case(case, folder, rng):
             table, formats, header = [*table, np.degrees(trial.other[:, 0])], [*formats, "%.4f"], header + ",second_joint_deg"
         np.savetxt(logs / f"{trial.name}.csv", np.column_stack(table), ",".join(formats), header=header, comments="")
     (logs / "campaign.toml").write_text(toml(case, sign, position, force))
-    (folder / "model.json").write_text(json.dumps(model(case), indent=2) + "\n")
+    (folder / "model.json").write_text(json.dumps(case.written or model(case), indent=2) + "\n")
 
 
 def toml(case, sign, position, force):
