@@ -32,34 +32,43 @@ class Joint:
     """The unchanging part of a campaign."""
 
     def __init__(self, name, kind="revolute", winch_m=1.0, pulley_m=1.0, backlash_m=1e-4, gravity_nm=0.0, inertia=0.0, sign=1, lowpass_hz=5.0,
-                 loaded=False, notes=""):
+                 loaded=False, notes="", urdf=None, others=()):
         self.__dict__.update(vars())
 
     def toml(self, trials):
         unit, force = ("m", "N") if self.kind == "prismatic" else ("rad", "N m")
         lines = [f"# {n}" for n in self.notes.splitlines()] + [
             'format = "campaign/1"', "", "[joint]", f'name = "{self.name}"', f'kind = "{self.kind}"', f"winch_radius_m = {self.winch_m!r}",
-            f"pulley_radius_m = {self.pulley_m!r}", f"backlash_m = {self.backlash_m!r}", "", "[dynamics]", f"gravity_nm = {float(self.gravity_nm)!r}",
-            f"inertia_kg_m2 = {float(self.inertia)!r}", "", "[signal]", f"torque_sign = {self.sign}", f"lowpass_hz = {float(self.lowpass_hz)!r}",
+            f"pulley_radius_m = {self.pulley_m!r}", f"backlash_m = {self.backlash_m!r}", "", "[dynamics]", *self.dynamics(), "", "[signal]", f"torque_sign = {self.sign}", f"lowpass_hz = {float(self.lowpass_hz)!r}",
             "lowpass_order = 4", "", "[columns]", 'time = { name = "time_s", unit = "s" }', f'position = {{ name = "position", unit = "{unit}" }}',
             f'torque = {{ name = "torque", unit = "{force}" }}']
         if self.loaded:
             lines.append(f'load_torque = {{ name = "load", unit = "{force}" }}')
+        for k, other in enumerate(self.others):
+            lines.append(f'other_position{f"_{k + 1}" if k else ""} = {{ joint = "{other}", name = "{other}", unit = "rad" }}')
         for name, trajectory, repeat in trials:
             lines += ["", "[[trials]]", f'file = "{name}.csv"', 'protocol = "free"', f'trajectory = "{trajectory}"', f"repeat = {repeat}"]
         return "\n".join(lines) + "\n"
 
 
+    def dynamics(self):
+        if self.urdf:
+            return ['urdf = "arm.urdf"', f'joint = "{self.name}"']
+        return [f"gravity_nm = {float(self.gravity_nm)!r}", f"inertia_kg_m2 = {float(self.inertia)!r}"]
+
+
 def campaign(folder, joint, recordings):
-    """Writes a campaign of recordings: name, trajectory, columns time, position, torque (and load)."""
+    """Writes a campaign of recordings: name, trajectory, columns time, position, torque (load; other joints)."""
     folder.mkdir(parents=True, exist_ok=True)
     counted, trials = {}, []
     for name, trajectory, table in recordings:
         counted[trajectory] = counted.get(trajectory, 0) + 1
         trials.append((name, trajectory, counted[trajectory]))
-        head = "time_s,position,torque" + (",load" if joint.loaded else "")
+        head = "time_s,position,torque" + (",load" if joint.loaded else "") + "".join(f",{o}" for o in joint.others)
         np.savetxt(folder / f"{name}.csv", table, "%.8g", delimiter=",", header=head, comments="")
     (folder / "campaign.toml").write_text(joint.toml(trials))
+    if joint.urdf:
+        (folder / "arm.urdf").write_text(joint.urdf)
     return folder
 
 
@@ -108,11 +117,13 @@ def explained(gap, q, torque):
     """RMS that plain regressions leave of a gap: a mass (sin q, cos q), a spring (q and a constant), a gain of all that is read."""
     one = np.ones_like(q)
     forms = {"gravity": [np.sin(q)], "gravity_phase": [np.sin(q), np.cos(q)], "elastic_spring": [q, one], "sensor_gain": [torque]}
-    left = {}
-    for name, columns in forms.items():
-        x = np.column_stack(columns)
-        left[name] = float(np.sqrt(np.mean((gap - x @ np.linalg.lstsq(x, gap, rcond=None)[0]) ** 2)))
-    return left
+    return {name: left_by(gap, columns) for name, columns in forms.items()}
+
+
+def left_by(gap, columns):
+    """RMS that least squares on these columns leaves."""
+    x = np.column_stack(columns)
+    return float(np.sqrt(np.mean((gap - x @ np.linalg.lstsq(x, gap, rcond=None)[0]) ** 2)))
 
 
 def cannot_be_told_from(left, right):
