@@ -11,14 +11,14 @@ pub mod limits;
 /// Ground: TOML and JSON as one tree that remembers its rows and knows which keys were asked for.
 pub mod document;
 
+/// Ground: least squares, bounded Levenberg-Marquardt, zero-phase filter, statistics; numbers that carry derivatives or print code.
+pub mod numerics;
+
 /// Ground: gravity and inertia of one joint, or of a chain of bodies (URDF).
 pub mod dynamics;
 
 /// Ground: quantities and their units; everything inside is SI and radians.
 pub mod units;
-
-/// Ground: least squares, bounded Levenberg-Marquardt, zero-phase filter, statistics.
-pub mod numerics;
 
 /// Ground: what a joint or its sensors may have beyond the paper's formula: one effect, one file, one list.
 pub mod effects;

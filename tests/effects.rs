@@ -106,7 +106,7 @@ fn has_strength(effect: &Added) -> bool {
 #[test]
 fn the_library_is_the_format_s_list_and_the_folder() {
     assert_eq!(LIBRARY.map(|effect| effect.about().id), IDS);
-    let shared = ["mod", "library", "ripple", "about", "parameter", "region", "sample", "transition"];
+    let shared = ["mod", "library", "ripple", "about", "parameter", "region", "sample", "transition", "hooks"];
     let names =
         std::fs::read_dir("src/effects").unwrap().map(|entry| entry.unwrap().file_name().into_string().unwrap());
     let files: BTreeSet<String> = names.map(|name| name.trim_end_matches(".rs").to_string()).collect();

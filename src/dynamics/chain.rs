@@ -52,13 +52,13 @@ pub struct Chain {
 
 /// Where a joint is and how it moves: rad, rad/s, rad/s^2; for a prismatic joint m, m/s, m/s^2.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct Motion {
+pub struct Motion<S = f64> {
     /// Position.
-    pub position: f64,
+    pub position: S,
     /// Velocity.
-    pub velocity: f64,
+    pub velocity: S,
     /// Acceleration.
-    pub acceleration: f64,
+    pub acceleration: S,
 }
 
 /// A joint's row of the equation of motion, N m (N for a prismatic joint).

@@ -4,6 +4,7 @@ mod chain;
 mod direction;
 mod urdf;
 
+use crate::numerics::scalar::Scalar;
 pub use chain::{Chain, GRAVITY_M_S2, Motion, RigidTorque};
 pub use direction::{Both, Direction};
 
@@ -35,10 +36,10 @@ impl JointKind {
     }
 
     /// Gravity at `position_rad` as a share of the joint's largest, and how that changes with the position, 1/rad.
-    pub fn gravity_share(self, position_rad: f64) -> (f64, f64) {
+    pub fn gravity_share<S: Scalar>(self, position_rad: S) -> (S, S) {
         match self {
             Self::Revolute => position_rad.sin_cos(),
-            Self::Prismatic => (1.0, 0.0),
+            Self::Prismatic => (S::from(1.0), S::from(0.0)),
         }
     }
 
@@ -53,22 +54,22 @@ impl JointKind {
 
 /// Rigid-body parameters of one joint moving alone.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct Dynamics {
+pub struct Dynamics<S = f64> {
     /// Gravity torque about the joint at theta = 90 deg, N m (M3 g r3x in (17)); for a prismatic joint the constant force, N.
-    pub gravity_nm: f64,
+    pub gravity_nm: S,
     /// Inertia about the joint, kg m^2; for a prismatic joint the moving mass, kg.
-    pub inertia_kg_m2: f64,
+    pub inertia_kg_m2: S,
     /// Error of the position's zero, rad: a revolute joint is at its reading plus this. Always 0 for a prismatic joint.
-    pub position_zero_rad: f64,
+    pub position_zero_rad: S,
 }
 
-impl Dynamics {
+impl<S: Scalar> Dynamics<S> {
     /// G and dG/dq (N m, N m/rad) computed at the position as read -> both where the joint is.
     ///
     /// The gravity torque about a revolute joint is a sinusoid of its own angle whatever the chain, G(q) = a sin(q) + b cos(q):
     /// therefore G(q + z) = G(q) cos(z) + G'(q) sin(z) exactly.
-    pub fn at_true_position(&self, gravity_nm: f64, slope_nm_rad: f64) -> (f64, f64) {
-        if self.position_zero_rad == 0.0 {
+    pub fn at_true_position(&self, gravity_nm: S, slope_nm_rad: S) -> (S, S) {
+        if self.position_zero_rad.is_zero() {
             return (gravity_nm, slope_nm_rad);
         }
         let (sin, cos) = self.position_zero_rad.sin_cos();
@@ -76,12 +77,12 @@ impl Dynamics {
     }
 
     /// dG/dq at the joint, N m/rad.
-    pub fn gravity_slope_nm_rad(&self, kind: JointKind, position_rad: f64) -> f64 {
+    pub fn gravity_slope_nm_rad(&self, kind: JointKind, position_rad: S) -> S {
         self.gravity_nm * kind.gravity_share(position_rad + self.position_zero_rad).1
     }
 
     /// G at the joint, N m: zero when a revolute joint hangs at theta = 0.
-    pub fn gravity_nm(&self, kind: JointKind, position_rad: f64) -> f64 {
+    pub fn gravity_nm(&self, kind: JointKind, position_rad: S) -> S {
         self.gravity_nm * kind.gravity_share(position_rad + self.position_zero_rad).0
     }
 }

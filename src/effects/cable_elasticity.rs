@@ -1,6 +1,7 @@
 //! The cable stretches: under load the joint is not where the winch's encoder says.
 
-use super::{About, ActsOn, Effect, Excitation, Extent, Family, Parameter, Region};
+use super::{About, ActsOn, Effect, Excitation, Extent, Family, Hooks, Parameter, Region};
+use crate::numerics::scalar::Scalar;
 
 static ABOUT: About = About {
     id: "cable_elasticity",
@@ -32,8 +33,10 @@ impl Effect for CableElasticity {
     fn starts(&self, _extent: &Extent) -> Vec<Vec<f64>> {
         vec![vec![0.0, 0.0], vec![1.0, 0.0]]
     }
+}
 
-    fn position_lag_rad(&self, p: &[f64], load_nm: f64, pull_nm: f64) -> f64 {
-        p[1] * if p[0] > 0.5 { pull_nm } else { load_nm }
+impl<S: Scalar> Hooks<S> for CableElasticity {
+    fn position_lag_rad(&self, p: &[S], load_nm: S, pull_nm: S) -> S {
+        p[1] * if p[0].value() > 0.5 { pull_nm } else { load_nm }
     }
 }

@@ -1,6 +1,7 @@
 //! External torque in a burst: a person, an obstacle.
 
-use super::{About, ActsOn, Effect, Extent, Family, Parameter, Region, Sample, Starts};
+use super::{About, ActsOn, Effect, Extent, Family, Hooks, Parameter, Region, Sample, Starts};
+use crate::numerics::scalar::Scalar;
 use std::f64::consts::PI;
 
 /// Its name in files.
@@ -42,9 +43,12 @@ impl Effect for Contact {
     fn starts(&self, _extent: &Extent) -> Vec<Vec<f64>> {
         Vec::new()
     }
+}
 
-    fn winch_torque_nm(&self, p: &[f64], sample: &Sample<'_>, _load_nm: f64) -> f64 {
+impl<S: Scalar> Hooks<S> for Contact {
+    fn winch_torque_nm(&self, p: &[S], sample: &Sample<'_, S>, _load_nm: S) -> S {
         let share = (sample.elapsed_s - p[1]) / p[2];
-        if (0.0..=1.0).contains(&share) { p[0] * (PI * share).sin().powi(2) } else { 0.0 }
+        let within = share * (S::from(1.0) - share);
+        within.if_positive(|| p[0] * (share * PI).sin().squared(), || S::from(0.0))
     }
 }

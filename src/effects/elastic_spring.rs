@@ -1,8 +1,9 @@
 //! A spring about the joint: sheath, cabling, passive tissue.
 
 use super::{
-    About, ActsOn, Effect, Excitation, Extent, Family, Parameter, Region, Role, Sample, SimulatorJoint, Starts,
+    About, ActsOn, Effect, Excitation, Extent, Family, Hooks, Parameter, Region, Role, Sample, SimulatorJoint, Starts,
 };
+use crate::numerics::scalar::Scalar;
 
 static ABOUT: About = About {
     id: "elastic_spring",
@@ -58,8 +59,11 @@ impl Effect for ElasticSpring {
     fn in_simulator(&self, p: &[f64]) -> Option<SimulatorJoint> {
         Some(SimulatorJoint { stiffness_nm_rad: p[0], preload_nm: p[1], ..SimulatorJoint::default() })
     }
+}
 
-    fn joint_torque_nm(&self, p: &[f64], sample: &Sample<'_>) -> f64 {
-        p[0] * sample.own.position + p[1] + p[3] * (sample.own.position - p[4]).powi(3)
+impl<S: Scalar> Hooks<S> for ElasticSpring {
+    fn joint_torque_nm(&self, p: &[S], sample: &Sample<'_, S>) -> S {
+        let beyond = sample.own.position - p[4];
+        p[0] * sample.own.position + p[1] + p[3] * (beyond * beyond.squared())
     }
 }

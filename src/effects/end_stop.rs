@@ -1,6 +1,7 @@
 //! A stop engaged near one end of travel.
 
-use super::{About, ActsOn, Effect, Excitation, Extent, Family, Parameter, RESTING_RAD_S, Region, Role, Sample};
+use super::{About, ActsOn, Effect, Excitation, Extent, Family, Hooks, Parameter, RESTING_RAD_S, Region, Role, Sample};
+use crate::numerics::scalar::Scalar;
 
 /// Where a stop may begin, as shares of the range from its end.
 const REACHES: [f64; 5] = [0.03, 0.07, 0.13, 0.22, 0.35];
@@ -54,13 +55,15 @@ impl Effect for EndStop {
         let reach_rad = if p[0] > 0.0 { high - p[2] } else { p[2] - low };
         p[1] >= p[4].abs() && reach_rad <= REACH_MAX * (high - low)
     }
+}
 
-    fn joint_torque_nm(&self, p: &[f64], sample: &Sample<'_>) -> f64 {
-        let depth_rad = (p[0] * (sample.own.position - p[2])).max(0.0);
-        if depth_rad == 0.0 {
-            return 0.0;
-        }
-        let direction = (sample.own.velocity / RESTING_RAD_S).tanh();
-        (p[0] * p[1] + direction * p[4]) * depth_rad.powf(p[3])
+impl<S: Scalar> Hooks<S> for EndStop {
+    fn joint_torque_nm(&self, p: &[S], sample: &Sample<'_, S>) -> S {
+        let depth_rad = p[0] * (sample.own.position - p[2]);
+        let pushed_nm = || {
+            let direction = (sample.own.velocity / RESTING_RAD_S).tanh();
+            (p[0] * p[1] + direction * p[4]) * depth_rad.powf(p[3])
+        };
+        depth_rad.if_positive(pushed_nm, || S::from(0.0))
     }
 }

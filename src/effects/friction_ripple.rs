@@ -1,8 +1,9 @@
 //! Friction that varies periodically with position and changes sign with the direction.
 
 use super::ripple::{parameters, repeats, ripple_nm, starts};
-use super::{About, ActsOn, Carried, Effect, Excitation, Extent, Family, Region, Sample, Starts};
+use super::{About, ActsOn, Carried, Effect, Excitation, Extent, Family, Hooks, Region, Sample, Starts};
 use crate::dynamics::Both;
+use crate::numerics::scalar::Scalar;
 
 static ABOUT: About = About {
     id: "friction_ripple",
@@ -35,8 +36,10 @@ impl Effect for FrictionRipple {
     fn is_itself(&self, p: &[f64], extent: &Extent) -> bool {
         repeats(p, extent)
     }
+}
 
-    fn friction_nm(&self, p: &[f64], sample: &Sample<'_>, carried: Carried) -> Both<f64> {
+impl<S: Scalar> Hooks<S> for FrictionRipple {
+    fn friction_nm(&self, p: &[S], sample: &Sample<'_, S>, carried: Carried<S>) -> Both<S> {
         let (always_nm, share) = ripple_nm(p, sample);
         Both { up: always_nm + share * carried.friction_nm.up, down: -always_nm + share * carried.friction_nm.down }
     }

@@ -1,6 +1,7 @@
 //! The centre of mass lies off the line that the model assumes.
 
-use super::{About, ActsOn, Effect, Excitation, Extent, Family, Parameter, Region, Sample, Starts};
+use super::{About, ActsOn, Effect, Excitation, Extent, Family, Hooks, Parameter, Region, Sample, Starts};
+use crate::numerics::scalar::Scalar;
 
 static ABOUT: About = About {
     id: "gravity_phase",
@@ -34,9 +35,11 @@ impl Effect for GravityPhase {
     fn only_adds(&self) -> bool {
         false
     }
+}
 
-    fn joint_torque_nm(&self, p: &[f64], sample: &Sample<'_>) -> f64 {
+impl<S: Scalar> Hooks<S> for GravityPhase {
+    fn joint_torque_nm(&self, p: &[S], sample: &Sample<'_, S>) -> S {
         let (sin, cos) = sample.own.position.sin_cos();
-        p[0] * cos + ((p[1] * p[1] - p[0] * p[0]).max(0.0).sqrt() - p[1]) * sin
+        p[0] * cos + ((p[1] * p[1] - p[0] * p[0]).max(S::from(0.0)).sqrt() - p[1]) * sin
     }
 }

@@ -1,6 +1,7 @@
 //! Inertia that the model has not.
 
-use super::{About, ActsOn, Effect, Excitation, Extent, Family, Parameter, Region, Sample, SimulatorJoint};
+use super::{About, ActsOn, Effect, Excitation, Extent, Family, Hooks, Parameter, Region, Sample, SimulatorJoint};
+use crate::numerics::scalar::Scalar;
 
 static ABOUT: About = About {
     id: "inertia",
@@ -32,8 +33,10 @@ impl Effect for Inertia {
     fn in_simulator(&self, p: &[f64]) -> Option<SimulatorJoint> {
         Some(SimulatorJoint { inertia_kg_m2: p[0], ..SimulatorJoint::default() })
     }
+}
 
-    fn joint_torque_nm(&self, p: &[f64], sample: &Sample<'_>) -> f64 {
+impl<S: Scalar> Hooks<S> for Inertia {
+    fn joint_torque_nm(&self, p: &[S], sample: &Sample<'_, S>) -> S {
         p[0] * sample.own.acceleration
     }
 }

@@ -1,6 +1,7 @@
 //! Torque that follows another joint: cables routed over it, its weight, its friction.
 
-use super::{About, ActsOn, Effect, Excitation, Extent, Family, Parameter, RESTING_RAD_S, Region, Sample};
+use super::{About, ActsOn, Effect, Excitation, Extent, Family, Hooks, Parameter, RESTING_RAD_S, Region, Sample};
+use crate::numerics::scalar::Scalar;
 
 static ABOUT: About = About {
     id: "joint_coupling",
@@ -27,6 +28,11 @@ static ABOUT: About = About {
     ..About::PLAIN
 };
 
+/// The place of a `joint` that is counted from 1.
+fn followed(joint: f64) -> Option<usize> {
+    (joint as usize).checked_sub(1)
+}
+
 #[derive(Debug)]
 pub struct JointCoupling;
 
@@ -40,11 +46,15 @@ impl Effect for JointCoupling {
     }
 
     fn other_joint(&self, p: &[f64]) -> Option<usize> {
-        (p[0] as usize).checked_sub(1)
+        followed(p[0])
     }
+}
 
-    fn winch_torque_nm(&self, p: &[f64], sample: &Sample<'_>, _load_nm: f64) -> f64 {
-        let Some(other) = self.other_joint(p).and_then(|joint| sample.others.get(joint)) else { return 0.0 };
+impl<S: Scalar> Hooks<S> for JointCoupling {
+    fn winch_torque_nm(&self, p: &[S], sample: &Sample<'_, S>, _load_nm: S) -> S {
+        let Some(other) = followed(p[0].value()).and_then(|joint| sample.others.get(joint)) else {
+            return S::from(0.0);
+        };
         let q = sample.own.position;
         p[1] * other.position
             + p[2] * other.velocity

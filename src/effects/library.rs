@@ -41,25 +41,37 @@ pub fn constant_load(torque_nm: f64) -> Added {
 
 /// An effect that a model has, with its parameters in the order of its list.
 #[derive(Debug, Clone)]
-pub struct Added {
+pub struct Added<S = f64> {
     /// Which one.
     pub effect: &'static dyn Effect,
     /// In SI.
-    pub parameters: Vec<f64>,
+    pub parameters: Vec<S>,
 }
 
-impl PartialEq for Added {
+impl<S: PartialEq> PartialEq for Added<S> {
     fn eq(&self, other: &Self) -> bool {
         self.id() == other.id() && self.parameters == other.parameters
     }
 }
 
-impl Added {
+impl<S> Added<S> {
     /// The effect's name in files.
     pub fn id(&self) -> &'static str {
         self.effect.about().id
     }
+}
 
+impl<S: Evaluated> Added<S> {
+    /// Its physics, for this kind of number.
+    pub fn hooks<'e>(&'e self) -> &'e (dyn Hooks<S> + 'e)
+    where
+        S: 'e,
+    {
+        S::hooks(self.effect)
+    }
+}
+
+impl Added {
     /// Parameters with their names.
     pub fn named(&self) -> impl Iterator<Item = (&'static Parameter, f64)> {
         self.effect.about().parameters.iter().zip(self.parameters.iter().copied())

@@ -1,7 +1,8 @@
 //! Friction in proportion to the load that the joint carries.
 
-use super::{About, ActsOn, Carried, Effect, Excitation, Extent, Family, Parameter, Region, Sample};
+use super::{About, ActsOn, Carried, Effect, Excitation, Extent, Family, Hooks, Parameter, Region, Sample};
 use crate::dynamics::Both;
+use crate::numerics::scalar::Scalar;
 
 /// Pretensions, and torques at which it levels off, that are tried, as shares of the reading's range.
 const FORMS: [(f64, f64); 6] = [(0.0, 0.0), (0.05, 0.0), (0.1, 0.0), (0.2, 0.0), (0.0, 0.25), (0.0, 0.7)];
@@ -52,12 +53,14 @@ impl Effect for LoadDependentFriction {
     fn is_itself(&self, p: &[f64], _extent: &Extent) -> bool {
         p[0].min(p[1]) >= -OPPOSED_MAX * p[0].abs().max(p[1].abs())
     }
+}
 
-    fn friction_nm(&self, p: &[f64], _sample: &Sample<'_>, carried: Carried) -> Both<f64> {
+impl<S: Scalar> Hooks<S> for LoadDependentFriction {
+    fn friction_nm(&self, p: &[S], _sample: &Sample<'_, S>, carried: Carried<S>) -> Both<S> {
         let Both { up, down } = carried.friction_nm;
-        let borne_nm = |own_nm: f64| {
+        let borne_nm = |own_nm: S| {
             let tension_nm = (carried.load_nm + p[2] * own_nm).hypot(p[3]);
-            if p[4] > 0.0 { tension_nm / (1.0 + tension_nm / p[4]) } else { tension_nm }
+            if p[4].value() > 0.0 { tension_nm / (tension_nm / p[4] + 1.0) } else { tension_nm }
         };
         Both { up: p[0] * borne_nm(up), down: -p[1] * borne_nm(down) }
     }

@@ -5,10 +5,10 @@
 //!
 //! y = w + [ (r1/r2) (G + I a + j) + K~ (u + fu) h + (1 - K~) (d + fd) h ] / (1 - mu)
 //!
-//! where j is `Effect::joint_torque_nm`, fu and fd `Effect::friction_nm`, h `Effect::friction_factor` and w
-//! `Effect::winch_torque_nm`; G is taken where `Effect::position_lag_rad` says the joint is; K~ changes over by
-//! `Effect::curve` and builds up elastically by `Effect::presliding`. What the sensor makes of y comes last: `Effect::delay_s`
-//! and `Effect::lag_s`, then `Effect::reading_nm`, last of those that say `Effect::clips`.
+//! where j is `Hooks::joint_torque_nm`, fu and fd `Hooks::friction_nm`, h `Hooks::friction_factor` and w
+//! `Hooks::winch_torque_nm`; G is taken where `Hooks::position_lag_rad` says the joint is; K~ changes over by
+//! `Hooks::curve` and builds up elastically by `Hooks::presliding`. What the sensor makes of y comes last: `Hooks::delay_s`
+//! and `Hooks::lag_s`, then `Hooks::reading_nm`, last of those that say `Effect::clips`.
 
 mod cable_elasticity;
 mod contact;
@@ -32,6 +32,7 @@ mod torque_ripple;
 mod warm_up;
 
 mod about;
+mod hooks;
 mod library;
 mod parameter;
 mod region;
@@ -40,6 +41,7 @@ mod sample;
 mod transition;
 
 pub use about::{About, ActsOn, Excitation, Family, Starts};
+pub use hooks::{Evaluated, Hooks};
 pub use library::{Added, CONTACT, LIBRARY, constant_load, find};
 pub use parameter::{Parameter, Role};
 pub use region::Region;
@@ -47,10 +49,13 @@ pub use ripple::{HARMONICS, NUMBERS as RIPPLE_NUMBERS};
 pub use sample::{Carried, Extent, Sample};
 pub use transition::{Curve, Presliding};
 
-use crate::dynamics::Both;
+use crate::numerics::dual::Dual;
+use crate::numerics::expression::Expression;
+use crate::numerics::scalar::Scalar;
 
-/// One effect: what it is, and its hooks. A hook's `p` holds the parameters in the order of [`About::parameters`].
-pub trait Effect: Sync + std::fmt::Debug {
+/// One effect: what it is, how a search treats it, and its physics in [`Hooks`]. `p` holds its parameters in the order of
+/// [`About::parameters`].
+pub trait Effect: Hooks<f64> + Hooks<Dual> + for<'t> Hooks<Expression<'t>> + Sync + std::fmt::Debug {
     /// What it is.
     fn about(&self) -> &'static About;
 
@@ -88,53 +93,6 @@ pub trait Effect: Sync + std::fmt::Debug {
         None
     }
 
-    /// Added to gravity and inertia, N m at the joint.
-    fn joint_torque_nm(&self, _p: &[f64], _sample: &Sample<'_>) -> f64 {
-        0.0
-    }
-
-    /// Added to the two branches, N m at the winch, for a load of `load_nm` there; the one of `down` is negative where it
-    /// resists.
-    fn friction_nm(&self, _p: &[f64], _sample: &Sample<'_>, _carried: Carried) -> Both<f64> {
-        Both { up: 0.0, down: 0.0 }
-    }
-
-    /// Multiplies the friction of both branches.
-    fn friction_factor(&self, _p: &[f64], _sample: &Sample<'_>) -> f64 {
-        1.0
-    }
-
-    /// Added to y, N m at the winch, for a load of `load_nm` there.
-    fn winch_torque_nm(&self, _p: &[f64], _sample: &Sample<'_>, _load_nm: f64) -> f64 {
-        0.0
-    }
-
-    /// How far the joint is behind the measured position, rad: under a load of `load_nm` at the joint, the cable pulling with
-    /// `pull_nm` there, friction and all.
-    fn position_lag_rad(&self, _p: &[f64], _load_nm: f64, _pull_nm: f64) -> f64 {
-        0.0
-    }
-
-    /// The arctan curve and the clearance that take the place of the model's own.
-    fn curve(&self, _p: &[f64]) -> Option<Curve> {
-        None
-    }
-
-    /// How friction builds up elastically.
-    fn presliding(&self, _p: &[f64]) -> Option<Presliding> {
-        None
-    }
-
-    /// How late the torque is recorded, s.
-    fn delay_s(&self, _p: &[f64]) -> f64 {
-        0.0
-    }
-
-    /// The time constant with which the sensor follows the torque, s.
-    fn lag_s(&self, _p: &[f64]) -> f64 {
-        0.0
-    }
-
     /// Whether all it does is to add torque, in proportion to its strengths.
     fn only_adds(&self) -> bool {
         true
@@ -143,11 +101,6 @@ pub trait Effect: Sync + std::fmt::Debug {
     /// Whether it goes by the time since the campaign began.
     fn needs_clock(&self, _p: &[f64]) -> bool {
         false
-    }
-
-    /// What the sensor reads of `torque_nm`, N m.
-    fn reading_nm(&self, _p: &[f64], _sample: &Sample<'_>, torque_nm: f64) -> f64 {
-        torque_nm
     }
 
     /// Whether its reading is the end of a range, which noise cannot pass either: it acts after all others.
@@ -177,6 +130,6 @@ fn spaced(low: f64, high: f64, count: usize) -> impl Iterator<Item = f64> {
 pub const RESTING_RAD_S: f64 = 0.01;
 
 /// `time_s` or `elapsed_s` of `sample`: a clock that starts anew with each trial, or runs through the campaign.
-fn clock_s(restarts: f64, sample: &Sample<'_>) -> f64 {
-    if restarts > 0.5 { sample.time_s } else { sample.elapsed_s }
+fn clock_s<S: Scalar>(restarts: S, sample: &Sample<'_, S>) -> S {
+    if restarts.value() > 0.5 { sample.time_s } else { sample.elapsed_s }
 }

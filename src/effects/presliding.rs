@@ -1,6 +1,7 @@
 //! Elastic displacement before sliding, without a clearance.
 
-use super::{About, ActsOn, Effect, Excitation, Extent, Family, Parameter, Presliding, Region, spaced};
+use super::{About, ActsOn, Effect, Excitation, Extent, Family, Hooks, Parameter, Presliding, Region, spaced};
+use crate::numerics::scalar::Scalar;
 
 /// Travels tried, as shares of the range moved through.
 const TRAVELS: (f64, f64) = (0.002, 0.15);
@@ -39,8 +40,10 @@ impl Effect for Bristles {
     fn is_itself(&self, p: &[f64], _extent: &Extent) -> bool {
         p[1] > EXPONENT_MIN + 0.01
     }
+}
 
-    fn presliding(&self, p: &[f64]) -> Option<Presliding> {
+impl<S: Scalar> Hooks<S> for Bristles {
+    fn presliding(&self, p: &[S]) -> Option<Presliding<S>> {
         Some(Presliding { travel_rad: p[0], exponent: p[1] })
     }
 }

@@ -1,7 +1,8 @@
 //! Drag beyond linear in speed.
 
-use super::{About, ActsOn, Carried, Effect, Excitation, Extent, Family, Parameter, Region, Sample};
+use super::{About, ActsOn, Carried, Effect, Excitation, Extent, Family, Hooks, Parameter, Region, Sample};
 use crate::dynamics::Both;
+use crate::numerics::scalar::Scalar;
 
 static ABOUT: About = About {
     id: "quadratic_viscous",
@@ -39,14 +40,22 @@ impl Effect for QuadraticViscous {
     fn is_itself(&self, p: &[f64], _extent: &Extent) -> bool {
         p[0] + p[1] >= 0.0
     }
+}
 
-    fn friction_nm(&self, p: &[f64], sample: &Sample<'_>, _carried: Carried) -> Both<f64> {
-        let power = if p[3] > 0.5 { 0.0 } else { sample.own.velocity.abs().powf(p[2]) };
+impl<S: Scalar> Hooks<S> for QuadraticViscous {
+    fn friction_nm(&self, p: &[S], sample: &Sample<'_, S>, _carried: Carried<S>) -> Both<S> {
+        if p[3].value() > 0.5 {
+            return Both { up: S::from(0.0), down: S::from(0.0) };
+        }
+        let power = sample.own.velocity.abs().powf(p[2]);
         Both { up: p[0] * power, down: -p[1] * power }
     }
 
-    fn winch_torque_nm(&self, p: &[f64], sample: &Sample<'_>, _load_nm: f64) -> f64 {
-        let power = if p[3] > 0.5 { sample.own.velocity.abs().powf(p[2]) } else { 0.0 };
-        if sample.own.velocity > 0.0 { p[0] * power } else { -p[1] * power }
+    fn winch_torque_nm(&self, p: &[S], sample: &Sample<'_, S>, _load_nm: S) -> S {
+        if p[3].value() <= 0.5 {
+            return S::from(0.0);
+        }
+        let power = sample.own.velocity.abs().powf(p[2]);
+        sample.own.velocity.if_positive(|| p[0] * power, || -p[1] * power)
     }
 }

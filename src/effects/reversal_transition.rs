@@ -1,6 +1,7 @@
 //! Friction passes gradually from one branch to the other after a reversal: the clearance takes up first.
 
-use super::{About, ActsOn, Curve, Effect, Excitation, Extent, Family, Parameter, Region, spaced};
+use super::{About, ActsOn, Curve, Effect, Excitation, Extent, Family, Hooks, Parameter, Region, spaced};
+use crate::numerics::scalar::Scalar;
 
 /// Clearances tried, as shares of the range moved through.
 const WIDTHS: (f64, f64) = (0.004, 0.4);
@@ -58,8 +59,10 @@ impl Effect for ReversalTransition {
     fn most(&self, at: usize, extent: &Extent) -> f64 {
         if at == 0 { CROSSED * extent.stroke_rad * extent.pulley_radius_m } else { f64::INFINITY }
     }
+}
 
-    fn curve(&self, p: &[f64]) -> Option<Curve> {
+impl<S: Scalar> Hooks<S> for ReversalTransition {
+    fn curve(&self, p: &[S]) -> Option<Curve<S>> {
         Some(Curve { backlash_m: p[0], p: p[1], n: p[2] })
     }
 }

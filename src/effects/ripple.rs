@@ -1,6 +1,7 @@
 //! A function of position that repeats: its fundamental and harmonics.
 
 use super::{Extent, Parameter, Sample, spaced};
+use crate::numerics::scalar::Scalar;
 use std::f64::consts::TAU;
 
 /// Harmonics of a ripple: a sawtooth, the sharpest one met, has 93 % of its energy in five of them.
@@ -34,10 +35,10 @@ const PERIODS_MIN: f64 = 1.5;
 const PERIODS_MAX: f64 = 150.0;
 
 /// The ripple at `sample`, N m: what is always there, and what there is of it in each N m that the cable carries.
-pub(super) fn ripple_nm(p: &[f64], sample: &Sample<'_>) -> (f64, f64) {
-    let (sin, cos) = (TAU * p[0] * sample.own.position).sin_cos();
+pub(super) fn ripple_nm<S: Scalar>(p: &[S], sample: &Sample<'_, S>) -> (S, S) {
+    let (sin, cos) = (p[0] * TAU * sample.own.position).sin_cos();
     // The angle of each harmonic is the one before turned on by the fundamental.
-    let (mut s, mut c, mut sum) = (sin, cos, 0.0);
+    let (mut s, mut c, mut sum) = (sin, cos, S::from(0.0));
     let (always, by_load) = p[1..].split_at(2 * HARMONICS);
     for pair in always.chunks_exact(2) {
         sum += pair[0] * s + pair[1] * c;

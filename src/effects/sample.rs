@@ -4,25 +4,25 @@ use crate::dynamics::{Both, Motion};
 
 /// What the joint does at one sample, as effects see it.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Sample<'a> {
+pub struct Sample<'a, S = f64> {
     /// Since the trial began, s.
-    pub time_s: f64,
+    pub time_s: S,
     /// Since the campaign began, s: by the logs' own clock where it runs on from trial to trial, else the lengths of the logs
     /// before added up.
-    pub elapsed_s: f64,
+    pub elapsed_s: S,
     /// The joint.
-    pub own: Motion,
+    pub own: Motion<S>,
     /// The other joints, in the order of the campaign's columns.
-    pub others: &'a [Motion],
+    pub others: &'a [Motion<S>],
 }
 
 /// What the cable carries at one sample, N m at the winch.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Carried {
+pub struct Carried<S = f64> {
     /// (r1/r2) (G + I a + j): the joint's load.
-    pub load_nm: f64,
+    pub load_nm: S,
     /// The model's own friction on each branch, u and d.
-    pub friction_nm: Both<f64>,
+    pub friction_nm: Both<S>,
 }
 
 /// Over what range a campaign moves, for an effect to know where its shape may lie.

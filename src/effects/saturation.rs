@@ -1,6 +1,7 @@
 //! The torque sensor clips at the ends of its range.
 
-use super::{About, ActsOn, Effect, Extent, Family, Parameter, Region, Role, Sample, Starts};
+use super::{About, ActsOn, Effect, Extent, Family, Hooks, Parameter, Region, Role, Sample, Starts};
+use crate::numerics::scalar::Scalar;
 
 /// Shares of the reading's range at which it is tried to clip.
 const LEVELS: [f64; 4] = [0.0, 0.05, 0.15, 0.3];
@@ -42,8 +43,10 @@ impl Effect for Saturation {
     fn clips(&self) -> bool {
         true
     }
+}
 
-    fn reading_nm(&self, p: &[f64], _sample: &Sample<'_>, torque_nm: f64) -> f64 {
+impl<S: Scalar> Hooks<S> for Saturation {
+    fn reading_nm(&self, p: &[S], _sample: &Sample<'_, S>, torque_nm: S) -> S {
         torque_nm.min(p[1]).max(p[0])
     }
 }

@@ -1,6 +1,7 @@
 //! The torque sensor's zero is off.
 
-use super::{About, ActsOn, Effect, Extent, Family, Parameter, Region, Sample};
+use super::{About, ActsOn, Effect, Extent, Family, Hooks, Parameter, Region, Sample};
+use crate::numerics::scalar::Scalar;
 
 static ABOUT: About = About {
     id: "sensor_bias",
@@ -33,8 +34,10 @@ impl Effect for SensorBias {
     fn starts(&self, _extent: &Extent) -> Vec<Vec<f64>> {
         vec![vec![0.0]]
     }
+}
 
-    fn reading_nm(&self, p: &[f64], _sample: &Sample<'_>, torque_nm: f64) -> f64 {
+impl<S: Scalar> Hooks<S> for SensorBias {
+    fn reading_nm(&self, p: &[S], _sample: &Sample<'_, S>, torque_nm: S) -> S {
         torque_nm + p[0]
     }
 }

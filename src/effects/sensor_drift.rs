@@ -1,6 +1,7 @@
 //! The torque sensor's zero moves with time.
 
-use super::{About, ActsOn, Effect, Excitation, Extent, Family, Parameter, Region, Sample, Starts, clock_s};
+use super::{About, ActsOn, Effect, Excitation, Extent, Family, Hooks, Parameter, Region, Sample, Starts, clock_s};
+use crate::numerics::scalar::Scalar;
 use std::f64::consts::PI;
 
 /// Where the waves stand among the parameters.
@@ -74,21 +75,23 @@ impl Effect for SensorDrift {
         let (low, high) = drift.iter().fold((f64::MAX, f64::MIN), |(low, high), x| (low.min(*x), high.max(*x)));
         high - low <= extent.torque_nm.1 - extent.torque_nm.0
     }
+}
 
-    fn reading_nm(&self, p: &[f64], sample: &Sample<'_>, torque_nm: f64) -> f64 {
+impl<S: Scalar> Hooks<S> for SensorDrift {
+    fn reading_nm(&self, p: &[S], sample: &Sample<'_, S>, torque_nm: S) -> S {
         torque_nm + offset_nm(p, clock_s(p[0], sample))
     }
 }
 
 /// The offset `t_s` on its clock, N m.
-fn offset_nm(p: &[f64], t_s: f64) -> f64 {
+fn offset_nm<S: Scalar>(p: &[S], t_s: S) -> S {
     let share = t_s / p[1];
     // cos(k x) from the two before: a smooth drift needs no more.
-    let first = (PI * share).cos();
-    let (mut before, mut now, mut sum) = (1.0, first, 0.0);
+    let first = (share * PI).cos();
+    let (mut before, mut now, mut sum) = (S::from(1.0), first, S::from(0.0));
     for wave_nm in &p[FIRST_WAVE..] {
-        sum += wave_nm * now;
-        (before, now) = (now, 2.0 * first * now - before);
+        sum += *wave_nm * now;
+        (before, now) = (now, first * 2.0 * now - before);
     }
     p[4] * (-t_s / p[3]).exp() + p[5] * share + sum
 }

@@ -1,6 +1,7 @@
 //! The torque sensor's scale is off.
 
-use super::{About, ActsOn, Effect, Excitation, Extent, Family, Parameter, Region, Sample};
+use super::{About, ActsOn, Effect, Excitation, Extent, Family, Hooks, Parameter, Region, Sample};
+use crate::numerics::scalar::Scalar;
 
 static ABOUT: About = About {
     id: "sensor_gain",
@@ -47,8 +48,10 @@ impl Effect for SensorGain {
     fn starts(&self, _extent: &Extent) -> Vec<Vec<f64>> {
         vec![vec![0.0]]
     }
+}
 
-    fn reading_nm(&self, p: &[f64], _sample: &Sample<'_>, torque_nm: f64) -> f64 {
-        (1.0 + p[0]) * torque_nm
+impl<S: Scalar> Hooks<S> for SensorGain {
+    fn reading_nm(&self, p: &[S], _sample: &Sample<'_, S>, torque_nm: S) -> S {
+        (p[0] + 1.0) * torque_nm
     }
 }

@@ -1,7 +1,8 @@
 //! Friction that falls as the speed grows from rest.
 
-use super::{About, ActsOn, Carried, Effect, Excitation, Extent, Family, Parameter, Region, Sample, spaced};
+use super::{About, ActsOn, Carried, Effect, Excitation, Extent, Family, Hooks, Parameter, Region, Sample, spaced};
 use crate::dynamics::Both;
+use crate::numerics::scalar::Scalar;
 
 static ABOUT: About = About {
     id: "stribeck",
@@ -36,8 +37,10 @@ impl Effect for Stribeck {
             .flat_map(|speed| [1.0, 2.0].map(|exponent| vec![0.0, 0.0, speed, exponent]))
             .collect()
     }
+}
 
-    fn friction_nm(&self, p: &[f64], sample: &Sample<'_>, _carried: Carried) -> Both<f64> {
+impl<S: Scalar> Hooks<S> for Stribeck {
+    fn friction_nm(&self, p: &[S], sample: &Sample<'_, S>, _carried: Carried<S>) -> Both<S> {
         let decay = (-(sample.own.velocity.abs() / p[2]).powf(p[3])).exp();
         Both { up: p[0] * decay, down: -p[1] * decay }
     }

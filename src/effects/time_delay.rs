@@ -1,6 +1,7 @@
 //! The torque is recorded late, or early, against the position.
 
-use super::{About, ActsOn, Effect, Excitation, Extent, Family, Parameter, Region, Starts};
+use super::{About, ActsOn, Effect, Excitation, Extent, Family, Hooks, Parameter, Region, Starts};
+use crate::numerics::scalar::Scalar;
 
 static ABOUT: About = About {
     id: "time_delay",
@@ -37,13 +38,15 @@ impl Effect for TimeDelay {
     fn starts(&self, _extent: &Extent) -> Vec<Vec<f64>> {
         vec![vec![0.0, 0.0], vec![0.0, 1.0]]
     }
+}
 
+impl<S: Scalar> Hooks<S> for TimeDelay {
     /// A lag that would be early is no lag.
-    fn delay_s(&self, p: &[f64]) -> f64 {
-        if p[1] > 0.5 && p[0] > 0.0 { 0.0 } else { p[0] }
+    fn delay_s(&self, p: &[S]) -> S {
+        if p[1].value() > 0.5 && p[0].value() > 0.0 { S::from(0.0) } else { p[0] }
     }
 
-    fn lag_s(&self, p: &[f64]) -> f64 {
-        if p[1] > 0.5 { p[0].max(0.0) } else { 0.0 }
+    fn lag_s(&self, p: &[S]) -> S {
+        if p[1].value() > 0.5 { p[0].max(S::from(0.0)) } else { S::from(0.0) }
     }
 }

@@ -1,7 +1,8 @@
 //! Torque that varies periodically with position whatever the direction: cogging, an eccentric pulley.
 
 use super::ripple::{parameters, repeats, ripple_nm, starts};
-use super::{About, ActsOn, Effect, Excitation, Extent, Family, Region, Sample, Starts};
+use super::{About, ActsOn, Effect, Excitation, Extent, Family, Hooks, Region, Sample, Starts};
+use crate::numerics::scalar::Scalar;
 
 static ABOUT: About = About {
     id: "torque_ripple",
@@ -33,8 +34,10 @@ impl Effect for TorqueRipple {
     fn is_itself(&self, p: &[f64], extent: &Extent) -> bool {
         repeats(p, extent)
     }
+}
 
-    fn winch_torque_nm(&self, p: &[f64], sample: &Sample<'_>, load_nm: f64) -> f64 {
+impl<S: Scalar> Hooks<S> for TorqueRipple {
+    fn winch_torque_nm(&self, p: &[S], sample: &Sample<'_, S>, load_nm: S) -> S {
         let (always_nm, by_load) = ripple_nm(p, sample);
         always_nm + by_load * load_nm
     }

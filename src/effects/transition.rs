@@ -1,40 +1,50 @@
 //! How friction passes from one branch to the other where an effect says so.
 
+use crate::numerics::scalar::Scalar;
+
+/// An exponent nearer to 1 than this is taken as 1 to the first order: the error is far below rounding in a log.
+const NEARLY_EXPONENTIAL: f64 = 1e-6;
+
 /// Friction as bristles that bend before they slide: dk = sgn(K~ - k) |K~ - k|^exponent |dx| / travel.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Presliding {
+pub struct Presliding<S = f64> {
     /// Travel in which a bristle bends, rad.
-    pub travel_rad: f64,
+    pub travel_rad: S,
     /// Dahl's exponent, dimensionless: 1 is exponential.
-    pub exponent: f64,
+    pub exponent: S,
 }
 
-impl Presliding {
-    /// What is left of a distance `left` in [0, 1] to the branch after `travel_rad` more: the equation integrated.
-    pub fn left(&self, left: f64, travel_rad: f64) -> f64 {
+impl<S: Scalar> Presliding<S> {
+    /// What is left of a distance `left` in [0, 1] to the branch after `travel_rad` more: the equation integrated,
+    /// (left^p - p s)^(1/p) with p = 1 - exponent and s = travel over the bristle's. Near p = 0 it is
+    /// left exp(-s + p s (2 ln left - s) / 2) to the first order in p.
+    pub fn left(&self, left: S, travel_rad: S) -> S {
         let share = travel_rad / self.travel_rad;
-        if left <= 0.0 || (self.exponent - 1.0).abs() < 1e-6 {
+        let power = S::from(1.0) - self.exponent;
+        if left.value() <= 0.0 || power.is_zero() {
             return left * (-share).exp();
         }
-        let power = 1.0 - self.exponent;
-        (left.powf(power) - power * share).max(0.0).powf(1.0 / power)
+        if power.value().abs() < NEARLY_EXPONENTIAL {
+            return left * (power * share * (left.ln() - share / 2.0) - share).exp();
+        }
+        (left.powf(power) - power * share).max(S::from(0.0)).powf(S::from(1.0) / power)
     }
 }
 
 /// A change-over of friction: K~ = ( atan(2 p u) / atan(2 p) )^n over the share u of the clearance.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Curve {
+pub struct Curve<S = f64> {
     /// X_cl, m on the cable.
-    pub backlash_m: f64,
+    pub backlash_m: S,
     /// Steepness at its start, dimensionless.
-    pub p: f64,
+    pub p: S,
     /// Exponent, dimensionless: above 1 the change begins slowly.
-    pub n: f64,
+    pub n: S,
 }
 
-impl Curve {
+impl<S: Scalar> Curve<S> {
     /// How much of the change is done at the share `u` of the clearance.
-    pub fn share(&self, u: f64) -> f64 {
-        ((2.0 * self.p * u).atan() / (2.0 * self.p).atan()).powf(self.n)
+    pub fn share(&self, u: S) -> S {
+        ((self.p * 2.0 * u).atan() / (self.p * 2.0).atan()).powf(self.n)
     }
 }

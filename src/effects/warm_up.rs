@@ -1,12 +1,15 @@
 //! Friction that falls as grease and bearings warm up.
 
-use super::{About, ActsOn, Carried, Effect, Excitation, Extent, Family, Parameter, Region, Sample, clock_s, spaced};
+use super::{
+    About, ActsOn, Carried, Effect, Excitation, Extent, Family, Hooks, Parameter, Region, Sample, clock_s, spaced,
+};
 use crate::dynamics::Both;
+use crate::numerics::scalar::Scalar;
 
 /// How cold the joint still is, 1 at first.
-fn cold(p: &[f64], sample: &Sample<'_>) -> f64 {
-    let share = clock_s(p[0], sample).max(0.0) / p[4];
-    if p[6] > 0.5 { (1.0 + share).powf(-p[5]) } else { (-share.powf(p[5])).exp() }
+fn cold<S: Scalar>(p: &[S], sample: &Sample<'_, S>) -> S {
+    let share = clock_s(p[0], sample).max(S::from(0.0)) / p[4];
+    if p[6].value() > 0.5 { (share + 1.0).powf(-p[5]) } else { (-share.powf(p[5])).exp() }
 }
 
 /// How much less of all friction there may seem to be when cold, beside more of its constant and viscous part.
@@ -68,12 +71,14 @@ impl Effect for WarmUp {
     fn is_itself(&self, p: &[f64], _extent: &Extent) -> bool {
         p[1] >= -LESS_MAX
     }
+}
 
-    fn friction_factor(&self, p: &[f64], sample: &Sample<'_>) -> f64 {
-        1.0 + p[1] * cold(p, sample)
+impl<S: Scalar> Hooks<S> for WarmUp {
+    fn friction_factor(&self, p: &[S], sample: &Sample<'_, S>) -> S {
+        p[1] * cold(p, sample) + 1.0
     }
 
-    fn friction_nm(&self, p: &[f64], sample: &Sample<'_>, _carried: Carried) -> Both<f64> {
+    fn friction_nm(&self, p: &[S], sample: &Sample<'_, S>, _carried: Carried<S>) -> Both<S> {
         let more_nm = (p[2] + p[3] * sample.own.velocity.abs()) * cold(p, sample);
         Both { up: more_nm, down: -more_nm }
     }

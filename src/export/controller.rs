@@ -4,12 +4,14 @@
 //! what `predict` gives for the same position, speed and acceleration.
 
 pub use super::code::Language;
-use super::code::{Code, number};
-use super::effects::{Hooks, has_memory, hooks};
+use super::code::{inline, lines, number};
 use super::plain_name;
-use crate::dynamics::{Dynamics, JointKind};
-use crate::effects::Added;
-use crate::model::{AT_REST_RAD_S, Combination, Direction, Friction, Model};
+use crate::dynamics::{JointKind, Motion};
+use crate::effects::{Added, Presliding, Sample};
+use crate::model::{AT_REST_RAD_S, Asked, Combination, Model, moved, on_the_way};
+use crate::numerics::causal::Lag;
+use crate::numerics::expression::{Expression, Tape};
+use crate::numerics::scalar::Scalar;
 use crate::problem::{Problem, Result, visible};
 use askama::Template;
 
@@ -38,21 +40,13 @@ struct Parts {
     chain: Option<String>,
     needs_slope: bool,
     others: usize,
-    backlash_rad: String,
-    share: String,
+    passage: Passage,
     /// K~ follows the sign of the speed alone, from this speed on, rad/s.
     jumps: Option<String>,
-    presliding: Option<Bristles>,
     late: Option<Late>,
     follows: Option<Follows>,
     effects: Vec<String>,
     body: String,
-}
-
-struct Bristles {
-    travel_rad: String,
-    exponential: bool,
-    power: String,
 }
 
 /// A delay: samples in all, the whole of it and what is left over.
@@ -99,11 +93,7 @@ pub fn controller(model: &Model, language: Language, settings: &Settings) -> Res
 fn parts(model: &Model, language: Language, settings: &Settings) -> Result<Parts> {
     let name = plain_name(model);
     let of_other = |e: &Added| e.effect.other_joint(&e.parameters).map_or(0, |joint| joint + 1);
-    let presliding = model.presliding().map(|bristles| Bristles {
-        travel_rad: number(bristles.travel_rad),
-        exponential: (bristles.exponent - 1.0).abs() < 1e-6,
-        power: number(1.0 - bristles.exponent),
-    });
+    let others = model.effects.iter().map(of_other).max().unwrap_or(0);
     let needs_slope = model.chain.is_some() && stretches(model);
     Ok(Parts {
         upper: name.to_ascii_uppercase(),
@@ -114,22 +104,20 @@ fn parts(model: &Model, language: Language, settings: &Settings) -> Result<Parts
         prismatic: model.joint.kind == JointKind::Prismatic,
         chain: model.chain.as_ref().map(|chain| commented(&format!("{} of {}", chain.joint, chain.urdf))),
         needs_slope,
-        others: model.effects.iter().map(of_other).max().unwrap_or(0),
-        backlash_rad: number(model.backlash_m() / model.joint.pulley_radius_m),
-        share: share(model),
+        others,
+        passage: passage(model, language),
         jumps: (model.added_curve().is_none() && model.combination == Combination::Sign).then(|| number(AT_REST_RAD_S)),
-        presliding,
         late: late(model, settings)?,
         follows: follows(model, settings),
         effects: model.effects.iter().map(|e| format!("{}: {}", e.id(), e.effect.about().means)).collect(),
-        body: body(model, language, needs_slope),
+        body: body(model, language, others),
         name,
     })
 }
 
 /// Whether any effect takes the joint away from where its encoder is.
 fn stretches(model: &Model) -> bool {
-    model.effects.iter().any(|e| e.effect.position_lag_rad(&e.parameters, 1.0, 1.0) != 0.0)
+    model.effects.iter().any(|e| e.hooks().position_lag_rad(&e.parameters, 1.0, 1.0) != 0.0)
 }
 
 /// What stands in a comment: nothing that would end it or begin another, on one line, in the order in which it is read.
@@ -137,17 +125,34 @@ fn commented(text: &str) -> String {
     visible(text).replace("*/", "* /").replace("/*", "/ *")
 }
 
-/// g(u)/g(1), as `Combination::share` has it.
-fn share(model: &Model) -> String {
-    if let Some(curve) = model.added_curve() {
-        let p = number(curve.p);
-        return format!("pow(atan(2.0 * {p} * u) / atan(2.0 * {p}), {})", number(curve.n));
-    }
-    match model.combination {
-        Combination::Sign => number(1.0),
-        Combination::Linear => "u".to_string(),
-        Combination::Arctan { p, .. } => format!("atan(2.0 * {0} * u) / atan(2.0 * {0})", number(p)),
-        Combination::Power { n } => format!("pow(u, {})", number(n)),
+/// Where friction stands between its branches, step by step: the formulas of `model::combination` and of presliding as expressions
+/// over the variables of the templates.
+struct Passage {
+    /// K_f after `travel` towards `end`.
+    moved: String,
+    /// K~ at `u`, the share of the transition.
+    k_tilde: String,
+    /// What is left of `behind` after `moved`, where friction builds up elastically.
+    left: Option<String>,
+}
+
+fn passage(model: &Model, language: Language) -> Passage {
+    let tape = Tape::default();
+    let of_state = |name: &str| tape.input(language.member("s", name));
+    let over = model.over::<Expression<'_>>();
+    let (u, end, travel) = (tape.input("u"), tape.input("end"), tape.input("travel"));
+    let backlash_rad = over.backlash_m() / over.joint.pulley_radius_m;
+    let done = over.added_curve().map_or_else(|| over.combination.share(u), |curve| curve.share(u));
+    let left = model.presliding().map(|Presliding { travel_rad, exponent }| {
+        // Where the exponent is as good as 1 the formula is the exponential itself.
+        let exponent = if (exponent - 1.0).abs() < 1e-6 { 1.0 } else { exponent };
+        let bristles = Presliding { travel_rad: Expression::from(travel_rad), exponent: Expression::from(exponent) };
+        inline(&tape, bristles.left(tape.input("behind").abs(), tape.input("moved")), language)
+    });
+    Passage {
+        moved: inline(&tape, moved(of_state("k_f"), travel, backlash_rad, end), language),
+        k_tilde: inline(&tape, on_the_way(of_state("start_k_tilde"), done, end), language),
+        left,
     }
 }
 
@@ -171,114 +176,38 @@ fn late(model: &Model, settings: &Settings) -> Result<Option<Late>> {
 
 fn follows(model: &Model, settings: &Settings) -> Option<Follows> {
     let samples = Some(model.lag_s() * settings.rate_hz).filter(|samples| *samples > 0.0)?;
-    let kept = (-1.0 / samples).exp();
-    let share = samples * (1.0 - kept);
-    Some(Follows { reading: number(kept), now: number(1.0 - share), before: number(share - kept) })
+    let [reading, now, before] = Lag::new(samples).weights().map(number);
+    Some(Follows { reading, now, before })
 }
 
-/// y of one sample, friction standing at `k`: the formula of `predict`, line by line.
-fn body(model: &Model, language: Language, needs_slope: bool) -> String {
-    let mut code = Code::new(language);
-    let transmission = number(model.joint.transmission());
-    let made: Vec<(&Added, Hooks)> = model.effects.iter().map(|e| (e, hooks_named(e, &mut code))).collect();
-    rigid(model, needs_slope, &mut code);
-    code.variable("joint_nm", "asked_nm");
-    made.iter().filter_map(|(_, h)| h.joint_nm.as_ref()).for_each(|more| code.change("joint_nm", "+=", more));
-    code.constant("load", &format!("{transmission} * joint_nm"));
-    branches(model, &mut code);
-    let friction = || made.iter().filter_map(|(_, h)| h.friction_nm.as_ref());
-    if friction().flatten().any(|more| more.contains("own_")) {
-        code.constant("own_up", "up");
-        code.constant("own_down", "down");
-    }
-    for more in friction() {
-        code.change("up", "+=", &more[0]);
-        code.change("down", "+=", &more[1]);
-    }
-    code.variable("factor", "1.0");
-    made.iter().filter_map(|(_, h)| h.factor.as_ref()).for_each(|more| code.change("factor", "*=", more));
-    code.variable("winch_nm", "0.0");
-    made.iter().filter_map(|(_, h)| h.winch_nm.as_ref()).for_each(|more| code.change("winch_nm", "+=", more));
-    let (mu_up, mu_down) = (number(model.friction.up.mu_c), number(model.friction.down.mu_c));
-    code.constant("friction_nm", "factor * (down + k * (up - down))");
-    code.constant("loss", &format!("1.0 - {mu_down} - k * ({mu_up} - {mu_down})"));
-    code.variable("y", "(load + friction_nm) / loss + winch_nm");
-    let lags: Vec<&String> = made.iter().filter_map(|(_, h)| h.lag_rad.as_ref()).collect();
-    if !lags.is_empty() {
-        stretch(&lags, &transmission, &mut code);
-    }
-    // What the sensor makes of it: late, off scale, off zero, clipped last.
+/// y of one sample, friction standing at `k`: the model's own formula over expressions, then what the sensor makes of it.
+fn body(model: &Model, language: Language, others: usize) -> String {
+    let tape = Tape::default();
+    let of_sample = |name: &str| tape.input(language.member("x", name));
+    let motion = |at: usize| {
+        let of = |name: &str| of_sample(&format!("others[{at}].{name}"));
+        Motion { position: of("position_rad"), velocity: of("velocity_rad_s"), acceleration: of("acceleration_rad_s2") }
+    };
+    let others: Vec<Motion<Expression<'_>>> = (0..others).map(motion).collect();
+    let own = Motion { position: tape.input("q"), velocity: tape.input("v"), acceleration: tape.input("a") };
+    let sample = Sample { time_s: tape.input("t"), elapsed_s: tape.input("elapsed"), own, others: &others };
+    let over = model.over();
+    let load_nm = of_sample("load_nm");
+    let asked = match model.chain {
+        // Its dynamics are the caller's to add.
+        Some(_) => Asked { torque_nm: load_nm, slope_nm_rad: of_sample("slope_nm_rad") },
+        None => over.asked_alone(own, load_nm),
+    };
+    let mut y = over.driven_nm(&sample, asked, tape.input("k")).torque_nm;
+    let mut through = |function: &str| {
+        let function = format!("{}_{function}", plain_name(model));
+        y = tape.call(&function, &[tape.input("s"), y]).named("read_nm");
+    };
     if model.delay_s() != 0.0 {
-        code.change("y", "=", &format!("{}_late_nm(s, y)", plain_name(model)));
+        through("late_nm");
     }
     if model.lag_s() > 0.0 {
-        code.change("y", "=", &format!("{}_following_nm(s, y)", plain_name(model)));
+        through("following_nm");
     }
-    for clips in [false, true] {
-        let of = made.iter().filter(|(e, _)| e.effect.clips() == clips).filter_map(|(_, h)| h.reading_nm.as_ref());
-        of.for_each(|reading| code.change("y", "=", reading));
-    }
-    code.lines()
-}
-
-fn hooks_named(added: &Added, code: &mut Code) -> Hooks {
-    if !has_memory(added) {
-        code.remark(added.id());
-    }
-    hooks(added, code)
-}
-
-/// What mass and load ask of the joint, and how gravity changes along it.
-fn rigid(model: &Model, needs_slope: bool, code: &mut Code) {
-    // A chain's are the caller's to add.
-    let own = if model.chain.is_some() { Dynamics::default() } else { model.dynamics };
-    let (gravity, inertia) = (number(own.gravity_nm), number(own.inertia_kg_m2));
-    let load = code.of_sample("load_nm");
-    let turns = model.joint.kind == JointKind::Revolute;
-    let angle = match own.position_zero_rad {
-        0.0 => "q".to_string(),
-        zero_rad => format!("q + {}", number(zero_rad)),
-    };
-    let weight = if turns { format!("{gravity} * sin({angle})") } else { gravity.clone() };
-    code.constant("asked_nm", &format!("({inertia} * a + {weight}) + {load}"));
-    if stretches(model) {
-        let slope = match (needs_slope, turns) {
-            (true, _) => code.of_sample("slope_nm_rad"),
-            (false, true) => format!("{gravity} * cos({angle})"),
-            (false, false) => number(0.0),
-        };
-        code.constant("slope", &slope);
-    }
-}
-
-/// The unloaded friction of both branches, each at its own sign of speed.
-fn branches(model: &Model, code: &mut Code) {
-    for direction in Direction::BOTH {
-        let branch = model.friction.of(direction);
-        let speed = if direction == Direction::Up { "fabs(v)" } else { "(-fabs(v))" };
-        let (r1, r2) = (number(model.joint.winch_radius_m), model.joint.pulley_radius_m);
-        let Friction { a_j, b_c, c_c, b_j, c_j, d, .. } = *branch;
-        let stribeck = |b_n: f64, c_s_rad: f64| match b_n {
-            0.0 => number(0.0),
-            _ => format!("{} * exp(-{} * {speed})", number(b_n), number(c_s_rad)),
-        };
-        let both = format!("({} + {})", stribeck(b_c, c_c * r2), stribeck(b_j, c_j));
-        code.variable(direction.name(), &format!("{r1} * ({} + {both} + {} * {speed})", number(a_j), number(d)));
-    }
-}
-
-/// The lag of a stretched cable and the torque that stretches it, settled in three steps.
-fn stretch(lags: &[&String], transmission: &str, code: &mut Code) {
-    let lag = lags.iter().map(|lag| format!("({lag})")).collect::<Vec<_>>().join(" + ");
-    for _ in 0..3 {
-        let mut behind = lag.clone();
-        if lag.contains("pull") {
-            behind = lag.replace("pull", &code.keep("pull", &format!("y / {transmission}")));
-        }
-        code.change(
-            "y",
-            "=",
-            &format!("({transmission} * (joint_nm - slope * ({behind})) + friction_nm) / loss + winch_nm"),
-        );
-    }
+    lines(&tape, over.reading_nm(&sample, y), "y", language)
 }

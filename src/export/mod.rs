@@ -2,15 +2,13 @@
 //!
 //! | file | what it makes |
 //! |---|---|
-//! | `code` | lines of C99 and of Rust from one source |
-//! | `effects` | each effect's hooks as such lines |
+//! | `code` | a formula as lines of C99 or of Rust |
 //! | `controller` | the C header and the Rust module |
 //! | `robot` | the joint of a MuJoCo XML or a URDF, and what such a joint cannot be |
 //! | `table` | parameters with their confidence as CSV, LaTeX, Markdown |
 
 mod code;
 mod controller;
-mod effects;
 mod robot;
 mod table;
 

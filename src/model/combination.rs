@@ -9,6 +9,7 @@
 //! travel, K~ = K~0 + g(u)/g(1) (K~end - K~0). For a whole transition this is (29) or (30) itself when g(1) = 1.
 
 use crate::dynamics::Direction;
+use crate::numerics::scalar::Scalar;
 
 /// |K_f| from which friction is fully on one branch: of motion in even steps the clearance's end often falls on a sample, and the last
 /// digit must not decide on which side.
@@ -16,7 +17,7 @@ pub const STABLE_K_F: f64 = 1.0 - 1e-9;
 
 /// The curve by which friction changes over.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Combination {
+pub enum Combination<S = f64> {
     /// (20): at once.
     Sign,
     /// (25): in proportion to the displacement.
@@ -24,21 +25,21 @@ pub enum Combination {
     /// (29): K~ = k atan( p (K_f + 1) ).
     Arctan {
         /// Scale, dimensionless; k atan(2 p) = 1 when the curve ends on the branch.
-        k: f64,
+        k: S,
         /// Steepness, dimensionless.
-        p: f64,
+        p: S,
     },
     /// (30): K~ = ((K_f + 1)/2)^n.
     Power {
         /// Exponent, dimensionless.
-        n: f64,
+        n: S,
     },
 }
 
-impl Combination {
+impl<S: Scalar> Combination<S> {
     /// The arctan curve of steepness `p` that ends on the branch: k = 1 / atan(2 p).
-    pub fn arctan(p: f64) -> Self {
-        Self::Arctan { k: 1.0 / (2.0 * p).atan(), p }
+    pub fn arctan(p: S) -> Self {
+        Self::Arctan { k: S::from(1.0) / (p * 2.0).atan(), p }
     }
 
     /// The name used in files.
@@ -52,11 +53,11 @@ impl Combination {
     }
 
     /// g(u)/g(1) for u in [0, 1], the share of the transition done.
-    pub fn share(&self, u: f64) -> f64 {
+    pub fn share(&self, u: S) -> S {
         match *self {
-            Self::Sign => 1.0,
+            Self::Sign => S::from(1.0),
             Self::Linear => u,
-            Self::Arctan { p, .. } => (2.0 * p * u).atan() / (2.0 * p).atan(),
+            Self::Arctan { p, .. } => (p * 2.0 * u).atan() / (p * 2.0).atan(),
             Self::Power { n } => u.powf(n),
         }
     }
@@ -64,24 +65,23 @@ impl Combination {
 
 /// The state of the recursion: explicit memory, one sample at a time.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Transition {
+pub struct Transition<S = f64> {
     /// K_f in [-1, 1].
-    pub k_f: f64,
+    pub k_f: S,
     /// K~ in [0, 1].
-    pub k_tilde: f64,
+    pub k_tilde: S,
     direction: Direction,
-    start_k_f: f64,
-    start_k_tilde: f64,
+    start_k_f: S,
+    start_k_tilde: S,
     /// Where the joint was when K_f was last brought up to date, rad.
     at_rad: f64,
 }
 
-impl Transition {
+impl<S: Scalar> Transition<S> {
     /// At `position_rad`, having moved in `direction` for long: K_f(0) is not known from a log, so it is taken from the
     /// first sustained motion, and samples before K_f has first saturated are left out of every figure.
     pub fn after(direction: Direction, position_rad: f64) -> Self {
-        let k_f = direction.sign();
-        let k_tilde = (k_f + 1.0) / 2.0;
+        let (k_f, k_tilde) = (S::from(direction.sign()), S::from((direction.sign() + 1.0) / 2.0));
         Self { k_f, k_tilde, direction, start_k_f: k_f, start_k_tilde: k_tilde, at_rad: position_rad }
     }
 
@@ -89,18 +89,12 @@ impl Transition {
     ///
     /// `backlash_rad` is X_cl / r2. A reversal counts once the joint has come back by more than `deadband_rad`, so that
     /// encoder noise at rest does not restart the curve; the travel inside the deadband is not lost but made up for then.
-    pub fn step(&mut self, position_rad: f64, curve: &Combination, backlash_rad: f64, deadband_rad: f64) -> f64 {
+    pub fn step(&mut self, position_rad: f64, curve: &Combination<S>, backlash_rad: S, deadband_rad: f64) -> S {
         self.step_by(position_rad, |u| curve.share(u), backlash_rad, deadband_rad)
     }
 
     /// The same along a curve of which `share` says how much is done at u, as [`Combination::share`] does.
-    pub fn step_by(
-        &mut self,
-        position_rad: f64,
-        share: impl Fn(f64) -> f64,
-        backlash_rad: f64,
-        deadband_rad: f64,
-    ) -> f64 {
+    pub fn step_by(&mut self, position_rad: f64, share: impl FnOnce(S) -> S, backlash_rad: S, deadband_rad: f64) -> S {
         let travel_rad = position_rad - self.at_rad;
         let onward = travel_rad * self.direction.sign();
         if onward < -deadband_rad {
@@ -110,21 +104,19 @@ impl Transition {
             return self.k_tilde;
         }
         self.at_rad = position_rad;
-        let end = self.direction.sign();
-        // Without a clearance the change is at once; the quotient would be infinite.
-        let change = if backlash_rad > 0.0 { 2.0 * travel_rad / backlash_rad } else { 2.0 * end };
-        self.k_f = (self.k_f + change).clamp(-1.0, 1.0);
+        let end = S::from(self.direction.sign());
+        self.k_f = moved(self.k_f, S::from(travel_rad), backlash_rad, end);
         let whole = end - self.start_k_f;
-        let u = if whole == 0.0 { 1.0 } else { (self.k_f - self.start_k_f) / whole };
+        let u = if whole.value() == 0.0 { S::from(1.0) } else { (self.k_f - self.start_k_f) / whole };
         // At its end every curve is done: most samples, and no need for its power or arc tangent.
-        let done = if u == 1.0 { 1.0 } else { share(u) };
-        self.k_tilde = self.start_k_tilde + done * ((end + 1.0) / 2.0 - self.start_k_tilde);
+        let done = if u.value() == 1.0 { S::from(1.0) } else { share(u) };
+        self.k_tilde = on_the_way(self.start_k_tilde, done, end);
         self.k_tilde
     }
 
     /// Whether friction is fully on one branch: |K_f| = 1 and the curve at its end.
     pub fn is_stable(&self) -> bool {
-        self.k_f.abs() >= STABLE_K_F
+        self.k_f.value().abs() >= STABLE_K_F
     }
 
     /// The direction of the motion that the state last followed.
@@ -133,14 +125,26 @@ impl Transition {
     }
 }
 
+/// (21) to (24): K_f once the cable has moved on through a part of the clearance. Without one the change is at once; the quotient
+/// would be infinite.
+pub fn moved<S: Scalar>(k_f: S, travel_rad: S, backlash_rad: S, end: S) -> S {
+    let change = if backlash_rad.value() > 0.0 { travel_rad * 2.0 / backlash_rad } else { end * 2.0 };
+    (k_f + change).max(S::from(-1.0)).min(S::from(1.0))
+}
+
+/// K~ once the share `done` of a transition is, that began at `start` and ends where K_f is `end`, -1 or 1.
+pub fn on_the_way<S: Scalar>(start: S, done: S, end: S) -> S {
+    start + done * ((end + 1.0) / 2.0 - start)
+}
+
 /// Where the state of a log becomes known: the direction to start from and the first sample at which it no longer matters.
 ///
 /// Two recursions, started from either end, become one when K_f first saturates: from then on the unknown K_f(0) is
 /// forgotten. A log that never moves through the clearance starts `Up` and is never settled.
 pub fn settle(positions_rad: &[f64], backlash_rad: f64, deadband_rad: f64) -> (Direction, usize) {
     let Some(first) = positions_rad.first() else { return (Direction::Up, 0) };
-    let mut from_up = Transition::after(Direction::Up, *first);
-    let mut from_down = Transition::after(Direction::Down, *first);
+    let mut from_up = Transition::<f64>::after(Direction::Up, *first);
+    let mut from_down = Transition::<f64>::after(Direction::Down, *first);
     for (i, x) in positions_rad.iter().enumerate() {
         from_up.step(*x, &Combination::Linear, backlash_rad, deadband_rad);
         from_down.step(*x, &Combination::Linear, backlash_rad, deadband_rad);

@@ -4,26 +4,27 @@
 //! left side of the prediction (`predict`), the rest is a function of speed alone. On the `down` branch a_j, b_c, b_j, c_c
 //! and c_j are negative and v < 0, so the exponentials decay with speed there too.
 
-use crate::dynamics::{Direction, JointKind};
+use crate::dynamics::{Both, Direction, JointKind};
+use crate::numerics::scalar::Scalar;
 use std::ops::{Index, IndexMut};
 
 /// The parameters of one branch (Table II).
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct Friction {
+pub struct Friction<S = f64> {
     /// Equivalent friction coefficient of the cable, dimensionless: friction per tension carried.
-    pub mu_c: f64,
+    pub mu_c: S,
     /// Coulomb friction as a force at the winch, N.
-    pub a_j: f64,
+    pub a_j: S,
     /// Stribeck amplitude of the cable, N.
-    pub b_c: f64,
+    pub b_c: S,
     /// Decay of the cable's Stribeck term per cable speed, s/m.
-    pub c_c: f64,
+    pub c_c: S,
     /// Stribeck amplitude of the joint, N.
-    pub b_j: f64,
+    pub b_j: S,
     /// Decay of the joint's Stribeck term per joint speed, s/rad.
-    pub c_j: f64,
+    pub c_j: S,
     /// Viscous friction, N s/rad.
-    pub d: f64,
+    pub d: S,
 }
 
 /// One parameter of a branch.
@@ -135,10 +136,10 @@ impl Term {
     }
 }
 
-impl Index<Term> for Friction {
-    type Output = f64;
+impl<S> Index<Term> for Friction<S> {
+    type Output = S;
 
-    fn index(&self, term: Term) -> &f64 {
+    fn index(&self, term: Term) -> &S {
         match term {
             Term::Load => &self.mu_c,
             Term::Coulomb => &self.a_j,
@@ -151,8 +152,8 @@ impl Index<Term> for Friction {
     }
 }
 
-impl IndexMut<Term> for Friction {
-    fn index_mut(&mut self, term: Term) -> &mut f64 {
+impl<S> IndexMut<Term> for Friction<S> {
+    fn index_mut(&mut self, term: Term) -> &mut S {
         match term {
             Term::Load => &mut self.mu_c,
             Term::Coulomb => &mut self.a_j,
@@ -165,12 +166,12 @@ impl IndexMut<Term> for Friction {
     }
 }
 
-impl Friction {
+impl<S: Scalar> Friction<S> {
     /// Whether `term` does nothing: its Stribeck term has no amplitude.
     pub fn lacks(&self, term: Term) -> bool {
         match term {
-            Term::CableStribeck | Term::JointStribeck => self[term] == 0.0,
-            _ => term.amplitude().is_some_and(|amplitude| self[amplitude] == 0.0),
+            Term::CableStribeck | Term::JointStribeck => self[term].is_zero(),
+            _ => term.amplitude().is_some_and(|amplitude| self[amplitude].is_zero()),
         }
     }
 
@@ -178,20 +179,36 @@ impl Friction {
     ///
     /// The branch is evaluated at its own sign of speed (`+|v|` on up, `-|v|` on down): in a transition the other
     /// branch would otherwise be evaluated at the wrong sign and explode.
-    pub fn unloaded_nm(
-        &self,
-        direction: Direction,
-        speed_rad_s: f64,
-        winch_radius_m: f64,
-        pulley_radius_m: f64,
-    ) -> f64 {
-        let v = direction.sign() * speed_rad_s.abs();
+    pub fn unloaded_nm(&self, direction: Direction, speed_rad_s: S, winch_radius_m: f64, pulley_radius_m: f64) -> S {
+        let v = speed_rad_s.abs() * direction.sign();
         let stribeck = stribeck_n(self.b_c, self.c_c * pulley_radius_m, v) + stribeck_n(self.b_j, self.c_j, v);
-        winch_radius_m * (self.a_j + stribeck + self.d * v)
+        (self.a_j + stribeck + self.d * v) * winch_radius_m
+    }
+
+    /// The share of the cable's tension that its own friction leaves: 1 - mu_c, by which (17) to (19) divide.
+    pub fn loss(&self) -> S {
+        S::from(1.0) - self.mu_c
     }
 }
 
 /// b exp(-c v), N; skipped when b = 0, which saves most of the time of a model without it.
-fn stribeck_n(b_n: f64, c_s_rad: f64, v_rad_s: f64) -> f64 {
-    if b_n == 0.0 { 0.0 } else { b_n * (-c_s_rad * v_rad_s).exp() }
+fn stribeck_n<S: Scalar>(b_n: S, c_s_rad: S, v_rad_s: S) -> S {
+    if b_n.is_zero() { S::from(0.0) } else { b_n * decayed(c_s_rad, v_rad_s) }
+}
+
+/// What is left of a Stribeck term of rate `c_s_rad` at speed `v_rad_s`: exp(-c v).
+pub fn decayed<S: Scalar>(c_s_rad: S, v_rad_s: S) -> S {
+    (-c_s_rad * v_rad_s).exp()
+}
+
+impl<S: Scalar> Both<Friction<S>> {
+    /// The share of the tension that is left where friction is combined by `k_tilde`: 1 - mu_down - K~ (mu_up - mu_down).
+    pub fn loss(&self, k_tilde: S) -> S {
+        self.down.loss() - k_tilde * (self.up.mu_c - self.down.mu_c)
+    }
+}
+
+/// One of two branches, or a torque between them: down + K~ (up - down).
+pub fn combined<S: Scalar>(branches: Both<S>, k_tilde: S) -> S {
+    branches.down + k_tilde * (branches.up - branches.down)
 }

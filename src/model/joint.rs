@@ -2,6 +2,7 @@
 
 use crate::document::Section;
 use crate::dynamics::JointKind;
+use crate::numerics::scalar::Scalar;
 use std::ops::RangeInclusive;
 
 /// Radii of winches and pulleys, m: one outside was most likely given in another unit.
@@ -14,7 +15,7 @@ const POSSIBLE_BACKLASH_M: f64 = 10.0;
 
 /// What a ruler tells of a joint.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Joint {
+pub struct Joint<S = f64> {
     /// Its name.
     pub name: String,
     /// How it moves.
@@ -24,7 +25,7 @@ pub struct Joint {
     /// r2, m.
     pub pulley_radius_m: f64,
     /// X_cl, the clearance as displacement on the cable, m.
-    pub backlash_m: f64,
+    pub backlash_m: S,
 }
 
 impl Joint {
@@ -67,14 +68,16 @@ impl Joint {
             backlash_m: backlash_m?,
         })
     }
+}
 
+impl<S: Scalar> Joint<S> {
     /// r1 / r2: a torque at the joint times this is a torque at the winch.
     pub fn transmission(&self) -> f64 {
         self.winch_radius_m / self.pulley_radius_m
     }
 
     /// The joint travel that takes up the clearance, X_cl / r2, rad.
-    pub fn backlash_rad(&self) -> f64 {
+    pub fn backlash_rad(&self) -> S {
         self.backlash_m / self.pulley_radius_m
     }
 }

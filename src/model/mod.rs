@@ -10,9 +10,9 @@ mod passage;
 mod predict;
 
 pub use crate::dynamics::{Both, Direction};
-pub use combination::{Combination, STABLE_K_F, Transition, settle};
+pub use combination::{Combination, STABLE_K_F, Transition, moved, on_the_way, settle};
 pub use file::{RecordedCurve, recorded_curves};
-pub use friction::{Friction, Term};
+pub use friction::{Friction, Term, combined, decayed};
 pub use groups::Group;
 pub use joint::Joint;
 pub use passage::{AT_REST_RAD_S, Passage};
@@ -20,25 +20,69 @@ pub use predict::{Asked, Components};
 
 use crate::dynamics::Dynamics;
 use crate::effects::Added;
+use crate::numerics::scalar::Scalar;
 use std::collections::BTreeMap;
 
 /// Everything needed to predict y from motion: geometry, rigid body, friction, combination.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Model {
+pub struct Model<S = f64> {
     /// Geometry.
-    pub joint: Joint,
+    pub joint: Joint<S>,
     /// Gravity and inertia; both 0 where `chain` holds them.
-    pub dynamics: Dynamics,
+    pub dynamics: Dynamics<S>,
     /// The chain whose dynamics take their place, if it was identified with one.
     pub chain: Option<ChainName>,
     /// The two branches.
-    pub friction: Both<Friction>,
+    pub friction: Both<Friction<S>>,
     /// How friction changes over between them.
-    pub combination: Combination,
+    pub combination: Combination<S>,
     /// What the joint or its sensors have beyond the formula.
-    pub effects: Vec<Added>,
+    pub effects: Vec<Added<S>>,
     /// How well each parameter is known, by dotted name (`friction.up.a_j`); empty when nobody said.
     pub confidence: BTreeMap<String, Confidence>,
+}
+
+impl Model {
+    /// The same over another kind of number, each of its own a constant; what is known of its parameters is left out.
+    pub fn over<S: Scalar>(&self) -> Model<S> {
+        let of = S::from;
+        let Joint { name, kind, winch_radius_m, pulley_radius_m, backlash_m } = self.joint.clone();
+        let branch = |direction| {
+            let mut friction = Friction {
+                mu_c: of(0.0),
+                a_j: of(0.0),
+                b_c: of(0.0),
+                c_c: of(0.0),
+                b_j: of(0.0),
+                c_j: of(0.0),
+                d: of(0.0),
+            };
+            Term::ALL.iter().for_each(|term| friction[*term] = of(self.friction.of(direction)[*term]));
+            friction
+        };
+        let effect = |added: &Added| Added {
+            effect: added.effect,
+            parameters: added.parameters.iter().map(|x| of(*x)).collect(),
+        };
+        Model {
+            joint: Joint { name, kind, winch_radius_m, pulley_radius_m, backlash_m: of(backlash_m) },
+            dynamics: Dynamics {
+                gravity_nm: of(self.dynamics.gravity_nm),
+                inertia_kg_m2: of(self.dynamics.inertia_kg_m2),
+                position_zero_rad: of(self.dynamics.position_zero_rad),
+            },
+            chain: self.chain.clone(),
+            friction: Both::make(branch),
+            combination: match self.combination {
+                Combination::Sign => Combination::Sign,
+                Combination::Linear => Combination::Linear,
+                Combination::Arctan { k, p } => Combination::Arctan { k: of(k), p: of(p) },
+                Combination::Power { n } => Combination::Power { n: of(n) },
+            },
+            effects: self.effects.iter().map(effect).collect(),
+            confidence: BTreeMap::new(),
+        }
+    }
 }
 
 /// A joint of a URDF: whoever predicts with the model must have the chain, and where its other joints are.

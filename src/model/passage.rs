@@ -1,29 +1,29 @@
 //! Where friction stands between its branches as the joint moves on: one sample at a time, the memory explicit.
 
 use super::{Combination, Direction, Model, Transition};
-use crate::effects::{Curve, Presliding};
+use crate::effects::{Curve, Evaluated, Presliding};
 
 /// Below this speed a joint rests, rad/s: no motion is as slow, and a filter leaves some 1e-13 of rounding, whose sign means nothing.
 pub const AT_REST_RAD_S: f64 = 1e-9;
 
 /// K~ of a model along a motion: the clearance's transition, then what presliding makes of it.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Passage {
-    transition: Transition,
-    curve: Combination,
+pub struct Passage<S = f64> {
+    transition: Transition<S>,
+    curve: Combination<S>,
     /// In the place of `curve`.
-    added: Option<Curve>,
-    backlash_rad: f64,
+    added: Option<Curve<S>>,
+    backlash_rad: S,
     deadband_rad: f64,
-    presliding: Option<Presliding>,
+    presliding: Option<Presliding<S>>,
     /// K~ after presliding, and where it was last brought up to date, rad.
-    k_tilde: f64,
+    k_tilde: S,
     at_rad: f64,
 }
 
-impl Passage {
+impl<S: Evaluated> Passage<S> {
     /// At `position_rad`, having moved in `direction` for long; travel back of less than `deadband_rad` is no reversal.
-    pub fn after(model: &Model, direction: Direction, position_rad: f64, deadband_rad: f64) -> Self {
+    pub fn after(model: &Model<S>, direction: Direction, position_rad: f64, deadband_rad: f64) -> Self {
         let transition = Transition::after(direction, position_rad);
         Self {
             transition,
@@ -40,29 +40,29 @@ impl Passage {
     /// One sample on: the joint is now at `position_rad` and moves at `velocity_rad_s`; returns K~.
     ///
     /// With `Sign` and no presliding K~ follows the sign of the speed alone, as (20) has it; at rest it stays where it was.
-    pub fn step(&mut self, position_rad: f64, velocity_rad_s: f64) -> f64 {
+    pub fn step(&mut self, position_rad: f64, velocity_rad_s: f64) -> S {
         let (backlash_rad, deadband_rad) = (self.backlash_rad, self.deadband_rad);
         let through_clearance = match &self.added {
             Some(added) => self.transition.step_by(position_rad, |u| added.share(u), backlash_rad, deadband_rad),
             None => self.transition.step(position_rad, &self.curve, backlash_rad, deadband_rad),
         };
-        let jumps = self.added.is_none() && self.curve == Combination::Sign;
+        let jumps = self.added.is_none() && matches!(self.curve, Combination::Sign);
         let moves = velocity_rad_s.abs() >= AT_REST_RAD_S;
         let target = match jumps {
-            true if moves && self.presliding.is_none() => f64::from(u8::from(velocity_rad_s > 0.0)),
-            true => (self.direction().sign() + 1.0) / 2.0,
+            true if moves && self.presliding.is_none() => S::from(f64::from(u8::from(velocity_rad_s > 0.0))),
+            true => S::from((self.direction().sign() + 1.0) / 2.0),
             false => through_clearance,
         };
         let Some(presliding) = self.presliding else { return target };
         let behind = self.k_tilde - target;
-        let left = presliding.left(behind.abs(), (position_rad - self.at_rad).abs());
+        let left = presliding.left(behind.abs(), S::from((position_rad - self.at_rad).abs()));
         self.at_rad = position_rad;
-        self.k_tilde = target + left.copysign(behind);
+        self.k_tilde = if behind.value() < 0.0 { target - left } else { target + left };
         self.k_tilde
     }
 
     /// K_f in [-1, 1].
-    pub fn k_f(&self) -> f64 {
+    pub fn k_f(&self) -> S {
         self.transition.k_f
     }
 
@@ -77,19 +77,19 @@ impl Passage {
     }
 }
 
-impl Model {
+impl<S: Evaluated> Model<S> {
     /// X_cl, m: the joint's own, or that of an effect in its place.
-    pub fn backlash_m(&self) -> f64 {
+    pub fn backlash_m(&self) -> S {
         self.added_curve().map_or(self.joint.backlash_m, |curve| curve.backlash_m)
     }
 
     /// How friction builds up elastically, where an effect says so.
-    pub fn presliding(&self) -> Option<Presliding> {
-        self.effects.iter().rev().find_map(|e| e.effect.presliding(&e.parameters))
+    pub fn presliding(&self) -> Option<Presliding<S>> {
+        self.effects.iter().rev().find_map(|e| e.hooks().presliding(&e.parameters))
     }
 
     /// The change-over that an effect puts in the place of the model's own.
-    pub fn added_curve(&self) -> Option<Curve> {
-        self.effects.iter().rev().find_map(|e| e.effect.curve(&e.parameters))
+    pub fn added_curve(&self) -> Option<Curve<S>> {
+        self.effects.iter().rev().find_map(|e| e.hooks().curve(&e.parameters))
     }
 }

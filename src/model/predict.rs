@@ -7,18 +7,19 @@
 //! with Bu, Bd the unloaded parts of the two branches (`Friction::unloaded_nm`). At K~ = 1 and 0 this is (17) with A and
 //! B of each direction.
 
-use super::{Both, Direction, Model};
-use crate::effects::{Carried, Sample};
+use super::{Both, Direction, Model, combined};
+use crate::dynamics::Motion;
+use crate::effects::{Carried, Evaluated, Sample};
 use crate::numerics::causal::Lag;
 use crate::numerics::resample::shifted;
 
 /// What a sample asks of the joint.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct Asked {
+pub struct Asked<S = f64> {
     /// Gravity, inertia, Coriolis, measured load at the joint, N m.
-    pub torque_nm: f64,
+    pub torque_nm: S,
     /// How gravity changes with the joint's position, N m/rad.
-    pub slope_nm_rad: f64,
+    pub slope_nm_rad: S,
 }
 
 /// Steps in which the lag of a stretched cable and the torque that stretches it settle: each gains a digit or more.
@@ -26,121 +27,141 @@ const SETTLING: usize = 3;
 
 /// What the model makes of one sample, all as torques at the winch, N m.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct Components {
+pub struct Components<S = f64> {
     /// y, the predicted signal.
-    pub torque_nm: f64,
+    pub torque_nm: S,
     /// (r1/r2) times the rigid-body torque: what the winch would see without friction.
-    pub rigid_nm: f64,
+    pub rigid_nm: S,
     /// The rest: friction, and what effects add.
-    pub friction_nm: f64,
+    pub friction_nm: S,
 }
 
-impl Model {
+impl<S: Evaluated> Model<S> {
     /// y for a rigid-body torque `joint_torque_nm` at the joint (gravity, inertia, measured load), at `velocity_rad_s` and
-    /// with friction combined by `k_tilde`.
-    pub fn torque_nm(&self, joint_torque_nm: f64, velocity_rad_s: f64, k_tilde: f64) -> Components {
+    /// with friction combined by `k_tilde`, without effects.
+    pub fn torque_nm(&self, joint_torque_nm: S, velocity_rad_s: S, k_tilde: S) -> Components<S> {
         let branch = |direction| self.branch_nm(direction, velocity_rad_s);
         // Fully on one branch, as nearly always, the other's exponentials are not needed.
         let friction_nm = match k_tilde {
-            0.0 => branch(Direction::Down),
-            1.0 => branch(Direction::Up),
-            _ => {
-                let (up, down) = (branch(Direction::Up), branch(Direction::Down));
-                down + k_tilde * (up - down)
-            }
+            k if k.is_zero() => branch(Direction::Down),
+            k if (k - 1.0).is_zero() => branch(Direction::Up),
+            k => combined(Both::make(branch), k),
         };
-        let (mu_up, mu_down) = (self.friction.up.mu_c, self.friction.down.mu_c);
-        let rigid_nm = self.joint.transmission() * joint_torque_nm;
-        let loss = 1.0 - mu_down - k_tilde * (mu_up - mu_down);
-        let torque_nm = (rigid_nm + friction_nm) / loss;
+        let rigid_nm = joint_torque_nm * self.joint.transmission();
+        let torque_nm = self.balance_nm(rigid_nm, friction_nm, k_tilde);
         Components { torque_nm, rigid_nm, friction_nm: torque_nm - rigid_nm }
+    }
+
+    /// The balance of torques at the winch, solved for y: a load of `load_nm` there and unloaded friction of `friction_nm`, the
+    /// branches combined by `k_tilde`.
+    pub fn balance_nm(&self, load_nm: S, friction_nm: S, k_tilde: S) -> S {
+        (load_nm + friction_nm) / self.friction.loss(k_tilde).named("loss")
+    }
+
+    /// What mass and a measured load of `load_nm` ask of a joint that moves alone.
+    pub fn asked_alone(&self, own: Motion<S>, load_nm: S) -> Asked<S> {
+        let (kind, dynamics) = (self.joint.kind, &self.dynamics);
+        let rigid_nm = dynamics.gravity_nm(kind, own.position) + dynamics.inertia_kg_m2 * own.acceleration;
+        Asked { torque_nm: rigid_nm + load_nm, slope_nm_rad: dynamics.gravity_slope_nm_rad(kind, own.position) }
     }
 
     /// y with everything that the model's effects add to the joint, before the sensor: what `asked` and `sample` come to with
     /// friction combined by `k_tilde`. The formula is the one of `effects`.
-    pub fn driven_nm(&self, sample: &Sample<'_>, asked: Asked, k_tilde: f64) -> Components {
+    pub fn driven_nm(&self, sample: &Sample<'_, S>, asked: Asked<S>, k_tilde: S) -> Components<S> {
         self.driven_by_nm(sample, asked, k_tilde, self.branches_nm(sample.own.velocity))
     }
 
     /// The unloaded friction of both branches at a speed, N m at the winch.
-    pub fn branches_nm(&self, velocity_rad_s: f64) -> Both<f64> {
+    pub fn branches_nm(&self, velocity_rad_s: S) -> Both<S> {
         Both::make(|direction| self.branch_nm(direction, velocity_rad_s))
     }
 
     /// The unloaded friction of one branch at a speed, N m at the winch.
-    fn branch_nm(&self, direction: Direction, velocity_rad_s: f64) -> f64 {
+    pub fn branch_nm(&self, direction: Direction, velocity_rad_s: S) -> S {
         let (r1, r2) = (self.joint.winch_radius_m, self.joint.pulley_radius_m);
         self.friction.of(direction).unloaded_nm(direction, velocity_rad_s, r1, r2)
     }
 
     /// [`Self::driven_nm`] with the branches known already: most of the work is in their exponentials.
-    pub fn driven_by_nm(&self, sample: &Sample<'_>, asked: Asked, k_tilde: f64, branches: Both<f64>) -> Components {
+    pub fn driven_by_nm(
+        &self,
+        sample: &Sample<'_, S>,
+        asked: Asked<S>,
+        k_tilde: S,
+        branches: Both<S>,
+    ) -> Components<S> {
         let Both { mut up, mut down } = branches;
-        let (mu_up, mu_down) = (self.friction.up.mu_c, self.friction.down.mu_c);
         let transmission = self.joint.transmission();
-        let (mut factor, mut winch_nm, mut joint_nm) = (1.0, 0.0, asked.torque_nm);
+        let (mut factor, mut winch_nm, mut joint_nm) = (S::from(1.0), S::from(0.0), asked.torque_nm);
         for e in &self.effects {
-            joint_nm += e.effect.joint_torque_nm(&e.parameters, sample);
-            factor *= e.effect.friction_factor(&e.parameters, sample);
+            joint_nm += e.hooks().joint_torque_nm(&e.parameters, sample);
+            factor *= e.hooks().friction_factor(&e.parameters, sample);
         }
-        let carried = Carried { load_nm: transmission * joint_nm, friction_nm: branches };
+        let joint_nm = joint_nm.named("joint_nm");
+        let carried = Carried { load_nm: (joint_nm * transmission).named("load_nm"), friction_nm: branches };
         for e in &self.effects {
-            winch_nm += e.effect.winch_torque_nm(&e.parameters, sample, carried.load_nm);
-            let more = e.effect.friction_nm(&e.parameters, sample, carried);
+            winch_nm += e.hooks().winch_torque_nm(&e.parameters, sample, carried.load_nm);
+            let more = e.hooks().friction_nm(&e.parameters, sample, carried);
             (up, down) = (up + more.up, down + more.down);
         }
-        let friction_nm = factor * (down + k_tilde * (up - down));
-        let loss = 1.0 - mu_down - k_tilde * (mu_up - mu_down);
-        let torque_nm =
-            |lag_rad: f64| (transmission * (joint_nm - asked.slope_nm_rad * lag_rad) + friction_nm) / loss + winch_nm;
-        let lag_rad = |y_nm: f64| -> f64 {
-            self.effects.iter().map(|e| e.effect.position_lag_rad(&e.parameters, joint_nm, y_nm / transmission)).sum()
+        let (up, down) = (up.named("up_nm"), down.named("down_nm"));
+        let friction_nm = (factor * combined(Both { up, down }, k_tilde)).named("friction_nm");
+        let torque_nm = |lag_rad: S| {
+            let load_nm = (joint_nm - asked.slope_nm_rad * lag_rad) * transmission;
+            self.balance_nm(load_nm, friction_nm, k_tilde) + winch_nm
         };
-        let mut y_nm = torque_nm(0.0);
-        if lag_rad(y_nm) != 0.0 {
+        let lag_rad = |y_nm: S| {
+            let lags =
+                self.effects.iter().map(|e| e.hooks().position_lag_rad(&e.parameters, joint_nm, y_nm / transmission));
+            lags.fold(S::from(0.0), |sum, lag| sum + lag)
+        };
+        let mut y_nm = torque_nm(S::from(0.0));
+        if !lag_rad(y_nm).is_zero() {
             (0..SETTLING).for_each(|_| y_nm = torque_nm(lag_rad(y_nm)));
         }
-        let rigid_nm = transmission * asked.torque_nm;
+        let rigid_nm = asked.torque_nm * transmission;
         Components { torque_nm: y_nm, rigid_nm, friction_nm: y_nm - rigid_nm }
     }
 
     /// What the sensor reads of `torque_nm`, but for its delay, N m.
-    pub fn reading_nm(&self, sample: &Sample<'_>, torque_nm: f64) -> f64 {
-        self.noisy_reading_nm(sample, torque_nm, 0.0)
+    pub fn reading_nm(&self, sample: &Sample<'_, S>, torque_nm: S) -> S {
+        self.noisy_reading_nm(sample, torque_nm, S::from(0.0))
     }
 
     /// The same with the sensor's noise of `noise_nm`: noise is measured along with the torque, a range that ends clips both.
-    pub fn noisy_reading_nm(&self, sample: &Sample<'_>, torque_nm: f64, noise_nm: f64) -> f64 {
-        let read = |y: f64, clips: bool| {
+    pub fn noisy_reading_nm(&self, sample: &Sample<'_, S>, torque_nm: S, noise_nm: S) -> S {
+        let read = |y: S, clips: bool| {
             let effects = self.effects.iter().filter(|e| e.effect.clips() == clips);
-            effects.fold(y, |y, e| e.effect.reading_nm(&e.parameters, sample, y))
+            effects.fold(y, |y, e| e.hooks().reading_nm(&e.parameters, sample, y))
         };
         read(read(torque_nm, false) + noise_nm, true)
     }
 
     /// How late the sensor's reading is, s.
-    pub fn delay_s(&self) -> f64 {
-        self.effects.iter().map(|e| e.effect.delay_s(&e.parameters)).sum()
+    pub fn delay_s(&self) -> S {
+        self.effects.iter().fold(S::from(0.0), |sum, e| sum + e.hooks().delay_s(&e.parameters))
     }
 
     /// The time constant with which the sensor follows, s.
-    pub fn lag_s(&self) -> f64 {
-        self.effects.iter().map(|e| e.effect.lag_s(&e.parameters)).sum()
+    pub fn lag_s(&self) -> S {
+        self.effects.iter().fold(S::from(0.0), |sum, e| sum + e.hooks().lag_s(&e.parameters))
     }
 
     /// A series of torques at `rate_hz` as the sensor gets them, late by [`Self::delay_s`] and [`Self::lag_s`], N m.
-    pub fn late_nm(&self, mut torque_nm: Vec<f64>, rate_hz: f64) -> Vec<f64> {
+    pub fn late_nm(&self, mut torque_nm: Vec<S>, rate_hz: f64) -> Vec<S> {
         let (delay_s, lag_s) = (self.delay_s(), self.lag_s());
-        if delay_s != 0.0 {
+        if !delay_s.is_zero() {
             torque_nm = shifted(&torque_nm, delay_s * rate_hz);
         }
-        if lag_s > 0.0 {
+        if lag_s.value() > 0.0 {
             let mut lag = Lag::new(lag_s * rate_hz);
             torque_nm.iter_mut().for_each(|y| *y = lag.step(*y));
         }
         torque_nm
     }
+}
 
+impl Model {
     /// Whether any effect goes by the time since the campaign began.
     pub fn needs_clock(&self) -> bool {
         self.effects.iter().any(|e| e.effect.needs_clock(&e.parameters))

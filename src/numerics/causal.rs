@@ -3,6 +3,7 @@
 //! All start in the steady state of their first sample, so that a signal at rest carries no transient.
 
 use super::filter::LowPass;
+use super::scalar::Scalar;
 use std::collections::VecDeque;
 use std::f64::consts::TAU;
 
@@ -88,25 +89,31 @@ impl Delay {
 ///
 /// With e = exp(-1/lag): y' = e y + (1 - g) x' + (g - e) x, g = lag (1 - e).
 #[derive(Debug, Clone, Copy)]
-pub struct Lag {
-    samples: f64,
+pub struct Lag<S = f64> {
+    samples: S,
     /// The last sample, and what came out.
-    last: Option<(f64, f64)>,
+    last: Option<(S, S)>,
 }
 
-impl Lag {
+impl<S: Scalar> Lag<S> {
     /// With a time constant of so many `samples`, 0 or more; at rest before its first sample.
-    pub fn new(samples: f64) -> Self {
+    pub fn new(samples: S) -> Self {
         Self { samples, last: None }
     }
 
+    /// The weights of its last output, of the sample and of the one before, where its time constant is above 0.
+    pub fn weights(&self) -> [S; 3] {
+        let kept = (S::from(-1.0) / self.samples).exp();
+        let share = self.samples * (S::from(1.0) - kept);
+        [kept, S::from(1.0) - share, share - kept]
+    }
+
     /// The next sample.
-    pub fn step(&mut self, x: f64) -> f64 {
+    pub fn step(&mut self, x: S) -> S {
         let (x_before, y_before) = self.last.unwrap_or((x, x));
-        let y = if self.samples > 0.0 {
-            let kept = (-1.0 / self.samples).exp();
-            let share = self.samples * (1.0 - kept);
-            kept * y_before + (1.0 - share) * x + (share - kept) * x_before
+        let y = if self.samples.value() > 0.0 {
+            let [kept, now, before] = self.weights();
+            kept * y_before + now * x + before * x_before
         } else {
             x
         };

@@ -29,3 +29,12 @@ pub mod resample;
 
 /// Means, spreads, quantiles.
 pub mod statistics;
+
+/// Numbers that a formula can be written over.
+pub mod scalar;
+
+/// Numbers that carry their derivatives.
+pub mod dual;
+
+/// Numbers that remember how they came about, to be printed as code.
+pub mod expression;

@@ -30,7 +30,7 @@ pub(super) fn start(positions_rad: &[f64]) -> Direction {
 
 /// What mass asks of the joint.
 pub(super) fn asked(model: &Model, chain: Option<&Chain>, own: Motion, others: &[Motion]) -> Asked {
-    let (kind, dynamics) = (model.joint.kind, &model.dynamics);
+    let dynamics = &model.dynamics;
     match chain {
         Some(chain) => {
             // Only a joint that lags its encoder asks for the slope, and a chain's takes as long as its torque.
@@ -41,9 +41,6 @@ pub(super) fn asked(model: &Model, chain: Option<&Chain>, own: Motion, others: &
             let (gravity_nm, slope_nm_rad) = dynamics.at_true_position(rigid.gravity_nm, slope_nm_rad);
             Asked { torque_nm: gravity_nm + rigid.inertia_nm + rigid.coriolis_nm, slope_nm_rad }
         }
-        None => Asked {
-            torque_nm: dynamics.gravity_nm(kind, own.position) + dynamics.inertia_kg_m2 * own.acceleration,
-            slope_nm_rad: dynamics.gravity_slope_nm_rad(kind, own.position),
-        },
+        None => model.asked_alone(own, 0.0),
     }
 }

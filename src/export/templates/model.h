@@ -51,7 +51,7 @@ typedef struct {
     double direction;           /* of the motion followed last: 1 up, -1 down */
     double start_k_f, start_k_tilde, at_rad;
     double deadband_rad;        /* travel back of less is no reversal: the encoder's noise */
-{%- if p.presliding.is_some() %}
+{%- if p.passage.left.is_some() %}
     double bent, bent_at_rad;   /* where friction stands elastically, and since where */
 {%- endif %}
 {%- if let Some(late) = p.late %}
@@ -74,7 +74,7 @@ static inline void {{ p.name }}_start({{ p.name }}_state *s, double measured_rad
     s->start_k_tilde = s->k_tilde;
     s->at_rad = measured_rad;
     s->deadband_rad = deadband_rad;
-{%- if p.presliding.is_some() %}
+{%- if p.passage.left.is_some() %}
     s->bent = s->k_tilde;
     s->bent_at_rad = measured_rad;
 {%- endif %}
@@ -98,29 +98,21 @@ static inline double {{ p.name }}_passage({{ p.name }}_state *s, double x, doubl
         s->start_k_tilde = s->k_tilde;
     }
     if (turned || onward > 0.0) {
-        const double end = s->direction, backlash = {{ p.backlash_rad }};
-        const double change = backlash > 0.0 ? 2.0 * travel / backlash : 2.0 * end;
+        const double end = s->direction;
         s->at_rad = x;
-        s->k_f = fmin(fmax(s->k_f + change, -1.0), 1.0);
+        s->k_f = {{ p.passage.moved }};
         const double whole = end - s->start_k_f;
         const double u = whole == 0.0 ? 1.0 : (s->k_f - s->start_k_f) / whole;
         (void)u;
-        s->k_tilde = s->start_k_tilde + {{ p.share }} * ((end + 1.0) / 2.0 - s->start_k_tilde);
+        s->k_tilde = {{ p.passage.k_tilde }};
     }
     (void)v;
-{%- if let Some(bristles) = p.presliding %}
+{%- if let Some(left) = p.passage.left %}
     const double moved = fabs(x - s->bent_at_rad);
     if (moved >= 0.0) {
         const double target = {% if p.jumps.is_some() %}(s->direction + 1.0) / 2.0{% else %}s->k_tilde{% endif %};
-        const double behind = s->bent - target, share = moved / {{ bristles.travel_rad }};
-{%- if bristles.exponential %}
-        const double left = fabs(behind) * exp(-share);
-{%- else %}
-        const double power = {{ bristles.power }};
-        const double left = fabs(behind) <= 0.0
-            ? 0.0
-            : pow(fmax(pow(fabs(behind), power) - power * share, 0.0), 1.0 / power);
-{%- endif %}
+        const double behind = s->bent - target;
+        const double left = {{ left }};
         s->bent_at_rad = x;
         s->bent = target + copysign(left, behind);
     }
@@ -172,7 +164,7 @@ static inline double {{ p.name }}_torque_nm({{ p.name }}_state *s, const {{ p.na
     const double q = x->own.position_rad, v = x->own.velocity_rad_s, a = x->own.acceleration_rad_s2;
     const double t = x->time_s, elapsed = x->elapsed_s;
     const double k = {{ p.name }}_passage(s, x->measured_rad, v);
-    (void)q, (void)a, (void)t, (void)elapsed;
+    (void)q, (void)a, (void)t, (void)elapsed, (void)k;
 {{ p.body }}    return y;
 }
 

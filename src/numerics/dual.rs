@@ -1,0 +1,209 @@
+//! Numbers that carry their derivatives by several variables: forward differentiation, exact to rounding (Griewank and Walther,
+//! Evaluating Derivatives, 2008, section 3.1).
+//!
+//! Of our own because the formulas need values and derivatives at 0, where a power's general rule gives no number.
+
+use super::scalar::Scalar;
+use std::array::from_fn;
+use std::ops::{Add, AddAssign, Div, Mul, MulAssign, Neg, Sub, SubAssign};
+
+/// Variables that are differentiated by at once: two vector registers' worth, as many columns as a low-pass takes side by side.
+pub const VARIABLES: usize = 4;
+
+/// A value and its derivatives.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Dual {
+    /// The value.
+    pub value: f64,
+    /// Its derivative by each variable.
+    pub slopes: [f64; VARIABLES],
+}
+
+impl Dual {
+    /// Variable number `at`, where it is `value`.
+    pub fn variable(value: f64, at: usize) -> Self {
+        Self { value, slopes: from_fn(|i| f64::from(u8::from(i == at))) }
+    }
+
+    /// A function of it, whose value and derivative are these.
+    fn chain(self, value: f64, slope: f64) -> Self {
+        Self { value, slopes: self.slopes.map(|own| own * slope) }
+    }
+
+    /// A function of two, whose value and derivatives are these.
+    fn join(self, other: Self, value: f64, by_self: f64, by_other: f64) -> Self {
+        Self { value, slopes: from_fn(|i| by_self * self.slopes[i] + by_other * other.slopes[i]) }
+    }
+}
+
+impl From<f64> for Dual {
+    fn from(value: f64) -> Self {
+        Self { value, slopes: [0.0; VARIABLES] }
+    }
+}
+
+impl Neg for Dual {
+    type Output = Self;
+
+    fn neg(self) -> Self {
+        self.chain(-self.value, -1.0)
+    }
+}
+
+impl Add for Dual {
+    type Output = Self;
+
+    fn add(self, other: Self) -> Self {
+        Self { value: self.value + other.value, slopes: from_fn(|i| self.slopes[i] + other.slopes[i]) }
+    }
+}
+
+impl Sub for Dual {
+    type Output = Self;
+
+    fn sub(self, other: Self) -> Self {
+        Self { value: self.value - other.value, slopes: from_fn(|i| self.slopes[i] - other.slopes[i]) }
+    }
+}
+
+impl Mul for Dual {
+    type Output = Self;
+
+    fn mul(self, other: Self) -> Self {
+        self.join(other, self.value * other.value, other.value, self.value)
+    }
+}
+
+impl Div for Dual {
+    type Output = Self;
+
+    fn div(self, other: Self) -> Self {
+        let value = self.value / other.value;
+        self.join(other, value, 1.0 / other.value, -value / other.value)
+    }
+}
+
+impl Add<f64> for Dual {
+    type Output = Self;
+
+    fn add(self, other: f64) -> Self {
+        Self { value: self.value + other, ..self }
+    }
+}
+
+impl Sub<f64> for Dual {
+    type Output = Self;
+
+    fn sub(self, other: f64) -> Self {
+        Self { value: self.value - other, ..self }
+    }
+}
+
+impl Mul<f64> for Dual {
+    type Output = Self;
+
+    fn mul(self, other: f64) -> Self {
+        self.chain(self.value * other, other)
+    }
+}
+
+impl Div<f64> for Dual {
+    type Output = Self;
+
+    fn div(self, other: f64) -> Self {
+        self.chain(self.value / other, 1.0 / other)
+    }
+}
+
+impl AddAssign for Dual {
+    fn add_assign(&mut self, other: Self) {
+        *self = *self + other;
+    }
+}
+
+impl SubAssign for Dual {
+    fn sub_assign(&mut self, other: Self) {
+        *self = *self - other;
+    }
+}
+
+impl MulAssign for Dual {
+    fn mul_assign(&mut self, other: Self) {
+        *self = *self * other;
+    }
+}
+
+/// `slope`, or 0 where there is none.
+fn or_zero(slope: f64) -> f64 {
+    if slope.is_finite() { slope } else { 0.0 }
+}
+
+impl Scalar for Dual {
+    fn value(self) -> f64 {
+        self.value
+    }
+
+    fn is_zero(self) -> bool {
+        self == Self::from(0.0)
+    }
+
+    fn sin(self) -> Self {
+        let (sin, cos) = self.value.sin_cos();
+        self.chain(sin, cos)
+    }
+
+    fn cos(self) -> Self {
+        let (sin, cos) = self.value.sin_cos();
+        self.chain(cos, -sin)
+    }
+
+    fn tanh(self) -> Self {
+        let value = self.value.tanh();
+        self.chain(value, 1.0 - value * value)
+    }
+
+    fn atan(self) -> Self {
+        self.chain(self.value.atan(), 1.0 / (1.0 + self.value * self.value))
+    }
+
+    fn exp(self) -> Self {
+        let value = self.value.exp();
+        self.chain(value, value)
+    }
+
+    fn ln(self) -> Self {
+        self.chain(self.value.ln(), 1.0 / self.value)
+    }
+
+    fn sqrt(self) -> Self {
+        let value = self.value.sqrt();
+        self.chain(value, or_zero(0.5 / value))
+    }
+
+    fn abs(self) -> Self {
+        if self.value < 0.0 { -self } else { self }
+    }
+
+    fn powf(self, exponent: Self) -> Self {
+        let value = self.value.powf(exponent.value);
+        let by_base = or_zero(exponent.value * self.value.powf(exponent.value - 1.0));
+        self.join(exponent, value, by_base, or_zero(value * self.value.ln()))
+    }
+
+    fn hypot(self, other: Self) -> Self {
+        let value = self.value.hypot(other.value);
+        self.join(other, value, or_zero(self.value / value), or_zero(other.value / value))
+    }
+
+    fn min(self, other: Self) -> Self {
+        if other.value < self.value { other } else { self }
+    }
+
+    fn max(self, other: Self) -> Self {
+        if other.value > self.value { other } else { self }
+    }
+
+    fn if_positive(self, then: impl FnOnce() -> Self, otherwise: impl FnOnce() -> Self) -> Self {
+        if self.value > 0.0 { then() } else { otherwise() }
+    }
+}

@@ -1,0 +1,151 @@
+//! Numbers that a formula can be written over: a double, a double with its derivatives, an expression to be printed as code.
+//!
+//! What a formula does with numbers alone, it does through this trait; then one text of it predicts, differentiates and exports.
+
+use std::fmt::Debug;
+use std::ops::{Add, AddAssign, Div, Mul, MulAssign, Neg, Sub, SubAssign};
+
+/// A number of a formula.
+pub trait Scalar:
+    Copy
+    + Debug
+    + From<f64>
+    + Neg<Output = Self>
+    + Add<Output = Self>
+    + Sub<Output = Self>
+    + Mul<Output = Self>
+    + Div<Output = Self>
+    + Add<f64, Output = Self>
+    + Sub<f64, Output = Self>
+    + Mul<f64, Output = Self>
+    + Div<f64, Output = Self>
+    + AddAssign
+    + SubAssign
+    + MulAssign
+{
+    /// Its value; NaN of an expression that is no number by itself.
+    fn value(self) -> f64;
+
+    /// Whether it is 0 whatever the variables are.
+    fn is_zero(self) -> bool;
+
+    /// Sine.
+    fn sin(self) -> Self;
+
+    /// Cosine.
+    fn cos(self) -> Self;
+
+    /// Hyperbolic tangent.
+    fn tanh(self) -> Self;
+
+    /// Arc tangent.
+    fn atan(self) -> Self;
+
+    /// e to its power.
+    fn exp(self) -> Self;
+
+    /// Natural logarithm.
+    fn ln(self) -> Self;
+
+    /// Square root; at 0 its derivative is taken as 0.
+    fn sqrt(self) -> Self;
+
+    /// Its magnitude; at 0 the derivative is that of its right side.
+    fn abs(self) -> Self;
+
+    /// To a power; the derivatives at 0 are 0 where they do not exist.
+    fn powf(self, exponent: Self) -> Self;
+
+    /// sqrt(self^2 + other^2); at (0, 0) its derivative is taken as 0.
+    fn hypot(self, other: Self) -> Self;
+
+    /// The smaller.
+    fn min(self, other: Self) -> Self;
+
+    /// The larger.
+    fn max(self, other: Self) -> Self;
+
+    /// `then` where it is above 0, else `otherwise`.
+    fn if_positive(self, then: impl FnOnce() -> Self, otherwise: impl FnOnce() -> Self) -> Self;
+
+    /// The same, by this name where it is printed.
+    fn named(self, _name: &'static str) -> Self {
+        self
+    }
+
+    /// Sine and cosine.
+    fn sin_cos(self) -> (Self, Self) {
+        (self.sin(), self.cos())
+    }
+
+    /// Its square.
+    fn squared(self) -> Self {
+        self * self
+    }
+}
+
+impl Scalar for f64 {
+    fn value(self) -> f64 {
+        self
+    }
+
+    fn is_zero(self) -> bool {
+        self == 0.0
+    }
+
+    fn sin(self) -> Self {
+        self.sin()
+    }
+
+    fn cos(self) -> Self {
+        self.cos()
+    }
+
+    fn sin_cos(self) -> (Self, Self) {
+        self.sin_cos()
+    }
+
+    fn tanh(self) -> Self {
+        self.tanh()
+    }
+
+    fn atan(self) -> Self {
+        self.atan()
+    }
+
+    fn exp(self) -> Self {
+        self.exp()
+    }
+
+    fn ln(self) -> Self {
+        self.ln()
+    }
+
+    fn sqrt(self) -> Self {
+        self.sqrt()
+    }
+
+    fn abs(self) -> Self {
+        self.abs()
+    }
+
+    fn powf(self, exponent: Self) -> Self {
+        self.powf(exponent)
+    }
+
+    fn hypot(self, other: Self) -> Self {
+        self.hypot(other)
+    }
+
+    fn min(self, other: Self) -> Self {
+        self.min(other)
+    }
+
+    fn max(self, other: Self) -> Self {
+        self.max(other)
+    }
+
+    fn if_positive(self, then: impl FnOnce() -> Self, otherwise: impl FnOnce() -> Self) -> Self {
+        if self > 0.0 { then() } else { otherwise() }
+    }
+}
