@@ -115,3 +115,33 @@ fn what_is_known_of_an_effect_stands_in_its_own_file() {
         }
     }
 }
+
+/// Lines of code, comments and tests left out, with their numbers.
+fn code(source: &str) -> impl Iterator<Item = (usize, &str)> {
+    let code = source.split("#[cfg(test)]").next().unwrap_or_default();
+    code.lines().enumerate().map(|(i, line)| (i + 1, line)).filter(|(_, line)| !line.trim_start().starts_with("//"))
+}
+
+#[test]
+fn each_formula_of_the_model_stands_in_one_place() {
+    // What gives a second copy away, and the rooms that hold the only one.
+    const FORMULAS: [(&str, &[&str]); 5] = [
+        ("the loss by friction under load, 1 - mu", &["1.0 - mu", "1.0 - friction", "1.0 - down", "mu_up", "mu_down"]),
+        ("the balance solved for y", &["friction_nm) / ", "change) / (1"]),
+        ("a Stribeck term", &["rate * speed", "rate * u", "rates[i] * u", "c_c * pulley", "c_j * v"]),
+        ("K_f and the curve", &["2.0 * travel", ".atan()"]),
+        ("the two branches combined", &["k_tilde * (", "k_tilde[i] * (up"]),
+    ];
+    // An effect's own change-over after reversals.
+    let has_its_own = |file: &Path| file.starts_with("src/effects/transition.rs");
+    let mut files = Vec::new();
+    sources(Path::new("src"), &mut files);
+    for file in files.iter().filter(|f| !f.starts_with("src/model") && !f.starts_with("src/numerics")) {
+        let source = fs::read_to_string(file).unwrap();
+        for (what, marks) in FORMULAS {
+            let found: Vec<(usize, &str)> =
+                code(&source).filter(|(_, line)| marks.iter().any(|mark| line.contains(mark))).collect();
+            assert!(found.is_empty() || has_its_own(file), "{} holds {what} again: {found:?}", file.display());
+        }
+    }
+}

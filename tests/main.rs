@@ -12,6 +12,7 @@ mod closed_loop;
 mod combination;
 mod compare;
 mod covariance;
+mod derivatives;
 mod diagnose;
 mod effects;
 mod evaluate;

@@ -6,6 +6,7 @@ use crate::compare::unloaded_nm;
 use crate::identify::{self, FrictionFit, Identification};
 use crate::log::{Campaign, Protocol};
 use crate::model::{Model, Term};
+use crate::numerics::dual::Dual;
 use crate::numerics::statistics::HALF_WIDTH;
 use crate::prepare::read_campaign;
 use crate::problem::{Problem, Problems, Result};
@@ -13,9 +14,6 @@ use crate::{diagnose, evaluate};
 use std::collections::BTreeMap;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::time::Instant;
-
-/// Step of a slope by differences, as a share of the parameter.
-const STEP: f64 = 1e-6;
 
 /// What is done with each campaign.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -111,14 +109,9 @@ fn identified(found: &Identification, figures: &mut BTreeMap<String, f64>) {
 fn half_width_nm(model: &Model, fit: &FrictionFit, speed_rad_s: f64) -> f64 {
     let Ok(covariance) = &fit.covariance else { return f64::NAN };
     let slope = |term: &Term| {
-        let step = STEP * fit.friction[*term].abs().max(STEP);
-        let moved = |by: f64| {
-            let mut moved = model.clone();
-            *moved.friction.of_mut(fit.direction) = fit.friction;
-            moved.friction.of_mut(fit.direction)[*term] += by;
-            unloaded_nm(&moved, fit.direction, speed_rad_s)
-        };
-        (moved(step) - moved(-step)) / (2.0 * step)
+        let mut moving = model.over::<Dual>();
+        moving.friction.of_mut(fit.direction)[*term] = Dual::variable(fit.friction[*term], 0);
+        moving.b_nm(fit.direction, Dual::from(speed_rad_s)).slopes[0]
     };
     let slopes: Vec<f64> = covariance.parameters.iter().map(slope).collect();
     let n = slopes.len();

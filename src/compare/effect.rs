@@ -70,7 +70,5 @@ pub(super) fn levels(before: &Model, after: &Model) -> Vec<Level> {
 
 /// B(v) of (19), N m.
 pub fn unloaded_nm(model: &Model, direction: Direction, speed_rad_s: f64) -> f64 {
-    let branch = model.friction.of(direction);
-    let (r1, r2) = (model.joint.winch_radius_m, model.joint.pulley_radius_m);
-    branch.unloaded_nm(direction, speed_rad_s, r1, r2) / (1.0 - branch.mu_c)
+    model.b_nm(direction, speed_rad_s)
 }

@@ -4,7 +4,7 @@
 use crate::dynamics::{Both, Motion, RigidTorque};
 use crate::effects::{Added, Carried, Family, Sample};
 use crate::log::{Campaign, Fingerprint, clock_s, read_trial, refuse_copies, span_s};
-use crate::model::{AT_REST_RAD_S, Asked, Model, Passage, settle};
+use crate::model::{AT_REST_RAD_S, Asked, Model, Passage, combined, settle};
 use crate::numerics::filter::LowPass;
 use crate::predict::{forgotten, torque_nm};
 use crate::prepare::{Trial, prepare};
@@ -335,7 +335,6 @@ impl Record {
     /// What an effect that only adds torque adds to y, low-passed, N m.
     fn added_nm(&self, model: &Model, added: &Added, k_tilde: &[f64], branches: &[Both<f64>]) -> Vec<f64> {
         let mut others = vec![Motion::default(); self.others.len()];
-        let (mu_up, mu_down) = (model.friction.up.mu_c, model.friction.down.mu_c);
         let transmission = model.joint.transmission();
         let (effect, p) = (added.effect, &added.parameters[..]);
         let torque_nm: Vec<f64> = (0..self.own.len())
@@ -345,11 +344,10 @@ impl Record {
                 let sample = Sample { time_s, elapsed_s, own: self.own[i], others: &others };
                 let load_nm = transmission * self.asked(i, model).torque_nm;
                 let carried = Carried { load_nm, friction_nm: branches[i] };
-                let Both { up, down } = effect.friction_nm(p, &sample, carried);
+                let friction_nm = combined(effect.friction_nm(p, &sample, carried), k_tilde[i]);
                 let at_joint_nm = transmission * effect.joint_torque_nm(p, &sample);
-                let loss = 1.0 - mu_down - k_tilde[i] * (mu_up - mu_down);
                 let beside_nm = effect.winch_torque_nm(p, &sample, load_nm) + effect.reading_nm(p, &sample, 0.0);
-                (at_joint_nm + down + k_tilde[i] * (up - down)) / loss + beside_nm
+                model.balance_nm(at_joint_nm, friction_nm, k_tilde[i]) + beside_nm
             })
             .collect();
         self.lowpass.zero_phase(&torque_nm)

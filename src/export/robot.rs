@@ -4,7 +4,7 @@
 use super::plain_name;
 use crate::dynamics::{JointKind, Motion};
 use crate::effects::{Added, Family, Sample, SimulatorJoint};
-use crate::model::{Asked, Direction, Model};
+use crate::model::{Direction, Model, loss};
 use crate::problem::{visible, visible_lines};
 use std::f64::consts::FRAC_PI_2;
 
@@ -79,10 +79,7 @@ fn points(model: &Model, (slow, fast): (f64, f64)) -> Vec<Point> {
     for at in 0..SPEEDS * POSITIONS {
         let (s, p) = ((at / POSITIONS) as f64 / (SPEEDS - 1) as f64, (at % POSITIONS) as f64 / (POSITIONS - 1) as f64);
         let (speed_rad_s, position) = (slow + s * (fast - slow), reach * p);
-        let asked = Asked {
-            torque_nm: model.dynamics.gravity_nm(model.joint.kind, position),
-            slope_nm_rad: model.dynamics.gravity_slope_nm_rad(model.joint.kind, position),
-        };
+        let asked = model.asked_alone(Motion { position, ..Motion::default() }, 0.0);
         for direction in Direction::BOTH {
             let sign = direction.sign();
             let own = Motion { position, velocity: sign * speed_rad_s, acceleration: 0.0 };
@@ -118,7 +115,7 @@ fn lacks(model: &Model, points: &[Point]) -> Vec<String> {
     ));
     let (up, down) = (&model.friction.up, &model.friction.down);
     if up.mu_c != 0.0 || down.mu_c != 0.0 {
-        let share = |mu: f64| 100.0 * (1.0 / (1.0 - mu) - 1.0);
+        let share = |mu: f64| 100.0 * (1.0 / loss(mu) - 1.0);
         lacks.push(format!(
             "friction that grows with the load: {:.0} % of it moving up, {:.0} % moving down",
             share(up.mu_c),

@@ -1,6 +1,6 @@
 //! From an interval to a verdict: pinned, trade-off, flat, at bound.
 
-use crate::model::{Confidence, Status};
+use crate::model::{Confidence, Status, scale_of_arctan};
 
 /// A parameter is pinned when its standard error is at most this share of it.
 pub const PINNED_CV: f64 = 0.10;
@@ -16,7 +16,7 @@ pub fn demote<'a>(known: impl Iterator<Item = &'a mut Confidence>) {
 
 /// What is known of k, given what is known of p: k = 1 / atan(2 p).
 pub fn of_k(of_p: Confidence) -> Confidence {
-    let k = |p: f64| 1.0 / (2.0 * p.max(0.0)).atan();
+    let k = |p: f64| scale_of_arctan(p.max(0.0));
     Confidence { low: k(of_p.high), high: k(of_p.low), ..of_p }
 }
 

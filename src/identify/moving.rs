@@ -3,6 +3,7 @@
 use super::combination::CurveKind;
 use super::predicted::Prepared;
 use crate::model::{Combination, Direction, Model, Term};
+use crate::numerics::scalar::Scalar;
 use crate::numerics::statistics::extent;
 
 /// The largest clearance looked for, as a share of the longest stroke: beyond, no sample would ever be off a transition.
@@ -40,6 +41,11 @@ impl Free {
         self.is_rate() || matches!(self, Self::Curve(_) | Self::Backlash)
     }
 
+    /// Whether it changes where friction stands between its branches.
+    pub fn moves_passage(self) -> bool {
+        matches!(self, Self::Curve(_) | Self::Backlash)
+    }
+
     /// The parameter of `model` as it moves: its logarithm or itself.
     pub fn read(self, model: &Model) -> f64 {
         let value = match self {
@@ -56,12 +62,12 @@ impl Free {
     }
 
     /// Sets the parameter of `model` from how it moves.
-    pub fn write(self, model: &mut Model, moved: f64) {
+    pub fn write<S: Scalar>(self, model: &mut Model<S>, moved: S) {
         let value = if self.is_logarithmic() { moved.exp() } else { moved };
         match self {
             Self::Friction(direction, term) => {
                 let sign = if term.is_rate() { direction.sign() } else { 1.0 };
-                model.friction.of_mut(direction)[term] = sign * value;
+                model.friction.of_mut(direction)[term] = value * sign;
             }
             Self::Curve(kind) => model.combination = kind.with(value),
             Self::Backlash => model.joint.backlash_m = value,

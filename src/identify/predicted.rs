@@ -1,7 +1,9 @@
 //! The prediction over a thinned trial, through the same low-pass as the measurement: what every fit on series compares.
 
+use crate::effects::Evaluated;
 use crate::model::{Direction, Model, Transition, settle};
 use crate::numerics::filter::LowPass;
+use crate::numerics::scalar::Scalar;
 use crate::prepare::Series;
 use std::ops::Range;
 
@@ -47,27 +49,28 @@ impl Prepared {
     }
 
     /// K~ of every sample for `model`'s curve and backlash, and the first sample from which it is known.
-    pub fn k_tilde(&self, model: &Model) -> (Vec<f64>, usize) {
+    pub fn k_tilde<S: Scalar>(&self, model: &Model<S>) -> (Vec<S>, usize) {
         let backlash_rad = model.joint.backlash_rad();
         let deadband_rad = self.series.deadband_rad;
-        let (direction, known_from) = settle(&self.series.position_rad, backlash_rad, deadband_rad);
+        let (direction, known_from) = settle(&self.series.position_rad, backlash_rad.value(), deadband_rad);
         let start_rad = self.series.position_rad.first().copied().unwrap_or(0.0);
         let mut state = Transition::after(direction, start_rad);
         let step = |x: &f64| state.step(*x, &model.combination, backlash_rad, deadband_rad);
         (self.series.position_rad.iter().map(step).collect(), known_from)
     }
 
-    /// y predicted by `model` for every sample, before the low-pass, N m.
-    pub fn torque_nm(&self, model: &Model, k_tilde: &[f64]) -> Vec<f64> {
+    /// y predicted by `model` at any sample, friction combined by `k_tilde` there, before the low-pass, N m.
+    pub fn torque_nm<S: Evaluated>(&self, model: &Model<S>) -> impl Fn(usize, S) -> S {
         let load_nm = self.series.joint_torque_nm(&model.dynamics);
-        let motion = self.series.velocity_rad_s.iter().zip(k_tilde).enumerate();
-        motion.map(|(i, (v, k))| model.torque_nm(load_nm(i), *v, *k).torque_nm).collect()
+        move |i, k_tilde| model.torque_nm(load_nm(i), S::from(self.series.velocity_rad_s[i]), k_tilde).torque_nm
     }
 
     /// Measured less predicted, both through the low-pass, N m, and the first sample from which K~ is known.
     pub fn residual_nm(&self, model: &Model) -> (Vec<f64>, usize) {
         let (k_tilde, known_from) = self.k_tilde(model);
-        let predicted = self.low_pass(&self.torque_nm(model, &k_tilde));
+        let torque_nm = self.torque_nm(model);
+        let raw: Vec<f64> = k_tilde.iter().enumerate().map(|(i, k)| torque_nm(i, *k)).collect();
+        let predicted = self.low_pass(&raw);
         (self.series.torque_nm.iter().zip(&predicted).map(|(y, p)| y - p).collect(), known_from)
     }
 

@@ -107,9 +107,7 @@ fn in_order(mut fit: WholeFit) -> WholeFit {
 
 /// Whether the B(v) of `model` stays sane below the speeds of the sweeps.
 fn is_sane(model: &Model, protocol: &FrictionFit) -> bool {
-    let friction = model.friction.of(protocol.direction);
-    let (r1, r2) = (model.joint.winch_radius_m, model.joint.pulley_radius_m);
-    let b_nm = |v: f64| friction.unloaded_nm(protocol.direction, v, r1, r2) / (1.0 - friction.mu_c);
+    let b_nm = |v: f64| model.b_nm(protocol.direction, v);
     protocol.taken.rates.is_empty() || holds_at_rest(b_nm, &protocol.points)
 }
 

@@ -33,7 +33,7 @@ pub(super) fn of_sweeps(
     let mut all = BTreeMap::new();
     for direction in Direction::BOTH {
         let (friction, a) = (model.friction.of(direction), a.of(direction));
-        let loss = 1.0 - friction.mu_c;
+        let loss = friction.loss();
         let by_degree = if a.a_nm == 0.0 { 0.0 } else { (a.by_zero_nm_rad / a.a_nm).to_radians() };
         for term in Term::ALL {
             let value = friction[term];

@@ -4,7 +4,7 @@ use super::confidence::interval;
 use super::legs::Amplitude;
 use super::stribeck::{ExponentialFit, Points, Profile};
 use crate::log::Uncertainty;
-use crate::model::{Confidence, Direction, Friction, Joint, Status, Term};
+use crate::model::{Confidence, Direction, Friction, Joint, Status, Term, decayed, loss};
 use crate::numerics::statistics::{HALF_WIDTH, fisher_f};
 
 /// A parameter's interval leaves both rates free to conspire with it: where they cannot be told apart, the interval of one
@@ -66,7 +66,7 @@ impl Scale {
             direction,
             a: *a,
             mu_c,
-            per_nm: (1.0 - mu_c) / joint.winch_radius_m,
+            per_nm: loss(mu_c) / joint.winch_radius_m,
             pulley_radius_m: joint.pulley_radius_m,
             a_relative: if load_nm == 0.0 { f64::INFINITY } else { (a.half_width_nm / a.a_nm).abs() },
             // Not told by a table that someone else wrote: then at most 1.
@@ -110,7 +110,7 @@ impl Scale {
             let in_fit = Some(fit.coefficients.len() + i);
             Place { term, in_fit, factor, by_a: 0.0, by_zero: 0.0, held: fit.at_bound[i] }
         };
-        let by_a = (1.0 - self.mu_c) * relative;
+        let by_a = loss(self.mu_c) * relative;
         let by_zero = by_a * self.a.by_zero_nm_rad;
         let mut places = vec![Place { term: Term::Load, in_fit: None, factor: 0.0, by_a, by_zero, held: !with_load }];
         places.push(force(Term::Coulomb, 0, per_nm, self.mean_sine));
@@ -172,13 +172,13 @@ impl Scale {
             let Some(profile) = profile else { return absent };
             let value = factor * fit.rates[i];
             let (low, high) = profile.rates[i];
-            let column = points.weighted_norm(|u| fit.coefficients[2 + i] * u * (-fit.rates[i] * u).exp());
+            let column = points.weighted_norm(|u| fit.coefficients[2 + i] * u * decayed(fit.rates[i], u));
             let alone = sigma / column / fit.rates[i];
             interval(value, [factor * low, factor * high], 0.0, known_half_widths, alone, fit.at_bound[i])
         };
         let fast = fit.rates.len().saturating_sub(1);
         let per_nm = self.per_nm;
-        let mu_half = (1.0 - self.mu_c) * self.a_relative.hypot(self.uncertainty.of_loss());
+        let mu_half = loss(self.mu_c) * self.a_relative.hypot(self.uncertainty.of_loss());
         let mu_alone = if self.a_relative.is_finite() { 0.0 } else { f64::INFINITY };
         let any = !fit.rates.is_empty();
         [
@@ -197,6 +197,6 @@ fn basis(i: usize, u: f64, rates: &[f64]) -> f64 {
     match i {
         0 => 1.0,
         1 => u,
-        _ => (-rates[i - 2] * u).exp(),
+        _ => decayed(rates[i - 2], u),
     }
 }

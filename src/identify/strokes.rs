@@ -88,8 +88,8 @@ impl<'a> Part<'a> {
     pub fn residual_nm(&self, model: &Model) -> Vec<f64> {
         let (k_tilde, _) = self.trial.k_tilde(model);
         let series = &self.trial.series;
-        let load_nm = series.joint_torque_nm(&model.dynamics);
-        let torque = |i: usize| [model.torque_nm(load_nm(i), series.velocity_rad_s[i], k_tilde[i]).torque_nm];
+        let torque_nm = self.trial.torque_nm(model);
+        let torque = |i: usize| [torque_nm(i, k_tilde[i])];
         let rows = self.strokes.iter().flat_map(|stroke| &stroke.rows);
         let [predicted_nm] = self.low_passed(torque);
         predicted_nm.iter().zip(rows).map(|(p, i)| p - series.torque_nm[*i]).collect()

@@ -1,29 +1,23 @@
 //! Many parameters at once on whole series: Levenberg-Marquardt on measured against predicted, both low-passed.
 //!
-//! Friction enters the prediction through y = N / D with N = (r1/r2) G + Bd + K~ (Bu - Bd) and
-//! D = 1 - mu_down - K~ (mu_up - mu_down), so its derivatives are exact and cheap:
-//! dy/dBu = K~/D, dy/dBd = (1 - K~)/D, dy/dmu_up = K~ y/D, dy/dmu_down = (1 - K~) y/D.
-//! The position's zero moves the load: dy/dz = (r1/r2) (dG/dz) / D. The curve's parameter and the clearance move K~ itself; theirs are by difference.
+//! Derivatives are exact: the prediction itself is evaluated over numbers that carry them, several parameters at a time, as many
+//! as go through the low-pass side by side.
 
 use super::confidence::interval;
 use super::moving::{Free, Limits};
 use super::strokes::{Part, Stroke};
 use super::zero::known;
-use crate::model::{Both, Confidence, Direction, Model, Term};
+use crate::model::{Confidence, Model};
 use crate::numerics::cluster;
+use crate::numerics::dual::{Dual, VARIABLES};
 use crate::numerics::marquardt::{Minimum, Residuals, Stopped, minimise};
 use crate::numerics::statistics::{HALF_WIDTH, student_t};
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
-use std::array::from_fn;
 use std::ops::Range;
 
-/// Relative step of the derivatives by difference.
-const STEP: f64 = 1e-4;
 /// Relative change of cost or parameters at which a fit has converged.
 const TOLERANCE: f64 = 1e-8;
-/// Slopes that go through the low-pass side by side.
-const TOGETHER: usize = 4;
 /// Evaluations allowed, per parameter.
 const PATIENCE: usize = 12;
 /// The same for fits that are only compared: those that need more are of curves that do not describe the data.
@@ -156,83 +150,18 @@ impl Whole<'_> {
 
     /// Derivative of the low-passed prediction of `part` by each free parameter.
     fn slopes(&self, part: &Part, model: &Model) -> Vec<Vec<f64>> {
-        let trial = part.trial;
-        let (k_tilde, _) = trial.k_tilde(model);
-        let torque = trial.torque_nm(model, &k_tilde);
-        let (torque, k_tilde) = (&torque, &k_tilde);
-        let slope = |free: &Free| -> Box<dyn Fn(usize) -> f64 + '_> {
-            match free {
-                Free::Friction(direction, term) => {
-                    let slope = BranchSlope { model, direction: *direction, term: *term };
-                    Box::new(move |at| slope.at(trial.series.velocity_rad_s[at], torque[at], k_tilde[at]))
-                }
-                Free::Zero => {
-                    let by_load = ByLoad::new(model);
-                    let slope_nm_rad = trial.series.slope_nm_rad(&model.dynamics);
-                    Box::new(move |at| by_load.at(slope_nm_rad(at), k_tilde[at]))
-                }
-                Free::Curve(_) | Free::Backlash => {
-                    let mut moved = model.clone();
-                    free.write(&mut moved, free.read(model) + STEP);
-                    let (k_tilde, _) = trial.k_tilde(&moved);
-                    let ahead = trial.torque_nm(&moved, &k_tilde);
-                    Box::new(move |at| (ahead[at] - torque[at]) / STEP)
-                }
+        let (held, _) = part.trial.k_tilde(model);
+        let columns = self.free.chunks(VARIABLES).flat_map(|group| {
+            let mut moving = model.over::<Dual>();
+            for (at, free) in group.iter().enumerate() {
+                free.write(&mut moving, Dual::variable(free.read(model), at));
             }
-        };
-        let columns = self.free.chunks(TOGETHER).flat_map(|group| {
-            let slopes: Vec<_> = group.iter().map(slope).collect();
-            let together =
-                part.low_passed(|at| from_fn::<f64, TOGETHER, _>(|l| slopes.get(l).map_or(0.0, |of| of(at))));
-            together.into_iter().take(group.len())
+            let passage = group.iter().any(|free| free.moves_passage()).then(|| part.trial.k_tilde(&moving).0);
+            let k_tilde = |i: usize| passage.as_ref().map_or(Dual::from(held[i]), |k_tilde| k_tilde[i]);
+            let torque_nm = part.trial.torque_nm(&moving);
+            part.low_passed(|i| torque_nm(i, k_tilde(i)).slopes).into_iter().take(group.len())
         });
         columns.collect()
-    }
-}
-
-/// dy by the torque that the load asks of the joint: (r1/r2) / D.
-struct ByLoad {
-    transmission: f64,
-    mu: Both<f64>,
-}
-
-impl ByLoad {
-    fn new(model: &Model) -> Self {
-        Self { transmission: model.joint.transmission(), mu: Both::make(|d| model.friction.of(d).mu_c) }
-    }
-
-    /// For a change of the load of `slope_nm_rad` at K~ `k`.
-    fn at(&self, slope_nm_rad: f64, k: f64) -> f64 {
-        self.transmission * slope_nm_rad / (1.0 - self.mu.down - k * (self.mu.up - self.mu.down))
-    }
-}
-
-struct BranchSlope<'a> {
-    model: &'a Model,
-    direction: Direction,
-    term: Term,
-}
-
-impl BranchSlope<'_> {
-    /// dy by the parameter as it moves, at speed `v`, predicted torque `y` and K~ `k`.
-    fn at(&self, v: f64, y: f64, k: f64) -> f64 {
-        let (r1, r2) = (self.model.joint.winch_radius_m, self.model.joint.pulley_radius_m);
-        let friction = self.model.friction.of(self.direction);
-        let (mu_up, mu_down) = (self.model.friction.up.mu_c, self.model.friction.down.mu_c);
-        let share = if self.direction == Direction::Up { k } else { 1.0 - k };
-        let weight = share / (1.0 - mu_down - k * (mu_up - mu_down));
-        let speed = self.direction.sign() * v.abs();
-        let term = |b: f64, rate: f64| b * (-rate * speed).exp();
-        let by_branch = match self.term {
-            Term::Load => return weight * y,
-            Term::Coulomb => 1.0,
-            Term::CableStribeck => term(1.0, friction.c_c * r2),
-            Term::CableDecay => -friction.c_c * r2 * speed * term(friction.b_c, friction.c_c * r2),
-            Term::JointStribeck => term(1.0, friction.c_j),
-            Term::JointDecay => -friction.c_j * speed * term(friction.b_j, friction.c_j),
-            Term::Viscous => speed,
-        };
-        weight * r1 * by_branch
     }
 }
 

@@ -1,7 +1,7 @@
 //! Where friction changes over: the stretches of a campaign around its reversals.
 
 use super::predicted::{PADDING_PERIODS, Prepared};
-use crate::model::{Combination, Direction, Model, Transition, settle};
+use crate::model::{Both, Combination, Direction, Model, Transition, settle};
 use crate::numerics::statistics::mean;
 use std::ops::Range;
 
@@ -63,10 +63,7 @@ pub fn windows<'a>(trial: &'a Prepared, model: &Model, reach_rad: f64, lowpass_h
 impl<'a> Window<'a> {
     fn new(trial: &'a Prepared, model: &Model, judged: Range<usize>, turns_to: Direction, pad: usize) -> Self {
         let padded = judged.start.saturating_sub(pad)..(judged.end + pad).min(trial.len());
-        let (r1, r2) = (model.joint.winch_radius_m, model.joint.pulley_radius_m);
-        let branch = |direction, i: usize| {
-            model.friction.of(direction).unloaded_nm(direction, trial.series.velocity_rad_s[i], r1, r2)
-        };
+        let branch = |direction, i: usize| model.branch_nm(direction, trial.series.velocity_rad_s[i]);
         let load_nm = trial.series.joint_torque_nm(&model.dynamics);
         let rigid = |i: usize| model.joint.transmission() * load_nm(i);
         Self {
@@ -102,20 +99,17 @@ impl<'a> Window<'a> {
 
     /// Sum over the window of the square of what friction changes by between the branches, (N m)^2.
     pub fn change_square_sum(&self, model: &Model) -> f64 {
-        let (mu_up, mu_down) = (model.friction.up.mu_c, model.friction.down.mu_c);
+        let Both { up, down } = &model.friction;
         let skip = self.judged.start - self.padded.start;
         let changes = self.base_nm.iter().zip(&self.change_nm).skip(skip).take(self.judged.len());
-        changes.map(|(base, change)| ((base + change) / (1.0 - mu_up) - base / (1.0 - mu_down)).powi(2)).sum()
+        changes.map(|(base, change)| ((base + change) / up.loss() - base / down.loss()).powi(2)).sum()
     }
 
     /// Predicted less measured, both through the low-pass, in the judged samples, N m.
     pub fn residual_nm(&self, model: &Model, curve: &Combination, backlash_rad: f64) -> Vec<f64> {
-        let (mu_up, mu_down) = (model.friction.up.mu_c, model.friction.down.mu_c);
         let torque = self.states(curve, backlash_rad).zip(self.base_nm.iter().zip(&self.change_nm));
         let torque: Vec<f64> = torque
-            .map(|(state, (base, change))| {
-                (base + state.k_tilde * change) / (1.0 - mu_down - state.k_tilde * (mu_up - mu_down))
-            })
+            .map(|(state, (base, change))| model.balance_nm(*base, state.k_tilde * change, state.k_tilde))
             .collect();
         let filtered = self.trial.low_pass(&torque);
         let skip = self.judged.start - self.padded.start;
@@ -124,7 +118,6 @@ impl<'a> Window<'a> {
 
     /// The samples inside transitions; none where the motion is so fast that the low-pass would have smeared them.
     pub fn crossings(&self, model: &Model, backlash_rad: f64, lowpass_hz: f64) -> Vec<Crossing> {
-        let (mu_up, mu_down) = (model.friction.up.mu_c, model.friction.down.mu_c);
         let skip = self.judged.start - self.padded.start;
         let states: Vec<Transition> =
             self.states(&Combination::Linear, backlash_rad).skip(skip).take(self.judged.len()).collect();
@@ -134,7 +127,7 @@ impl<'a> Window<'a> {
         }
         let crossing = |(i, state): (usize, &Transition)| {
             let (base, change, y) = (self.base_nm[skip + i], self.change_nm[skip + i], self.measured_nm[i]);
-            let k_tilde = (y * (1.0 - mu_down) - base) / (change + y * (mu_up - mu_down));
+            let k_tilde = model.k_tilde_at(y, base, change);
             let (direction, share) = (state.direction(), (state.k_f + 1.0) / 2.0);
             let rotated = |x: f64| if direction == Direction::Up { x } else { 1.0 - x };
             Crossing { direction, share_of_travel: rotated(share), share_of_change: rotated(k_tilde) }

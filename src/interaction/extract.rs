@@ -3,7 +3,7 @@
 use super::causal::Estimator;
 use crate::evaluate::low_pass;
 use crate::log::Campaign;
-use crate::model::{Direction, Model};
+use crate::model::{Both, Model};
 use crate::numerics::statistics::quantile;
 use crate::predict::{forgotten, torque_nm};
 use crate::prepare::Trial;
@@ -30,10 +30,9 @@ impl Frame {
 
     /// A torque at the winch times this is one in this frame, where friction stands at `k_tilde`.
     pub fn factor(self, model: &Model, k_tilde: f64) -> f64 {
-        let (up, down) = (model.friction.up.mu_c, model.friction.down.mu_c);
         match self {
             Self::Winch => 1.0,
-            Self::Joint => (1.0 - down - k_tilde * (up - down)) / model.joint.transmission(),
+            Self::Joint => model.friction.loss(k_tilde) / model.joint.transmission(),
         }
     }
 }
@@ -204,8 +203,6 @@ impl Extracted {
 
 /// Bu - Bd as the sensor sees it, N m: how far friction can be off where its branch is not known.
 pub(super) fn change_nm(model: &Model, velocity_rad_s: f64) -> f64 {
-    let (r1, r2) = (model.joint.winch_radius_m, model.joint.pulley_radius_m);
-    let branch = |direction| model.friction.of(direction).unloaded_nm(direction, velocity_rad_s, r1, r2);
-    let mu = (model.friction.up.mu_c + model.friction.down.mu_c) / 2.0;
-    ((branch(Direction::Up) - branch(Direction::Down)) / (1.0 - mu)).abs()
+    let Both { up, down } = model.branches_nm(velocity_rad_s);
+    ((up - down) / model.friction.loss(0.5)).abs()
 }

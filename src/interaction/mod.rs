@@ -224,8 +224,7 @@ fn frame_warning(trial: &TrialInteraction, model: &Model, frame: Frame) -> Optio
     /// ... and is off 1 by more than this one.
     const FAR: f64 = 1.5;
     let slope = trial.comparison.as_ref()?.slope;
-    let mean_mu = (model.friction.up.mu_c + model.friction.down.mu_c) / 2.0;
-    let seen = model.joint.transmission() / (1.0 - mean_mu);
+    let seen = model.joint.transmission() / model.friction.loss(0.5);
     let expected = if frame == Frame::Winch { seen } else { 1.0 / seen };
     let off = |a: f64, b: f64| (a / b).max(b / a);
     let told = slope > 0.0 && off(slope, expected) < NEAR && off(slope, 1.0) > FAR;

@@ -39,7 +39,7 @@ pub enum Combination<S = f64> {
 impl<S: Scalar> Combination<S> {
     /// The arctan curve of steepness `p` that ends on the branch: k = 1 / atan(2 p).
     pub fn arctan(p: S) -> Self {
-        Self::Arctan { k: S::from(1.0) / (p * 2.0).atan(), p }
+        Self::Arctan { k: scale_of_arctan(p), p }
     }
 
     /// The name used in files.
@@ -61,6 +61,11 @@ impl<S: Scalar> Combination<S> {
             Self::Power { n } => u.powf(n),
         }
     }
+}
+
+/// k of an arctan curve of steepness `p` that ends on the branch: 1 / atan(2 p).
+pub fn scale_of_arctan<S: Scalar>(p: S) -> S {
+    S::from(1.0) / (p * 2.0).atan()
 }
 
 /// The state of the recursion: explicit memory, one sample at a time.

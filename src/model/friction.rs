@@ -187,8 +187,13 @@ impl<S: Scalar> Friction<S> {
 
     /// The share of the cable's tension that its own friction leaves: 1 - mu_c, by which (17) to (19) divide.
     pub fn loss(&self) -> S {
-        S::from(1.0) - self.mu_c
+        loss(self.mu_c)
     }
+}
+
+/// The share of a tension that a friction coefficient `mu_c` leaves.
+pub fn loss<S: Scalar>(mu_c: S) -> S {
+    S::from(1.0) - mu_c
 }
 
 /// b exp(-c v), N; skipped when b = 0, which saves most of the time of a model without it.

@@ -10,9 +10,9 @@ mod passage;
 mod predict;
 
 pub use crate::dynamics::{Both, Direction};
-pub use combination::{Combination, STABLE_K_F, Transition, moved, on_the_way, settle};
+pub use combination::{Combination, STABLE_K_F, Transition, moved, on_the_way, scale_of_arctan, settle};
 pub use file::{RecordedCurve, recorded_curves};
-pub use friction::{Friction, Term, combined, decayed};
+pub use friction::{Friction, Term, combined, decayed, loss};
 pub use groups::Group;
 pub use joint::Joint;
 pub use passage::{AT_REST_RAD_S, Passage};

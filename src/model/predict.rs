@@ -58,6 +58,17 @@ impl<S: Evaluated> Model<S> {
         (load_nm + friction_nm) / self.friction.loss(k_tilde).named("loss")
     }
 
+    /// The inverse: K~ at which `y_nm` balances a base of (r1/r2) G + Bd and a change of Bu - Bd.
+    pub fn k_tilde_at(&self, y_nm: S, base_nm: S, change_nm: S) -> S {
+        let Both { up, down } = &self.friction;
+        (y_nm * down.loss() - base_nm) / (change_nm + y_nm * (up.mu_c - down.mu_c))
+    }
+
+    /// B(v) of (19): y of one branch without any load, N m.
+    pub fn b_nm(&self, direction: Direction, speed_rad_s: S) -> S {
+        self.branch_nm(direction, speed_rad_s) / self.friction.of(direction).loss()
+    }
+
     /// What mass and a measured load of `load_nm` ask of a joint that moves alone.
     pub fn asked_alone(&self, own: Motion<S>, load_nm: S) -> Asked<S> {
         let (kind, dynamics) = (self.joint.kind, &self.dynamics);

@@ -2,6 +2,7 @@
 
 use super::Trial;
 use crate::dynamics::{Dynamics, JointKind};
+use crate::numerics::scalar::Scalar;
 
 /// Samples kept per period of the low-pass: the filter redesigned for the thinned rate then differs from the declared one
 /// by less than 1 % up to 1.2 times its cut-off, and hardly anything passes beyond.
@@ -60,14 +61,8 @@ impl Series {
 
     /// Rigid-body torque at the joint with any measured load where the zero of `dynamics` says that the joint is, sample by
     /// sample, N m.
-    pub fn joint_torque_nm(&self, dynamics: &Dynamics) -> impl Fn(usize) -> f64 + '_ {
+    pub fn joint_torque_nm<S: Scalar>(&self, dynamics: &Dynamics<S>) -> impl Fn(usize) -> S + use<'_, S> {
         let (sin, less) = (dynamics.position_zero_rad.sin(), dynamics.position_zero_rad.cos() - 1.0);
-        move |i| self.joint_torque_nm[i] + self.gravity_nm[i].0 * less + self.gravity_nm[i].1 * sin
-    }
-
-    /// How that changes with the position's zero, N m/rad.
-    pub fn slope_nm_rad(&self, dynamics: &Dynamics) -> impl Fn(usize) -> f64 + '_ {
-        let (sin, cos) = dynamics.position_zero_rad.sin_cos();
-        move |i| self.gravity_nm[i].1 * cos - self.gravity_nm[i].0 * sin
+        move |i| less * self.gravity_nm[i].0 + self.joint_torque_nm[i] + sin * self.gravity_nm[i].1
     }
 }

@@ -12,6 +12,7 @@ use super::predicted::Prepared;
 use super::support::supported;
 use super::windows::{Crossing, Window, windows};
 use crate::model::{Combination, Confidence, Model};
+use crate::numerics::scalar::Scalar;
 use crate::numerics::statistics::{extent, quantile};
 use fitting::Fitting;
 use rayon::prelude::*;
@@ -76,7 +77,7 @@ impl CurveKind {
     }
 
     /// The curve with its parameter, p or n, if it has one.
-    pub fn with(self, parameter: f64) -> Combination {
+    pub fn with<S: Scalar>(self, parameter: S) -> Combination<S> {
         match self {
             Self::Sign => Combination::Sign,
             Self::Linear => Combination::Linear,

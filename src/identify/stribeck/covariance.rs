@@ -1,6 +1,7 @@
 //! What the points know of a fit's coefficients and rates together, to first order.
 
 use super::{ExponentialFit, Points, row};
+use crate::model::decayed;
 use crate::numerics::linear::solve;
 use nalgebra::{DMatrix, DVector};
 
@@ -34,7 +35,7 @@ impl Points {
 
 /// Derivatives of B at `speed_rad_s` by the coefficients, then by the rates.
 fn slopes(fit: &ExponentialFit, speed_rad_s: f64) -> Vec<f64> {
-    let by_rate = |(rate, b): (&f64, &f64)| -b * speed_rad_s * (-rate * speed_rad_s).exp();
+    let by_rate = |(rate, b): (&f64, &f64)| -b * speed_rad_s * decayed(*rate, speed_rad_s);
     let by_rates = fit.rates.iter().zip(fit.coefficients.iter().skip(2)).map(by_rate);
     row(speed_rad_s, &fit.rates).chain(by_rates).collect()
 }

@@ -17,6 +17,7 @@ mod search;
 
 pub use profile::Profile;
 
+use crate::model::decayed;
 use crate::numerics::linear::{LinearFit, solve};
 use crate::numerics::marquardt::Stopped;
 use crate::numerics::statistics::root_mean_square;
@@ -102,7 +103,7 @@ impl ExponentialFit {
 }
 
 fn row<'a>(speed_rad_s: f64, rates: &'a [f64]) -> impl Iterator<Item = f64> + 'a {
-    [1.0, speed_rad_s].into_iter().chain(rates.iter().map(move |rate| (-rate * speed_rad_s).exp()))
+    [1.0, speed_rad_s].into_iter().chain(rates.iter().map(move |rate| decayed(*rate, speed_rad_s)))
 }
 
 impl Points {
