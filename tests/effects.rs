@@ -35,31 +35,12 @@ const IDS: [&str; 20] = [
 ];
 
 /// One of each, of a size that shows.
-pub const EXAMPLES: [&str; 20] = [
-    "reversal_transition:backlash_m=0.003,p=1.1,n=1.4",
-    "stribeck:up_nm=0.1,down_nm=0.13,speed_rad_s=0.1,exponent=1.3",
-    "load_dependent_friction:up=0.2,down=0.15,of_tension=0,pretension_nm=0,levels_off_nm=0",
-    "friction_ripple:periods_per_rad=7.3,sin_1_nm=0.08,cos_2_nm=0.03,cos_of_friction=0.1",
-    "torque_ripple:periods_per_rad=5.1,sin_1_nm=0.06,cos_3_nm=0.02,sin_of_load=0.05",
-    "cable_elasticity:with_friction=1,compliance_rad_nm=0.03",
-    "quadratic_viscous:up_nm_s2_rad2=0.3,down_nm_s2_rad2=0.25,exponent=1.8",
-    "sensor_bias:bias_nm=0.04",
-    "sensor_gain:error=-0.1",
-    "sensor_drift:restarts=0,horizon_s=40,waves=4,settle_s=5,line_nm=0.1,wave_2_nm=0.03",
-    "time_delay:delay_s=0.02,first_order=0",
-    "gravity_phase:cos_nm=0.2,of_nm=0.9",
-    "inertia:inertia_kg_m2=0.05",
-    "warm_up:restarts=0,cold_share=0.4,time_constant_s=15,exponent=1",
-    "joint_coupling:joint=1,stiffness_nm_rad=0.1,viscous_nm_s_rad=0.05,weight_nm=0.1,bending_nm_rad2=0.05,offset_nm=0.01",
-    "contact:peak_nm=0.7,start_s=6.5,length_s=2",
-    "elastic_spring:stiffness_nm_rad=0.3,preload_nm=-0.1,stiffens=1,cubic_nm_rad3=0.2,centre_rad=0.7",
-    "saturation:low_nm=-0.05,high_nm=0.9",
-    "end_stop:side=1,stiffness_nm=4,position_rad=0.9,exponent=1.5,loss_nm=0.6",
-    "presliding:travel_rad=0.01,exponent=1.2",
-];
+pub fn examples() -> impl Iterator<Item = Added> {
+    LIBRARY.into_iter().map(|effect| example(effect.about().id))
+}
 
 pub fn example(id: &str) -> Added {
-    Added::parse(EXAMPLES.iter().find(|text| text.starts_with(&format!("{id}:"))).unwrap()).unwrap()
+    Added::parse(&format!("{id}:{}", find(id).unwrap().about().example)).unwrap()
 }
 
 fn with(effect: Added) -> Model {
@@ -105,13 +86,14 @@ fn has_strength(effect: &Added) -> bool {
 
 #[test]
 fn the_library_is_the_format_s_list_and_the_folder() {
-    assert_eq!(LIBRARY.map(|effect| effect.about().id), IDS);
-    let shared = ["mod", "library", "ripple", "about", "parameter", "region", "sample", "transition", "hooks"];
+    let ids = LIBRARY.map(|effect| effect.about().id);
+    assert!(ids.starts_with(&IDS), "files hold these names, in this order: {IDS:?}");
+    let shared = ["mod", "library", "ripple", "about", "parameter", "region", "sample", "transition", "effect"];
     let names =
         std::fs::read_dir("src/effects").unwrap().map(|entry| entry.unwrap().file_name().into_string().unwrap());
     let files: BTreeSet<String> = names.map(|name| name.trim_end_matches(".rs").to_string()).collect();
-    assert_eq!(files, IDS.iter().chain(&shared).map(|id| id.to_string()).collect());
-    for id in IDS {
+    assert_eq!(files, ids.iter().chain(&shared).map(|id| id.to_string()).collect());
+    for id in ids {
         assert_eq!(find(id).unwrap().about().id, id);
         assert_eq!(example(id).id(), id);
     }
@@ -205,7 +187,7 @@ fn every_term_of_friction_goes_out_of_date_with_one_group() {
 #[test]
 fn an_effect_shows_and_without_strength_it_is_absent() {
     let course = course();
-    for id in IDS {
+    for id in LIBRARY.map(|effect| effect.about().id) {
         let effect = example(id);
         let shown_nm = rms(&difference_nm(effect.clone(), &course));
         assert!(shown_nm > 0.001 && shown_nm.is_finite(), "{id}: {shown_nm} N m");
@@ -218,7 +200,7 @@ fn an_effect_shows_and_without_strength_it_is_absent() {
 
 #[test]
 fn twice_the_strength_is_twice_the_difference() {
-    for effect in IDS.map(example).iter().filter(|effect| has_strength(effect)) {
+    for effect in examples().collect::<Vec<_>>().iter().filter(|effect| has_strength(effect)) {
         // A lag is taken where gravity is then, a delay draws a curve's chord, a turned weight moves along an arc: in proportion
         // only to the first order.
         let tolerance = match effect.id() {
@@ -236,7 +218,7 @@ fn twice_the_strength_is_twice_the_difference() {
 fn friction_resists_in_both_directions_and_cogging_in_none() {
     let motion = |velocity| Motion { position: 0.7, velocity, acceleration: 0.0 };
     let carried = Carried { load_nm: 0.5, friction_nm: Both { up: 0.0, down: 0.0 } };
-    for id in IDS {
+    for id in LIBRARY.map(|effect| effect.about().id) {
         let added = example(id);
         let friction_nm = |velocity| {
             let sample = Sample { time_s: 1.0, elapsed_s: 1.0, own: motion(velocity), others: &[] };
@@ -311,8 +293,8 @@ fn numbers_that_contradict_the_name_are_told() {
         let added = Added::parse(text).unwrap();
         added.effect.is_itself(&added.parameters, &extent)
     };
-    for text in EXAMPLES {
-        assert!(is_itself(text), "{text}");
+    for added in examples() {
+        assert!(added.effect.is_itself(&added.parameters, &extent), "{}", added.id());
     }
     for text in [
         "end_stop:side=1,stiffness_nm=-4,position_rad=0.9,exponent=1.5",
@@ -367,9 +349,7 @@ fn a_late_reading_is_the_same_curve_later() {
 fn every_effect_reads_back_from_a_model() {
     let folder = tempfile::TempDir::new().unwrap();
     let file = folder.path().join("model.json");
-    for model in
-        IDS.map(|id| with(example(id))).into_iter().chain([Model { effects: IDS.map(example).to_vec(), ..truth() }])
-    {
+    for model in examples().map(with).chain([Model { effects: examples().collect(), ..truth() }]) {
         std::fs::write(&file, model.to_json().to_string()).unwrap();
         assert_eq!(Model::read(&file).unwrap(), model);
     }

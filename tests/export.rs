@@ -1,7 +1,7 @@
 //! The exported code is compiled, run over the bundled trials, and equals `predict`.
 
 use crate::cli::tautline;
-use crate::effects::{EXAMPLES, example};
+use crate::effects::{example, examples};
 use crate::simulate::{free, trials};
 use std::io::Write;
 use std::path::Path;
@@ -278,7 +278,7 @@ fn every_effect_of_the_library_is_in_the_code() {
         let mut pairs = Prediction::new(&with, &trials[0]).torque_nm.into_iter().zip(&without);
         assert!(pairs.any(|(a, b)| (a - b).abs() > 1e-3), "{id} does nothing along this motion, so nothing was tested");
     }
-    let all = EXAMPLES.map(|text| tautline::effects::Added::parse(text).unwrap()).to_vec();
+    let all: Vec<Added> = examples().collect();
     agree(&Model { effects: all.clone(), ..base.clone() }, &trials, "all effects");
     let others: Vec<_> = all.iter().filter_map(|e| choices(e.clone()).into_iter().last()).collect();
     agree(&Model { effects: others, ..base.clone() }, &trials, "all effects, chosen otherwise");

@@ -2,9 +2,10 @@
 
 use crate::campaigns::{plan, record, truth};
 use crate::cli::tautline;
-use crate::effects::{EXAMPLES, example};
+use crate::effects::example;
 use std::path::Path;
 use tautline::dynamics::Chain;
+use tautline::effects::LIBRARY;
 use tautline::log::{Campaign, Protocol, read_trial};
 use tautline::model::Model;
 use tautline::numerics::filter::LowPass;
@@ -69,8 +70,8 @@ pub fn range_nm(trial: &Trial) -> f64 {
 
 #[test]
 fn what_is_recorded_with_an_effect_is_foretold_with_it() {
-    for text in EXAMPLES {
-        let id = text.split(':').next().unwrap();
+    for about in LIBRARY.map(|effect| effect.about()) {
+        let id = about.id;
         let model = Model { effects: vec![example(id)], ..truth() };
         let folder = record(&model, &Plan { other_joints: 1, ..free() });
         for trial in trials(folder.path()) {
@@ -273,7 +274,7 @@ fn the_library_is_listed() {
     let done = tautline(&["effects"]);
     let text = String::from_utf8(done.stdout).unwrap();
     let listed: serde_json::Value = serde_json::from_slice(&tautline(&["effects", "--json"]).stdout).unwrap();
-    assert_eq!(listed.as_array().unwrap().len(), EXAMPLES.len());
+    assert_eq!(listed.as_array().unwrap().len(), LIBRARY.len());
     for effect in listed.as_array().unwrap() {
         assert!(text.contains(effect["id"].as_str().unwrap()));
         assert!(effect["parameters"].as_array().unwrap().iter().all(|p| text.contains(p["name"].as_str().unwrap())));

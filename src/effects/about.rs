@@ -84,6 +84,8 @@ pub struct About {
     pub signature: Region,
     /// What it can be mistaken for: ids of effects and names of stale parameters.
     pub trades_with: &'static [&'static str],
+    /// Parameters of a size that shows, as a person types them: `name=value,name=value`.
+    pub example: &'static str,
     /// Its parameters, in order.
     pub parameters: &'static [Parameter],
     /// What the recorded motion must hold for it to show; any motion shows it where nothing is said.
@@ -113,6 +115,7 @@ impl About {
         source: "",
         signature: Region::Everywhere,
         trades_with: &[],
+        example: "",
         parameters: &[],
         needs: &[],
         by_hand: None,

@@ -12,6 +12,7 @@ static ABOUT: About = About {
     source: "two-mass models; Spong 1987",
     signature: Region::Load,
     trades_with: &["gravity_phase", "elastic_spring", "gravity"],
+    example: "with_friction=1,compliance_rad_nm=0.03",
     parameters: &[Parameter::choice("with_friction", 0.0, 1.0), Parameter::strength("compliance_rad_nm")],
     needs: &[Excitation::Loads],
     by_hand: Some("lock the joint and pull: how far the winch turns for a torque is the cable's stretch"),

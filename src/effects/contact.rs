@@ -16,6 +16,7 @@ static ABOUT: About = About {
     source: "the paper's interaction torque (31)",
     signature: Region::Bursts,
     trades_with: &[],
+    example: "peak_nm=0.7,start_s=6.5,length_s=2",
     parameters: &[
         Parameter::strength("peak_nm"),
         Parameter::shape("start_s", 0.0, 1e9),

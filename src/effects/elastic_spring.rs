@@ -15,6 +15,7 @@ static ABOUT: About = About {
     source: "sheath and cabling stiffness; passive tissue",
     signature: Region::Position,
     trades_with: &["gravity_phase", "cable_elasticity", "gravity"],
+    example: "stiffness_nm_rad=0.3,preload_nm=-0.1,stiffens=1,cubic_nm_rad3=0.2,centre_rad=0.7",
     parameters: &[
         Parameter::strength("stiffness_nm_rad"),
         Parameter::strength("preload_nm"),

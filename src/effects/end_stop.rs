@@ -18,6 +18,7 @@ static ABOUT: About = About {
     source: "contact of a stop; Hunt and Crossley 1975, the loss as in rubber: by direction, not by speed",
     signature: Region::Position,
     trades_with: &["elastic_spring", "saturation"],
+    example: "side=1,stiffness_nm=4,position_rad=0.9,exponent=1.5,loss_nm=0.6",
     parameters: &[
         Parameter::choice("side", -1.0, 1.0),
         Parameter::strength("stiffness_nm"),

@@ -15,6 +15,7 @@ static ABOUT: About = About {
     source: "Tuttle and Seering 1996",
     signature: Region::Position,
     trades_with: &["load_dependent_friction", "torque_ripple"],
+    example: "periods_per_rad=7.3,sin_1_nm=0.08,cos_2_nm=0.03,cos_of_friction=0.1",
     parameters: &parameters("sin_of_friction", "cos_of_friction"),
     needs: &[Excitation::Range],
     starts: Starts::PositionLines { by_direction: true },

@@ -12,6 +12,7 @@ static ABOUT: About = About {
     source: "(17) with a second coordinate of the centre of mass",
     signature: Region::Position,
     trades_with: &["elastic_spring", "cable_elasticity", "gravity"],
+    example: "cos_nm=0.2,of_nm=0.9",
     parameters: &[Parameter::strength("cos_nm"), Parameter::form("of_nm", 1e6)],
     needs: &[Excitation::Range],
     by_hand: Some("weigh the moving part, and find where it hangs at rest with the cables off"),

@@ -12,6 +12,7 @@ static ABOUT: About = About {
     source: "(4)",
     signature: Region::Acceleration,
     trades_with: &["time_delay", "quadratic_viscous"],
+    example: "inertia_kg_m2=0.05",
     parameters: &[Parameter::strength("inertia_kg_m2")],
     needs: &[Excitation::Acceleration],
     by_hand: Some("let the joint swing freely with the cables off: its period gives the inertia"),

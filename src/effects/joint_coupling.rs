@@ -12,6 +12,7 @@ static ABOUT: About = About {
     source: "rigid-body coupling (1); cables routed over a moving joint",
     signature: Region::OtherJoint,
     trades_with: &["sensor_drift", "warm_up"],
+    example: "joint=1,stiffness_nm_rad=0.1,viscous_nm_s_rad=0.05,weight_nm=0.1,bending_nm_rad2=0.05,offset_nm=0.01",
     parameters: &[
         Parameter::choice("joint", 1.0, 64.0),
         Parameter::strength("stiffness_nm_rad"),

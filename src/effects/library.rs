@@ -1,30 +1,6 @@
-//! The list of all effects, and one of them with its parameters.
+//! An effect that a model has, with its parameters; effects by their names.
 
-use super::{Effect, *};
-
-/// Every effect, in the order of the format's list.
-pub const LIBRARY: [&dyn Effect; 20] = [
-    &reversal_transition::ReversalTransition,
-    &stribeck::Stribeck,
-    &load_dependent_friction::LoadDependentFriction,
-    &friction_ripple::FrictionRipple,
-    &torque_ripple::TorqueRipple,
-    &cable_elasticity::CableElasticity,
-    &quadratic_viscous::QuadraticViscous,
-    &sensor_bias::SensorBias,
-    &sensor_gain::SensorGain,
-    &sensor_drift::SensorDrift,
-    &time_delay::TimeDelay,
-    &gravity_phase::GravityPhase,
-    &inertia::Inertia,
-    &warm_up::WarmUp,
-    &joint_coupling::JointCoupling,
-    &contact::Contact,
-    &elastic_spring::ElasticSpring,
-    &saturation::Saturation,
-    &end_stop::EndStop,
-    &presliding::Bristles,
-];
+use super::{Effect, Evaluated, Hooks, LIBRARY, Parameter, contact, elastic_spring};
 
 /// The effect called `id`.
 pub fn find(id: &str) -> Option<&'static dyn Effect> {

@@ -21,6 +21,7 @@ static ABOUT: About = About {
     source: "Bittencourt and Gunnarsson 2012; BAM models M3 to M6; Euler-Eytelwein for the cable's tension",
     signature: Region::Load,
     trades_with: &["load_coefficient", "coulomb", "sensor_gain"],
+    example: "up=0.2,down=0.15,of_tension=0,pretension_nm=0,levels_off_nm=0",
     parameters: &[
         Parameter::strength("up"),
         Parameter::strength("down"),

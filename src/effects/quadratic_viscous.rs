@@ -14,6 +14,7 @@ static ABOUT: About = About {
     source: "turbulent drag; churning of grease",
     signature: Region::HighSpeed,
     trades_with: &["viscous", "inertia", "time_delay"],
+    example: "up_nm_s2_rad2=0.3,down_nm_s2_rad2=0.25,exponent=1.8",
     parameters: &[
         Parameter::strength("up_nm_s2_rad2"),
         Parameter::strength("down_nm_s2_rad2"),

@@ -15,6 +15,7 @@ static ABOUT: About = About {
     source: "end of the amplifier's or converter's range",
     signature: Region::Clipped,
     trades_with: &["end_stop"],
+    example: "low_nm=-0.05,high_nm=0.9",
     parameters: &[Parameter::placed("low_nm", Role::Level, 1e9), Parameter::placed("high_nm", Role::Level, 1e9)],
     by_hand: Some("pull with a torque near the sensor's range and see where the reading stops"),
     remedy: Some("Record with a wider range of the torque sensor, or with less load."),

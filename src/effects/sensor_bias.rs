@@ -12,6 +12,7 @@ static ABOUT: About = About {
     source: "tare error",
     signature: Region::Everywhere,
     trades_with: &["coulomb"],
+    example: "bias_nm=0.04",
     parameters: &[Parameter::strength("bias_nm")],
     by_hand: Some("take the cable off the winch and read the torque sensor at rest: what it reads is the bias"),
     told_apart: &[(

@@ -22,6 +22,7 @@ static ABOUT: About = About {
     source: "temperature drift of strain gauges; a smooth function of time",
     signature: Region::Time,
     trades_with: &["warm_up", "joint_coupling", "sensor_bias"],
+    example: "restarts=0,horizon_s=40,waves=4,settle_s=5,line_nm=0.1,wave_2_nm=0.03",
     parameters: &[
         Parameter::choice("restarts", 0.0, 1.0),
         Parameter::choice("horizon_s", 1e-3, 1e9),

@@ -12,6 +12,7 @@ static ABOUT: About = About {
     source: "calibration error",
     signature: Region::Load,
     trades_with: &["load_coefficient", "gravity"],
+    example: "error=-0.1",
     parameters: &[Parameter::strength("error")],
     needs: &[Excitation::Loads],
     by_hand: Some(

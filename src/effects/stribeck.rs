@@ -13,6 +13,7 @@ static ABOUT: About = About {
     source: "Armstrong-Helouvry, Dupont and Canudas de Wit 1994",
     signature: Region::LowSpeed,
     trades_with: &["viscous", "stribeck_level", "presliding"],
+    example: "up_nm=0.1,down_nm=0.13,speed_rad_s=0.1,exponent=1.3",
     parameters: &[
         Parameter::strength("up_nm"),
         Parameter::strength("down_nm"),

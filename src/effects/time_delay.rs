@@ -12,6 +12,7 @@ static ABOUT: About = About {
     source: "transport on the bus, an analog filter",
     signature: Region::Acceleration,
     trades_with: &["reversal_transition", "viscous", "inertia"],
+    example: "delay_s=0.02,first_order=0",
     parameters: &[
         Parameter { bounds: (-10.0, 10.0), ..Parameter::strength("delay_s") },
         Parameter::form("first_order", 1.0),

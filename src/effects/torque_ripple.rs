@@ -13,6 +13,7 @@ static ABOUT: About = About {
     source: "Tuttle and Seering 1996; cogging at 6 and 12 times the pole pairs",
     signature: Region::Position,
     trades_with: &["gravity_phase", "elastic_spring", "friction_ripple"],
+    example: "periods_per_rad=5.1,sin_1_nm=0.06,cos_3_nm=0.02,sin_of_load=0.05",
     parameters: &parameters("sin_of_load", "cos_of_load"),
     needs: &[Excitation::Range],
     starts: Starts::PositionLines { by_direction: false },

@@ -25,6 +25,7 @@ static ABOUT: About = About {
     source: "Simoni, Beschi, Legnani and Visioli 2015",
     signature: Region::Time,
     trades_with: &["sensor_drift"],
+    example: "restarts=0,cold_share=0.4,time_constant_s=15,exponent=1",
     parameters: &[
         Parameter::choice("restarts", 0.0, 1.0),
         Parameter::strength("cold_share"),

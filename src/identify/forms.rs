@@ -6,7 +6,7 @@
 //! speeds: where they are too few to tell the form it must be better by far, and with the full protocol's, whose parameters
 //! are wanted for themselves, it may be a little worse.
 
-use super::friction::{Branch, FrictionFit};
+use super::branch::Branch;
 use super::stribeck::{ExponentialFit, Points, exponentials};
 use crate::model::{Both, Direction, Friction};
 use crate::numerics::statistics::{fisher_tail, mean};
@@ -207,35 +207,4 @@ pub(super) fn why(forms: &[ExponentialFit], supported: usize) -> String {
         }
         [] => verdict,
     }
-}
-
-/// A word when the form that the model takes is not the one asked for, or not one that the data support.
-pub(super) fn warning(fit: &FrictionFit) -> Option<String> {
-    let (taken, supported) = (fit.taken.rates.len(), fit.supported);
-    let b = format!("B(v) moving {} is taken with {}", fit.direction.name(), exponentials(taken));
-    let speeds = fit.points.distinct_speeds();
-    if fit.taken.freedom() < 1.0 {
-        let why = if taken > supported { ", for the whole series asks for it" } else { "" };
-        return Some(format!(
-            "{b}{why}; {speeds} speeds determine it exactly and tell nothing of its errors: record more"
-        ));
-    }
-    if taken > supported {
-        return Some(format!(
-            "{b} where the data support {}: beyond the speeds of the sweeps it may run away; --form supported is safer there",
-            exponentials(supported)
-        ));
-    }
-    let reason = match fit.cut? {
-        Cut::Speeds => format!("{speeds} speeds are too few to tell more apart; nothing of this form counts as pinned"),
-        Cut::AtRest => {
-            "more would run away between rest and the slowest sweep, where every reversal passes".to_string()
-        }
-        Cut::Series([larger_nm, taken_nm]) => format!(
-            "more would leave {:.1} mN m of the whole series where this leaves {:.1}",
-            1e3 * larger_nm,
-            1e3 * taken_nm
-        ),
-    };
-    Some(format!("{b}, {} being asked for: {reason}", exponentials(fit.wanted)))
 }

@@ -1,12 +1,13 @@
 //! Step 5 of the protocol: mu_c from A (18), the other six parameters from B(v) (19), each with what the data know of it.
 
+use super::branch::Branch;
 use super::check::few_speeds;
 use super::confidence::demote;
 use super::covariance::Covariance;
 use super::forms::{self, Cut, Judge, Taken};
 use super::legs::{Amplitude, LegFit, weights};
 use super::scale::{CONSPIRING, Scale};
-use super::stribeck::{ExponentialFit, Points, Profile};
+use super::stribeck::{ExponentialFit, Points, Profile, exponentials};
 use crate::log::Uncertainty;
 use crate::model::{Both, Confidence, Direction, Friction, Joint, Term};
 use crate::numerics::statistics::{mean, standard_deviation};
@@ -71,87 +72,66 @@ pub struct Data<'a> {
 ///
 /// `judge` compares forms on the whole series; without it B(v) alone decides.
 pub fn fit_friction(data: &Data, form: Form, judge: Option<&Judge>) -> Result<Both<FrictionFit>> {
-    let (up, down) =
-        rayon::join(|| Branch::new(data, Direction::Up, form), || Branch::new(data, Direction::Down, form));
+    let (up, down) = rayon::join(|| branch(data, Direction::Up, form), || branch(data, Direction::Down, form));
     let branches = Both { up: up?, down: down? };
     let taken = forms::choose(&branches, judge);
-    let (up, down) = rayon::join(|| branches.up.take(&taken.up), || branches.down.take(&taken.down));
+    let (up, down) = rayon::join(|| take(&branches.up, &taken.up), || take(&branches.down, &taken.down));
     Ok(Both { up, down })
 }
 
-/// One direction with all its forms, none taken yet.
-pub(super) struct Branch {
-    direction: Direction,
-    a: Amplitude,
-    scale: Scale,
-    /// Of B(v).
-    pub points: Points,
-    /// All that the speeds can hold, the smallest first; never empty.
-    pub forms: Vec<ExponentialFit>,
-    /// How many exponentials the data support.
-    pub supported: usize,
-    /// How many exponentials are asked for.
-    pub wanted: usize,
+/// The points and forms of one direction.
+fn branch(data: &Data, direction: Direction, form: Form) -> Result<Branch> {
+    let a = *data.a.of(direction);
+    let mine: Vec<&LegFit> = data.legs.iter().filter(|leg| leg.direction == direction).collect();
+    if let Some(few) = few_speeds(direction, mine.iter().map(|leg| leg.speed_rad_s), data.campaign) {
+        return few.alone();
+    }
+    let weighted = mine.iter().zip(weights(&mine)).map(|(leg, weight)| (leg.speed_rad_s, leg.b_nm, weight));
+    let points = Points::new(weighted.collect());
+    let forms: Vec<ExponentialFit> = (0..=2).filter_map(|n| points.fit(n)).collect();
+    if forms.first().is_none_or(|form| !form.rates.is_empty()) {
+        return Problem::error(data.campaign, "B(v) has no solution", "check the sweeps' speeds").alone();
+    }
+    let supported = forms::supported(&forms);
+    let wanted = match form {
+        Form::Two => 2,
+        Form::One => 1,
+        Form::Supported => supported,
+    };
+    let over_legs = |of: fn(&LegFit) -> f64| mean(&mine.iter().map(|leg| of(leg)).collect::<Vec<f64>>());
+    let means = [over_legs(|leg| leg.mean_sine), over_legs(|leg| leg.zero.mean_slope)];
+    let scale = Scale::new(&a, direction, data.joint, data.load_nm, means, data.uncertainty);
+    Ok(Branch { direction, a, scale, points, forms, supported, wanted })
 }
 
-impl Branch {
-    fn new(data: &Data, direction: Direction, form: Form) -> Result<Self> {
-        let a = *data.a.of(direction);
-        let mine: Vec<&LegFit> = data.legs.iter().filter(|leg| leg.direction == direction).collect();
-        if let Some(few) = few_speeds(direction, mine.iter().map(|leg| leg.speed_rad_s), data.campaign) {
-            return few.alone();
-        }
-        let weighted = mine.iter().zip(weights(&mine)).map(|(leg, weight)| (leg.speed_rad_s, leg.b_nm, weight));
-        let points = Points::new(weighted.collect());
-        let forms: Vec<ExponentialFit> = (0..=2).filter_map(|n| points.fit(n)).collect();
-        if forms.first().is_none_or(|form| !form.rates.is_empty()) {
-            return Problem::error(data.campaign, "B(v) has no solution", "check the sweeps' speeds").alone();
-        }
-        let supported = forms::supported(&forms);
-        let wanted = match form {
-            Form::Two => 2,
-            Form::One => 1,
-            Form::Supported => supported,
-        };
-        let over_legs = |of: fn(&LegFit) -> f64| mean(&mine.iter().map(|leg| of(leg)).collect::<Vec<f64>>());
-        let means = [over_legs(|leg| leg.mean_sine), over_legs(|leg| leg.zero.mean_slope)];
-        let scale = Scale::new(&a, direction, data.joint, data.load_nm, means, data.uncertainty);
-        Ok(Self { direction, a, scale, points, forms, supported, wanted })
+/// The fit with the form that was taken.
+fn take(branch: &Branch, Taken { form, cut }: &Taken) -> FrictionFit {
+    let (slow, fast) = branch.points.speed_range_rad_s();
+    let band = (0..BAND_POINTS).map(|i| slow * (fast / slow).powf(i as f64 / (BAND_POINTS - 1) as f64)).collect();
+    let profile = branch.points.profile(form, band, CONSPIRING);
+    let mut confidence = branch.scale.confidence(form, profile.as_ref(), &branch.points);
+    if !branch.a.describes() {
+        demote(confidence.iter_mut());
     }
-
-    /// The parameters of `form`.
-    pub fn friction(&self, form: &ExponentialFit) -> Friction {
-        self.scale.friction(form)
+    // mu_c does not depend on the form.
+    if form.rates.len() < branch.supported || cut.is_some_and(|cut| cut == Cut::Speeds) {
+        demote(confidence.iter_mut().skip(1));
     }
-
-    fn take(&self, Taken { form, cut }: &Taken) -> FrictionFit {
-        let (slow, fast) = self.points.speed_range_rad_s();
-        let band = (0..BAND_POINTS).map(|i| slow * (fast / slow).powf(i as f64 / (BAND_POINTS - 1) as f64)).collect();
-        let profile = self.points.profile(form, band, CONSPIRING);
-        let mut confidence = self.scale.confidence(form, profile.as_ref(), &self.points);
-        if !self.a.describes() {
-            demote(confidence.iter_mut());
-        }
-        // mu_c does not depend on the form.
-        if form.rates.len() < self.supported || cut.is_some_and(|cut| cut == Cut::Speeds) {
-            demote(confidence.iter_mut().skip(1));
-        }
-        FrictionFit {
-            direction: self.direction,
-            a: self.a,
-            friction: self.scale.friction(form),
-            confidence,
-            covariance: Covariance::new(&self.scale, form, &self.points),
-            r_squared: r_squared(form, &self.points.b_nm),
-            why: forms::why(&self.forms, self.supported),
-            supported: self.supported,
-            wanted: self.wanted,
-            cut: *cut,
-            points: self.points.clone(),
-            taken: form.clone(),
-            profile,
-            forms: self.forms.clone(),
-        }
+    FrictionFit {
+        direction: branch.direction,
+        a: branch.a,
+        friction: branch.scale.friction(form),
+        confidence,
+        covariance: Covariance::new(&branch.scale, form, &branch.points),
+        r_squared: r_squared(form, &branch.points.b_nm),
+        why: forms::why(&branch.forms, branch.supported),
+        supported: branch.supported,
+        wanted: branch.wanted,
+        cut: *cut,
+        points: branch.points.clone(),
+        taken: form.clone(),
+        profile,
+        forms: branch.forms.clone(),
     }
 }
 
@@ -166,7 +146,7 @@ fn r_squared(form: &ExponentialFit, b_nm: &[f64]) -> f64 {
 /// What to distrust of the friction of one direction.
 pub fn warnings(fit: &FrictionFit) -> Vec<String> {
     let moving = fit.direction.name();
-    let mut words: Vec<String> = forms::warning(fit).into_iter().collect();
+    let mut words: Vec<String> = warning(fit).into_iter().collect();
     if fit.a.fixed {
         words.push(format!(
             "gravity_nm = 0, no load is measured, and moving {moving} the torque does not follow sin(theta): A is fixed at 0 \
@@ -190,4 +170,35 @@ pub fn warnings(fit: &FrictionFit) -> Vec<String> {
         ));
     }
     words
+}
+
+/// A word when the form that the model takes is not the one asked for, or not one that the data support.
+fn warning(fit: &FrictionFit) -> Option<String> {
+    let (taken, supported) = (fit.taken.rates.len(), fit.supported);
+    let b = format!("B(v) moving {} is taken with {}", fit.direction.name(), exponentials(taken));
+    let speeds = fit.points.distinct_speeds();
+    if fit.taken.freedom() < 1.0 {
+        let why = if taken > supported { ", for the whole series asks for it" } else { "" };
+        return Some(format!(
+            "{b}{why}; {speeds} speeds determine it exactly and tell nothing of its errors: record more"
+        ));
+    }
+    if taken > supported {
+        return Some(format!(
+            "{b} where the data support {}: beyond the speeds of the sweeps it may run away; --form supported is safer there",
+            exponentials(supported)
+        ));
+    }
+    let reason = match fit.cut? {
+        Cut::Speeds => format!("{speeds} speeds are too few to tell more apart; nothing of this form counts as pinned"),
+        Cut::AtRest => {
+            "more would run away between rest and the slowest sweep, where every reversal passes".to_string()
+        }
+        Cut::Series([larger_nm, taken_nm]) => format!(
+            "more would leave {:.1} mN m of the whole series where this leaves {:.1}",
+            1e3 * larger_nm,
+            1e3 * taken_nm
+        ),
+    };
+    Some(format!("{b}, {} being asked for: {reason}", exponentials(fit.wanted)))
 }

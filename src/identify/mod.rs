@@ -1,5 +1,6 @@
 //! The protocol: legs -> A, B(v) -> friction -> combination -> `Model` with its confidence.
 
+mod branch;
 mod check;
 mod checks;
 pub mod combination;

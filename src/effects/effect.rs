@@ -1,11 +1,67 @@
-//! The physics of an effect, written once over any kind of number: predicted and simulated with `f64`, differentiated with `Dual`,
-//! exported as code with `Expression`.
+//! One effect: what a search and a simulator ask of it, and its physics, written once over any kind of number: predicted and
+//! simulated with `f64`, differentiated with `Dual`, exported as code with `Expression`.
 
-use super::{Carried, Curve, Effect, Presliding, Sample};
+use super::{About, Carried, Curve, Extent, Presliding, Sample};
 use crate::dynamics::Both;
 use crate::numerics::dual::Dual;
 use crate::numerics::expression::Expression;
 use crate::numerics::scalar::Scalar;
+
+/// One effect: what it is, how a search treats it, and its physics in [`Hooks`]. `p` holds its parameters in the order of
+/// [`About::parameters`].
+pub trait Effect: Hooks<f64> + Hooks<Dual> + for<'t> Hooks<Expression<'t>> + Sync + std::fmt::Debug {
+    /// What it is.
+    fn about(&self) -> &'static About;
+
+    /// Parameter sets to begin a search from, strengths at 0: where in `extent` its shape may lie. None where the campaign
+    /// cannot show it.
+    fn starts(&self, extent: &Extent) -> Vec<Vec<f64>>;
+
+    /// Whether parameter number `at` does anything with these choices.
+    fn uses(&self, _p: &[f64], _at: usize) -> bool {
+        true
+    }
+
+    /// Whether what was found over `extent` is what the effect is called by.
+    fn is_itself(&self, _p: &[f64], _extent: &Extent) -> bool {
+        true
+    }
+
+    /// What it counts for that numbers found are those that the joint of `extent` has: so many numbers less.
+    fn confirmed(&self, _p: &[f64], _extent: &Extent) -> usize {
+        0
+    }
+
+    /// The most that parameter number `at` may be for a campaign to show it.
+    fn most(&self, _at: usize, _extent: &Extent) -> f64 {
+        f64::INFINITY
+    }
+
+    /// What it is in a simulator whose joints know a spring and an inertia.
+    fn in_simulator(&self, _p: &[f64]) -> Option<SimulatorJoint> {
+        None
+    }
+
+    /// The other joint that it follows, counted from 0.
+    fn other_joint(&self, _p: &[f64]) -> Option<usize> {
+        None
+    }
+
+    /// Whether all it does is to add torque, in proportion to its strengths.
+    fn only_adds(&self) -> bool {
+        true
+    }
+
+    /// Whether it goes by the time since the campaign began.
+    fn needs_clock(&self, _p: &[f64]) -> bool {
+        false
+    }
+
+    /// Whether its reading is the end of a range, which noise cannot pass either: it acts after all others.
+    fn clips(&self) -> bool {
+        false
+    }
+}
 
 /// What an effect does at one sample. `p` holds its parameters in the order of [`super::About::parameters`].
 pub trait Hooks<S: Scalar>: Sync {
@@ -95,4 +151,15 @@ impl Evaluated for Expression<'_> {
     {
         effect
     }
+}
+
+/// What an effect is in a simulator's joint.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct SimulatorJoint {
+    /// Inertia beyond the link's own, kg m^2.
+    pub inertia_kg_m2: f64,
+    /// Of a spring, N m/rad.
+    pub stiffness_nm_rad: f64,
+    /// Torque of that spring at position 0, N m.
+    pub preload_nm: f64,
 }
