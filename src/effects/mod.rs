@@ -19,6 +19,7 @@ mod gravity_phase;
 mod inertia;
 mod joint_coupling;
 mod load_dependent_friction;
+mod magnetic_detent;
 mod presliding;
 mod quadratic_viscous;
 mod reversal_transition;
@@ -52,7 +53,7 @@ pub use transition::{Curve, Presliding};
 use crate::numerics::scalar::Scalar;
 
 /// Every effect, in the order of the format's list.
-pub const LIBRARY: [&dyn Effect; 20] = [
+pub const LIBRARY: [&dyn Effect; 21] = [
     &reversal_transition::ReversalTransition,
     &stribeck::Stribeck,
     &load_dependent_friction::LoadDependentFriction,
@@ -73,6 +74,7 @@ pub const LIBRARY: [&dyn Effect; 20] = [
     &saturation::Saturation,
     &end_stop::EndStop,
     &presliding::Bristles,
+    &magnetic_detent::MagneticDetent,
 ];
 
 /// Values from `low` to `high`, evenly spaced in their logarithm.
