@@ -19,7 +19,6 @@ mod gravity_phase;
 mod inertia;
 mod joint_coupling;
 mod load_dependent_friction;
-mod magnetic_detent;
 mod presliding;
 mod quadratic_viscous;
 mod reversal_transition;
@@ -53,7 +52,7 @@ pub use transition::{Curve, Presliding};
 use crate::numerics::scalar::Scalar;
 
 /// Every effect, in the order of the format's list.
-pub const LIBRARY: [&dyn Effect; 21] = [
+pub const LIBRARY: [&dyn Effect; 20] = [
     &reversal_transition::ReversalTransition,
     &stribeck::Stribeck,
     &load_dependent_friction::LoadDependentFriction,
@@ -74,7 +73,6 @@ pub const LIBRARY: [&dyn Effect; 21] = [
     &saturation::Saturation,
     &end_stop::EndStop,
     &presliding::Bristles,
-    &magnetic_detent::MagneticDetent,
 ];
 
 /// Values from `low` to `high`, evenly spaced in their logarithm.
