@@ -26,6 +26,18 @@ pub enum ActsOn {
     Outside,
 }
 
+impl ActsOn {
+    /// The name used in files.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Friction => "friction",
+            Self::Load => "load",
+            Self::Sensor => "sensor",
+            Self::Outside => "outside",
+        }
+    }
+}
+
 /// What the recorded motion must hold for an effect to show.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Excitation {
@@ -45,6 +57,22 @@ pub enum Excitation {
     Time,
     /// Motion of another joint.
     OtherJoint,
+}
+
+impl Excitation {
+    /// The name used in files.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Loads => "loads",
+            Self::Reversals => "reversals",
+            Self::Speeds => "speeds",
+            Self::Range => "range",
+            Self::Acceleration => "acceleration",
+            Self::TorqueRate => "torque_rate",
+            Self::Time => "time",
+            Self::OtherJoint => "other_joint",
+        }
+    }
 }
 
 /// How a search for an effect begins.

@@ -24,6 +24,12 @@ fn one(effect: &dyn Effect) -> Value {
         "source": about.source,
         "signature": about.signature.name(),
         "trades_with": about.trades_with,
+        "acts_on": about.acts_on.name(),
+        "of_time": about.of_time,
+        "needs": about.needs.iter().map(|excitation| excitation.name()).collect::<Vec<_>>(),
+        "by_hand": about.by_hand,
+        "remedy": about.remedy,
+        "example": format!("{}:{}", about.id, about.example),
         "parameters": about.parameters.iter().map(parameter).collect::<Vec<Value>>(),
     })
 }
