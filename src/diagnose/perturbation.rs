@@ -6,7 +6,6 @@
 use crate::dynamics::Direction;
 use crate::effects::{Added, Extent, Parameter, Role};
 use crate::model::{Combination, Group, Model, Term, groups};
-use crate::numerics::scalar::Scalar;
 
 /// Confidence of a parameter for which none is given, as a share of it: the 95 % interval reaches so far to either side.
 const UNKNOWN_SHARE: f64 = 0.05;
