@@ -228,6 +228,10 @@ def number(x, form="{:.3f}"):
     return "-" if x is None else form.format(x)
 
 
+def told_counts(counts):
+    return ", ".join(map(str, counts)) if sum(counts) else "-"
+
+
 def table(s):
     """The figures as text."""
     lines = [f"{s['cases']} cases", "", f"kind      cases  right %   net >= {CLEAR} floors  right %   and nothing like it  right %"]
@@ -241,8 +245,8 @@ def table(s):
         "",
         f"not called none where nothing is wrong   {s['false_alarms']} of {s['kinds'].get('none', {}).get('cases', 0)}",
         f"ambiguous, the truth among others: wrong {s['ambiguous_with_truth']}",
-        f"pairs: both named, one, none             {', '.join(map(str, s['pairs_missing'])) or '-'}",
-        f"triples: all named, two, one, none       {', '.join(map(str, s['triples_missing'])) or '-'}",
+        f"pairs: both named, one, none             {told_counts(s['pairs_missing'])}",
+        f"triples: all named, two, one, none       {told_counts(s['triples_missing'])}",
         f"stale parameter among those named        {percent(s['stale_named'])} %",
         f"first place right                        {percent(s['where_first'])} %",
         f"shrink against the true form's           median off {number(h['median_off'])}, within {CLOSE}: {percent(h['within'])} % of {h['cases']}",
