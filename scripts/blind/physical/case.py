@@ -3,6 +3,7 @@ import dataclasses
 import itertools
 
 import numpy as np
+from scipy.optimize import lsq_linear
 
 from effect import log_uniform
 from frictions import FRICTIONS
@@ -69,12 +70,30 @@ def make(family, name, world, base, rng, size):
     return EFFECTS[name](world, base, rng, size)
 
 
-def draw(kind, names, rng, attempt, binary):
-    slide = "prismatic" if rng.random() < 0.2 else "revolute"
-    if not all(may_be(n, slide) for _, n in names):
-        slide = "revolute"
-    span = draw_span(rng, slide)
-    base = draw_base(rng, slide, span, [f"{n}_effect" if (f, n) == ("effect", "inertia") else n for f, n in names])
+@dataclasses.dataclass
+class Setting:
+    """A joint, its campaign, its sensors: all but what is wrong."""
+
+    joint: str
+    span: object
+    base: object
+    style: str
+    repeats: int
+    world: World
+    y0: np.ndarray  # torque without any effect
+    size: float  # a tenth of its range: the unit of amounts
+    encoder: float
+    rounding: float  # what the encoder's steps leave of a perfect model
+    noise: float
+    floor: float
+
+
+def setting(names, rng):
+    joint = "prismatic" if rng.random() < 0.2 else "revolute"
+    if not all(may_be(n, joint) for _, n in names):
+        joint = "revolute"
+    span = draw_span(rng, joint)
+    base = draw_base(rng, joint, span, [f"{n}_effect" if (f, n) == ("effect", "inertia") else n for f, n in names])
     style, rate, repeats, trials = record(span, rng)
     lowpass = round(min(log_uniform(rng, 4, 25), rate / 6), 1)
     if any(n == "joint_coupling" for _, n in names) or rng.random() < 0.12:
@@ -86,58 +105,91 @@ def draw(kind, names, rng, attempt, binary):
     size = 0.1 * np.ptp(world.judged(y0))
     if not np.isfinite(size) or size <= 0:
         raise Rejected("no torque")
-    floor = size * 10 * log_uniform(rng, 1e-3, 0.03)
+    least = size * 10 * log_uniform(rng, 1e-3, 0.03)
     encoder = 2 * span.half / log_uniform(rng, 300, 100_000)
     rounding = rms(world.judged(torque(world.as_read(encoder), base) - y0))
-    noise_rms = max(floor, NOISE_OVER_ROUNDING * rounding)
-    floor = float(np.hypot(noise_rms, rounding))
-    causes = [make(family, name, world, base, rng, size) for family, name in names]
+    noise_rms = max(least, NOISE_OVER_ROUNDING * rounding)
+    return Setting(joint, span, base, style, repeats, world, y0, size, encoder, rounding, noise_rms, float(np.hypot(noise_rms, rounding)))
+
+
+@dataclasses.dataclass
+class Handed:
+    """The model handed over: by how much each parameter may move, what it misses of the joint as it was."""
+
+    model: object
+    bounds: np.ndarray
+    off: np.ndarray
+    confidence: dict | None = None
+    written: dict | None = None
+
+
+def identified_model(s, parameters, noises, clocked, rng, binary):
+    """What tautline makes of a second campaign."""
+    reference = Case(s.world, s.style, s.base, None, s.y0 + s.noise * noise(s.world, rng, noises), s.encoder, clocked, {"floor_nm": s.floor})
+    found = identify(binary, reference, np.random.default_rng(rng.integers(2**31)))
+    if found is None:
+        raise Rejected("not identified")
+    model, written, widths = found
+    off = s.world.judged(torque(s.world, model) - s.y0)
+    if rms(off) > OFF * s.floor:
+        raise Rejected("identification missed")
+    return Handed(model, np.array([widths.get(n, DEFAULT) for n in parameters]), off, written=written)
+
+
+def drawn_model(s, parameters, columns, declared, rng):
+    """The joint as it was, moved by what an identification would not have known."""
+    sd, moved = known(s.world, parameters, columns, s.floor, rng)
+    if not declared:
+        moved = np.clip(moved, -0.02, 0.02)
+    moved *= min(1.0, s.floor / max(1e-300, rms(columns @ moved)))  # an identification misses its own campaign by no more
+    bounds = 1.96 * sd if declared else np.full(len(parameters), DEFAULT)
+    values = s.base.values()
+    confidence = {n: (values[n] * (1 + m - b), values[n] * (1 + m + b)) for n, m, b in zip(parameters, moved, bounds)}
+    model = s.base.changed({n: values[n] * (1 + m) for n, m in zip(parameters, moved)})
+    return Handed(model, bounds, columns @ moved, confidence if declared else None)
+
+
+def draw(kind, names, rng, attempt, binary):
+    s = setting(names, rng)
+    world, base = s.world, s.base
+    causes = [make(family, name, world, base, rng, s.size) for family, name in names]
     parameters, columns = jacobian(world, base)
     declared = rng.random() > 0.15
     clocked = any("clock" in c.needs for c in causes) or rng.random() < 0.4
     noises = str(rng.choice(NOISES, p=[0.35, 0.3, 0.15, 0.2]))
-    found = None
     if rng.random() < IDENTIFIED and binary:
-        reference = Case(world, style, base, None, y0 + noise_rms * noise(world, rng, noises), encoder, clocked, {"floor_nm": floor})
-        found = identify(binary, reference, np.random.default_rng(rng.integers(2**31)))
-        if found is None:
-            raise Rejected("not identified")
-        bounds = np.array([found[2].get(n, DEFAULT) for n in parameters])
-        off = world.judged(torque(world, found[0]) - y0)
-        if rms(off) > OFF * floor:
-            raise Rejected("identification missed")
+        handed = identified_model(s, parameters, noises, clocked, rng, binary)
     else:
-        sd, moved = known(world, parameters, columns, floor, rng)
-        if not declared:
-            moved = np.clip(moved, -0.02, 0.02)
-        moved *= min(1.0, floor / max(1e-300, rms(columns @ moved)))  # an identification misses its own campaign by no more
-        bounds = 1.96 * sd if declared else np.full(len(parameters), DEFAULT)
-        off = columns @ moved
+        handed = drawn_model(s, parameters, columns, declared, rng)
     target = [log_uniform(rng, *STRENGTHS[kind]) for _ in causes]
-    amounts = [tune(world, base, y0, c, columns, bounds, floor * s) for c, s in zip(causes, target)]
-    reached = [net(world, base, y0, c, x, columns, bounds)[0] / floor for c, x in zip(causes, amounts)]
-    if any(abs(np.log(r / s)) > 0.3 for r, s in zip(reached, target)):
+    amounts = [tune(world, base, s.y0, c, columns, handed.bounds, s.floor * x) for c, x in zip(causes, target)]
+    reached = [net(world, base, s.y0, c, x, columns, handed.bounds)[0] / s.floor for c, x in zip(causes, amounts)]
+    if any(abs(np.log(r / x)) > 0.3 for r, x in zip(reached, target)):
         raise Rejected("strength not reached")
     y = torque(world, base, list(zip(causes, amounts)))
-    gap = world.judged(y - y0)
-    values = base.values()
-    model = found[0] if found else base.changed({n: values[n] * (1 + m) for n, m in zip(parameters, moved)})
-    added = noise_rms * noise(world, rng, noises)
-    recorded = y + added
-    if "saturation" in [n for _, n in names]:  # what the rail holds, noise does not cross
-        inner = torque(world, base, [(c, x) for c, x in zip(causes, amounts) if c.id != "saturation"])
-        recorded = np.where(np.abs(y - inner) > 1e-9 * size, y + 0.02 * added, recorded)
-    answer = explain(kind, names, causes, amounts, world, base, y0, gap, parameters, columns, bounds, floor, clocked)
+    gap = world.judged(y - s.y0)
+    added = s.noise * noise(world, rng, noises)
+    recorded = railed(s, causes, amounts, y, added)
+    answer = explain(kind, names, causes, amounts, world, base, s.y0, gap, parameters, columns, handed.bounds, s.floor, clocked)
     answer |= {
-        "floor_nm": floor, "style": style, "rate_hz": rate, "lowpass_hz": lowpass, "repeats": repeats, "trials": len(trials), "samples": len(world.q),
-        "noise": noises, "joint": slide, "declared_confidence": bool(declared), "attempts": attempt + 1, "base_off_over_floor": rms(off) / floor, "base": "identified" if found else "drawn",
+        "floor_nm": s.floor, "style": s.style, "rate_hz": world.rate_hz, "lowpass_hz": world.lowpass_hz, "repeats": s.repeats,
+        "trials": len(world.trials), "samples": len(world.q), "noise": noises, "joint": s.joint, "attempts": attempt + 1,
+        "declared_confidence": handed.confidence is not None or handed.written is not None, "base": "identified" if handed.written else "drawn",
+        "base_off_over_floor": rms(handed.off) / s.floor, "encoder_steps_in_range": 2 * s.span.half / s.encoder,
+        "rounding_over_floor": s.rounding / s.floor, "shrink_true_form": None,
     }
-    answer["shrink_true_form"] = shrink(world, gap, columns, bounds, off, world.judged(added), [
-        world.judged(torque(world, base, [(c, x)]) - y0) for c, x in zip(causes, amounts)]) if not {"contact", "saturation"} & {n for _, n in names} and kind not in ("none", "unknown") else None
-    confidence = {n: (values[n] * (1 + m - b), values[n] * (1 + m + b)) for n, m, b in zip(parameters, moved, bounds)} if declared and not found else None
-    answer["encoder_steps_in_range"] = 2 * span.half / encoder
-    answer["rounding_over_floor"] = rounding / floor
-    return Case(world, style, model, confidence, recorded, encoder, clocked, answer, found[1] if found else None)
+    if kind not in ("none", "unknown") and not {"contact", "saturation"} & {n for _, n in names}:
+        own = [world.judged(torque(world, base, [(c, x)]) - s.y0) for c, x in zip(causes, amounts)]
+        answer["shrink_true_form"] = shrink(world, gap, columns, handed.bounds, handed.off, world.judged(added), own)
+    return Case(world, s.style, handed.model, handed.confidence, recorded, s.encoder, clocked, answer, handed.written)
+
+
+def railed(s, causes, amounts, y, added):
+    """The reading with its noise, which does not cross a rail."""
+    if "saturation" not in [c.id for c in causes]:
+        return y + added
+    inner = torque(s.world, s.base, [(c, x) for c, x in zip(causes, amounts) if c.id != "saturation"])
+    return np.where(np.abs(y - inner) > 1e-9 * s.size, y + 0.02 * added, y + added)
 
 
 def rms(x):
@@ -235,8 +287,6 @@ def shrink(world, gap, columns, bounds, off, added, own):
     design = np.column_stack([columns, *own])
     scale = np.sqrt(np.mean(design**2, axis=0)) + 1e-300
     limits = np.concatenate([2 * bounds, np.full(len(own), np.inf)]) * scale
-    from scipy.optimize import lsq_linear
-
     for k in range(4):
         seen = fold != k
         x = lsq_linear(design[seen] / scale, (truth + added)[seen], (-limits, limits), method="trf" if design.shape[1] > 40 else "bvls").x

@@ -17,11 +17,6 @@ class Effect:
     needs: tuple = ()  # "clock": a campaign clock that runs on; "other": a second joint
 
 
-def unit(x, floor=1e-12):
-    """Scaled to an RMS of one."""
-    return x / max(floor, float(np.sqrt(np.mean(np.square(x)))))
-
-
 def log_uniform(rng, low, high):
     return float(np.exp(rng.uniform(np.log(low), np.log(high))))
 

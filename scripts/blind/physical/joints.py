@@ -55,7 +55,8 @@ STALE = ("gravity", "coulomb", "viscous", "backlash_width", "load_coefficient", 
 def stale(name, base, rng):
     """A parameter that has changed since the identification; at an amount of one by the change that was drawn."""
     sign = rng.choice([-1.0, 1.0])
-    change = {"coulomb": rng.uniform(-0.5, 1.0), "viscous": rng.uniform(-0.5, 1.0), "stribeck_level": rng.uniform(-0.7, 1.0)}.get(name, sign * rng.uniform(0.1, 0.5))
+    levels = {"coulomb": rng.uniform(-0.5, 1.0), "viscous": rng.uniform(-0.5, 1.0), "stribeck_level": rng.uniform(-0.7, 1.0)}
+    change = levels.get(name, sign * rng.uniform(0.1, 0.5))
     if name == "backlash_width":
         change = rng.uniform(0.4, 1.5) if sign > 0 else rng.uniform(-0.7, -0.3)
     each = {d: change * rng.uniform(0.85, 1.15) for d in BRANCHES}
@@ -78,11 +79,6 @@ def stale(name, base, rng):
 def may_be(name, kind):
     """Whether a joint of this kind can have it at all."""
     return kind == "revolute" or name not in ("gravity", "load_coefficient", "gravity_phase", "cable_elasticity", "load_dependent_friction")
-
-
-def wants(names):
-    """What the base must have or lack for these causes."""
-    return [f"{n}_effect" if (n == "inertia" and kind == "effect") else n for kind, n in names]
 
 
 # --- what an identification of the joint as it was would have known

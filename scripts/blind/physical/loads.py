@@ -2,7 +2,7 @@
 import numpy as np
 
 from effect import Effect
-from frictions import ripple
+from frictions import lagged, ripple
 
 
 def per_joint(world, base, size):
@@ -81,8 +81,6 @@ def inertia(world, base, rng, size):
     variant = str(rng.choice(["at_joint", "soft_flywheel"]))
     a = world.a
     if variant == "soft_flywheel":
-        from frictions import lagged
-
         a = world.by_trial(lambda s: lagged(world.a[s], 0.01 * world.rate_hz))
     return Effect("inertia", variant, "joint", lambda parts, amount: amount * per_joint(world, base, size) * a / top)
 
@@ -119,7 +117,8 @@ def contact(world, base, rng, size):
             out[s] += sign * np.clip(u / 0.1, 0, 1) * np.clip((length - u) / 0.1, 0, 1)
         elif variant == "tremble":
             length = rng.uniform(0.5, 2.0)
-            out[s] += sign * (u > 0) * (u < length) * (1 + 0.4 * np.sin(2 * np.pi * min(6, world.lowpass_hz / 2) * u)) * np.sin(np.pi * np.clip(u / length, 0, 1))
+            shake = 1 + 0.4 * np.sin(2 * np.pi * min(6, world.lowpass_hz / 2) * u)
+            out[s] += sign * (u > 0) * (u < length) * shake * np.sin(np.pi * np.clip(u / length, 0, 1))
         elif variant == "lean":
             length = min(rng.uniform(2.0, 8.0), 0.3 * total)
             out[s] += sign * np.sin(np.pi * np.clip(u / length, 0, 1)) ** 0.7

@@ -5,6 +5,7 @@ Every motion is computed on a fine clock and sampled down, so that a slow record
 import dataclasses
 
 import numpy as np
+from scipy.interpolate import PchipInterpolator
 
 FINE_HZ = 1000.0  # the clock on which a motion is computed, at least
 MOST_SAMPLES = 90_000  # of a campaign
@@ -109,8 +110,6 @@ def moves(span, count, rng, rate_hz, rest_s=(0.2, 1.2)):
 
 def wander(span, duration_s, rng, rate_hz, slowest_s):
     """Smooth, never the same twice."""
-    from scipy.interpolate import PchipInterpolator
-
     _, factor = clock(1.0, rate_hz)
     knots, places, at = [0.0], [span.middle], 0.0
     while at < duration_s + 1:

@@ -141,18 +141,6 @@ def settled_at(q, direction):
     return int(turned[0]) if len(turned) else 0
 
 
-def play(x, direction, width):
-    """Position of a pin in its slot, -1 to 1, beginning at the side of the first motion; with every turn's place."""
-    k = np.empty(len(x))
-    turns = np.flatnonzero(np.diff(direction)) + 1
-    state = direction[0]
-    for i, j in zip([0, *turns], [*turns, len(x)]):
-        origin = x[max(0, i - 1)]
-        k[i:j] = np.clip(state + 2 * (x[i:j] - origin) / width, -1, 1)
-        state = k[j - 1]
-    return k
-
-
 def passed_over(x, direction, width, shape):
     """Share of the upward branch, 0 to 1: a curve from where a turn found it to the end that the motion goes to."""
     out = np.empty(len(x))
@@ -188,7 +176,6 @@ class Parts:
     joint: np.ndarray  # load at the joint, N m
     share: np.ndarray  # of the upward branch
     friction: np.ndarray  # of the present branch at the winch
-    branches: tuple
 
 
 def branch(base, direction, v):
@@ -219,7 +206,7 @@ def torque(world, base, effects=()):
         share = world.by_trial(lambda s: passed_over(x[s], world.direction[s], base.backlash_m, shape))
     up, down = branch(base, "up", world.v), branch(base, "down", world.v)
     friction = down + share * (up - down)
-    parts = Parts(world, base, ratio, load(base, q, world.a), share, friction, (up, down))
+    parts = Parts(world, base, ratio, load(base, q, world.a), share, friction)
     shift = sum((effect.act(parts, amount) for effect, amount in at("angle")), 0.0)
     if np.ndim(shift):
         parts.joint = load(base, q + shift, world.a)

@@ -30,7 +30,8 @@ def sensor_gain(world, base, rng, size):
 def sensor_drift(world, base, rng, size):
     """A zero that walks: at random, as the gauges warm in two stages, with the air's temperature, by creep in each trial."""
     several = len(world.trials) > 1
-    variant = str(rng.choice(["random_walk", "two_stage_warming", "room_temperature", "creep_in_trial"] if several else ["random_walk", "two_stage_warming", "room_temperature"]))
+    variants = ["random_walk", "two_stage_warming", "room_temperature"] + (["creep_in_trial"] if several else [])
+    variant = str(rng.choice(variants))
     clock, total = world.elapsed, world.elapsed.max()
     sign = rng.choice([-1.0, 1.0])
     if variant == "random_walk":
@@ -45,7 +46,8 @@ def sensor_drift(world, base, rng, size):
     else:
         drift = np.log1p(world.t / (0.1 * max(t.t_s[-1] for t in world.trials)))
     drift = sign * (drift - drift.mean()) / max(1e-12, np.std(drift))
-    return Effect("sensor_drift", variant, "reading", lambda parts, y, amount: y + amount * size * drift, needs=() if variant == "creep_in_trial" else ("clock",))
+    needs = () if variant == "creep_in_trial" else ("clock",)
+    return Effect("sensor_drift", variant, "reading", lambda parts, y, amount: y + amount * size * drift, needs=needs)
 
 
 def time_delay(world, base, rng, size):

@@ -11,6 +11,12 @@ GROUPS = {
 }
 
 
+TRANSITIONS = (
+    ("reversal_transition", curve("linear")), ("reversal_transition", curve("arctan", 2.0)),
+    ("presliding", lambda u: np.expm1(-3 * u) / np.expm1(-3)),
+)
+
+
 class Absorber:
     """Least squares of a gap on the base's columns, each within its bounds, and on further ones without."""
 
@@ -92,7 +98,7 @@ def bank(world, base, clocked):
         yield "saturation", of(top, bottom)
     if base.curve[0] == "sign":
         for reach in (0.0005, 0.001, 0.0025, 0.005, 0.01, 0.02, 0.04, 0.08, 0.15, 0.3):
-            for kind, shape in (("reversal_transition", curve("linear")), ("reversal_transition", curve("arctan", 2.0)), ("presliding", lambda u: -np.expm1(-3 * u) / -np.expm1(-3))):
+            for kind, shape in TRANSITIONS:
                 share = world.by_trial(lambda s: passed_over(q[s], d[s], reach * span * (2 if kind == "presliding" else 1), shape))
                 yield kind, of((share - (1 + d) / 2) * (up - down))
     if world.other is not None:
