@@ -22,7 +22,8 @@ def main():
     if len(sys.argv) != 2:
         sys.exit(__doc__)
     runs = lambda names: [(f"run_{n}", f"run_{n}", np.loadtxt(DATA / f"run_{n}.csv", delimiter=",", skiprows=1)) for n in names]
-    case(pathlib.Path(sys.argv[1]) / "bundled_davinci_l4", joint("davinci_left_spindle"), json.loads((DATA / "base_model.json").read_text()), runs(SHOWN), runs(UNSEEN), SOURCE | {
+    folder, model = pathlib.Path(sys.argv[1]) / "bundled_davinci_l4", json.loads((DATA / "base_model.json").read_text())
+    case(folder, joint("davinci_left_spindle"), model, runs(SHOWN), runs(UNSEEN), SOURCE | {
         "device": "da Vinci tool 4, left spindle", "kind": "withheld", "done": "transition and friction by load withheld from the model",
         "accepted": ["reversal_transition", "presliding", "load_dependent_friction"], "why": "constant friction by direction, identified on steady sliding",
         "figures": {"rmse_after_unseen_at_most_nm": 0.006}})

@@ -33,13 +33,16 @@ class Joint:
 
     def __init__(self, name, kind="revolute", winch_m=1.0, pulley_m=1.0, backlash_m=1e-4, gravity_nm=0.0, inertia=0.0, sign=1, lowpass_hz=5.0,
                  loaded=False, notes="", urdf=None, others=()):
-        self.__dict__.update(vars())
+        self.name, self.kind, self.notes, self.loaded, self.urdf, self.others = name, kind, notes, loaded, urdf, others
+        self.winch_m, self.pulley_m, self.backlash_m = winch_m, pulley_m, backlash_m
+        self.gravity_nm, self.inertia, self.sign, self.lowpass_hz = gravity_nm, inertia, sign, lowpass_hz
 
     def toml(self, trials):
         unit, force = ("m", "N") if self.kind == "prismatic" else ("rad", "N m")
         lines = [f"# {n}" for n in self.notes.splitlines()] + [
             'format = "campaign/1"', "", "[joint]", f'name = "{self.name}"', f'kind = "{self.kind}"', f"winch_radius_m = {self.winch_m!r}",
-            f"pulley_radius_m = {self.pulley_m!r}", f"backlash_m = {self.backlash_m!r}", "", "[dynamics]", *self.dynamics(), "", "[signal]", f"torque_sign = {self.sign}", f"lowpass_hz = {float(self.lowpass_hz)!r}",
+            f"pulley_radius_m = {self.pulley_m!r}", f"backlash_m = {self.backlash_m!r}", "", "[dynamics]", *self.dynamics(),
+            "", "[signal]", f"torque_sign = {self.sign}", f"lowpass_hz = {float(self.lowpass_hz)!r}",
             "lowpass_order = 4", "", "[columns]", 'time = { name = "time_s", unit = "s" }', f'position = {{ name = "position", unit = "{unit}" }}',
             f'torque = {{ name = "torque", unit = "{force}" }}']
         if self.loaded:

@@ -70,10 +70,12 @@ def groups(reference, changed):
     half = lambda f: (f[1][0][1] - f[-1][0][1]) / 2
     rms = lambda x: float(np.sqrt(np.mean(np.square(x))))
     shift, opening = np.mean(level), (level[0] - level[1]) / 2
-    return {"load_gain_nm": rms(gain), "shift_nm": abs(float(shift)), "opening_nm": abs(float(opening)), "viscous_nm": rms(speed), "half_loop_before_nm": abs(half(a)), "half_loop_after_nm": abs(half(b))}
+    parts = {"load_gain_nm": rms(gain), "shift_nm": abs(float(shift)), "opening_nm": abs(float(opening)), "viscous_nm": rms(speed)}
+    return parts | {"half_loop_before_nm": abs(half(a)), "half_loop_after_nm": abs(half(b))}
 
 
-NAMES = {"load_gain_nm": ["load_coefficient", "load_dependent_friction", "sensor_gain"], "shift_nm": ["coulomb", "sensor_bias"], "opening_nm": ["coulomb"],
+NAMES = {"load_gain_nm": ["load_coefficient", "load_dependent_friction", "sensor_gain"],
+         "shift_nm": ["coulomb", "sensor_bias"], "opening_nm": ["coulomb"],
          "viscous_nm": ["viscous", "quadratic_viscous"]}
 
 
@@ -145,7 +147,8 @@ def injected(download, out):
         ("clip", cut, ["saturation"], "torque clipped at one end"), ("pushes", touched, ["contact"], "two pushes of 50 mN m in each recording")):
         faulty = lambda recordings: [(n, m, change(t)) for n, m, t in recordings]
         case(out / f"mis_tool_injected_{name}", j, model, faulty(shown), faulty(unseen), SOURCE | {
-            "device": "da Vinci tool 5, left spindle", "kind": "injected", "done": told, "accepted": causes, "figures": {"delay_s": 0.025} if name == "delay" else {}})
+            "device": "da Vinci tool 5, left spindle", "kind": "injected", "done": told, "accepted": causes,
+            "figures": {"delay_s": 0.025} if name == "delay" else {}})
 
 
 def main():

@@ -97,8 +97,10 @@ def urdf(parameters):
     found = iter(parameters[: 10 * (len(JOINTS) - SHOULDER)].reshape(-1, 10))
     for k, ((xyz, rpy, axis), name) in enumerate(zip(JOINTS, NAMES)):
         words = lambda v: " ".join(f"{float(x):.9g}" for x in v)
-        lines += [f'  <joint name="{name}" type="revolute">', f'    <parent link="{NAMES[k - 1] + "_link" if k else "base"}"/>', f'    <child link="{name}_link"/>',
-                  f'    <origin xyz="{words(xyz)}" rpy="{words(rpy)}"/>', f'    <axis xyz="{words(axis)}"/>', '    <limit lower="-7" upper="7" effort="330" velocity="4"/>', "  </joint>"]
+        parent = NAMES[k - 1] + "_link" if k else "base"
+        lines += [f'  <joint name="{name}" type="revolute">', f'    <parent link="{parent}"/>', f'    <child link="{name}_link"/>',
+                  f'    <origin xyz="{words(xyz)}" rpy="{words(rpy)}"/>', f'    <axis xyz="{words(axis)}"/>',
+                  '    <limit lower="-7" upper="7" effort="330" velocity="4"/>', "  </joint>"]
         if k < SHOULDER:
             lines.append(f'  <link name="{name}_link"/>')
             continue
@@ -135,9 +137,11 @@ def main():
         flange = regressor(JOINTS, *record[1:4], SHOULDER)[:, -10]
         kilograms = float(flange @ extra / (flange @ flange))
         torque = low(record[4], LOWPASS_HZ, RATE_HZ)
-        left = {"gravity": left_by(extra, [flange]), "sensor_gain": left_by(extra, [torque]), "elastic_spring": left_by(extra, [record[1][:, SHOULDER], np.ones_like(torque)])}
+        spring = [record[1][:, SHOULDER], np.ones_like(torque)]
+        left = {"gravity": left_by(extra, [flange]), "sensor_gain": left_by(extra, [torque]), "elastic_spring": left_by(extra, spring)}
         case(out / f"ur10e_payload_{name}", joint, model, recordings([shown]), recordings([unseen]) if unseen else [], SOURCE | {
-            "device": "UR10e, shoulder lift", "kind": "intervention", "done": f"payload of {kg} kg", "accepted": ["gravity", "inertia"],
+            "device": "UR10e, shoulder lift", "kind": "intervention", "done": f"payload of {kg} kg",
+            "accepted": ["gravity", "inertia"],
             "cannot_be_told_from": cannot_be_told_from(left, ["gravity"]),
             "why": "a mass at the flange of a chain of six links",
             "figures": {"mass_kg": kg, "mass_by_regression_kg": kilograms, "gap_rms_nm": rms(extra), "left_by_regression_nm": left,
