@@ -116,7 +116,7 @@ def withheld(download, out):
     j = joint("davinci_tool_5")
     case(out / "mis_tool_transition", j, identified(j, reference, "--combination", "sign"), shown, runs(folder, ["04", "13", "34", "41"]), SOURCE | {
         "device": "da Vinci tool 5, left spindle", "kind": "withheld", "done": "transition after reversals withheld from the model",
-        "accepted": ["reversal_transition", "presliding"], "why": "cables and gears pass over gradually; the reference fit with it leaves half"})
+        "accepted": ["reversal_transition", "presliding"], "why": "cables pass from one branch to the other over some travel, not in a jump"})
 
 
 def injected(download, out):
