@@ -56,7 +56,7 @@ pub mod predict;
 /// `Trial`s -> A(v), B(v) -> friction -> combination -> `Model` with its confidence.
 pub mod identify;
 
-/// `Model` x `Trial` -> figures: how well the model foretells motions that it was not identified from.
+/// `Model` x `Trial` -> figures: how well the model predicts motions that it was not identified from.
 pub mod evaluate;
 
 /// `Model` x `Trial` -> the torque that a person adds, from logs or as samples come.

@@ -251,3 +251,85 @@ fn lists_patterns_and_folders_are_read_or_refused() {
     let shard = tautline(&["batch", &fleet.path().to_string_lossy(), "-o", "never", "--shard", "4/3"]);
     assert_eq!(shard.status.code(), Some(2));
 }
+
+/// `joint/1` to `joint/3`, listed with dates; `more` belongs to the second.
+fn dated(more: &str) -> TempDir {
+    let fleet = TempDir::new().unwrap();
+    let mut list = String::from("format = \"batch/1\"\n");
+    for (seed, date) in [(1, "2026-01-05"), (2, "2026-02-05"), (3, "2026-03-05")] {
+        record_in(&fleet.path().join(format!("joint/{seed}")), &truth(), &small(seed));
+        list += &format!("[[campaigns]]\npath = \"joint/{seed}\"\ndate = {date}\n");
+        list += if seed == 2 { more } else { "" };
+    }
+    fs::write(fleet.path().join("fleet.toml"), list).unwrap();
+    fleet
+}
+
+#[test]
+fn campaigns_are_held_against_their_joints_reference() {
+    let against = |more: &str, after: &str| {
+        let fleet = dated(more);
+        let file = fleet.path().join("fleet.toml");
+        fs::write(&file, fs::read_to_string(&file).unwrap() + after).unwrap();
+        let read = Batch::read(&[file]).unwrap();
+        read.entries.iter().map(|entry| entry.against.as_ref().map(|to| to.name.clone())).collect::<Vec<_>>()
+    };
+    let first = Some("joint/1".to_string());
+    assert_eq!(against("", ""), [None, first.clone(), first.clone()]);
+    let retensioned = "[[retensioned]]\njoint = \"elbow\"\ndate = 2026-02-01\n";
+    let second = Some("joint/2".to_string());
+    assert_eq!(against("", retensioned), [None, None, second.clone()]);
+    assert_eq!(against("reference = true\n", ""), [second.clone(), None, second]);
+    assert_eq!(against("model = \"m.json\"\n", ""), [None, None, first]);
+}
+
+#[test]
+fn what_retensioning_changed_is_told() {
+    let fleet = dated("");
+    let mut after = truth();
+    after.friction.up.a_j *= 1.3;
+    for seed in [2, 3] {
+        let folder = fleet.path().join(format!("joint/{seed}"));
+        fs::remove_dir_all(&folder).unwrap();
+        record_in(&folder, &after, &small(seed));
+    }
+    let file = fleet.path().join("fleet.toml");
+    let list = fs::read_to_string(&file).unwrap() + "[[retensioned]]\njoint = \"elbow\"\ndate = 2026-02-01\n";
+    fs::write(&file, list).unwrap();
+    let out = TempDir::new().unwrap();
+    let (_, status) = batch(&file, out.path(), &[]);
+    assert_eq!(status, 0);
+    let told: Value = serde_json::from_slice(&fs::read(out.path().join("fleet/fleet.json")).unwrap()).unwrap();
+    let joint = &told["joints"][0];
+    assert_eq!(joint["retensionings"][0]["what_changed"][0]["what"], "coulomb", "{joint}");
+    assert_eq!(joint["retensionings"][0]["what_changed"][0]["direction"], "up");
+    assert_eq!(joint["what_changed"], Value::Array(Vec::new()), "nothing changed since");
+}
+
+/// Four runs: nothing moves but Coulomb friction up, which follows a named payload.
+#[test]
+fn repeatability_finds_what_follows_a_condition() {
+    let folder = TempDir::new().unwrap();
+    let mut list = String::from("format = \"batch/1\"\n");
+    for (seed, payload) in [(1, 0.0), (2, 0.5), (3, 1.0), (4, 1.5)] {
+        let mut model = truth();
+        model.friction.up.a_j *= 1.0 + 0.2 * payload;
+        record_in(&folder.path().join(format!("run{seed}")), &model, &small(seed));
+        list += &format!(
+            "[[campaigns]]\npath = \"run{seed}\"\nconditions = {{ payload_kg = {payload:?}, room = \"b\" }}\n"
+        );
+    }
+    let file = folder.path().join("runs.toml");
+    fs::write(&file, list).unwrap();
+    let out = folder.path().join("out");
+    let done = tautline(&["repeatability", &file.to_string_lossy(), "-o", &out.to_string_lossy(), "--json"]);
+    assert!(done.status.success(), "{done:?}");
+    let found: Value = serde_json::from_slice(&done.stdout).unwrap();
+    let quantities = found["joints"][0]["quantities"].as_array().unwrap();
+    let of = |name: &str| quantities.iter().find(|q| q["name"].as_str().unwrap().contains(name)).unwrap();
+    assert_eq!(of("B(0.141 rad/s) moving up")["verdict"], "depends_on_condition", "{:#}", of("moving up"));
+    assert_eq!(of("B(0.141 rad/s) moving up")["condition"], "payload_kg");
+    assert_eq!(of("B(0.141 rad/s) moving down")["verdict"], "repeatable");
+    assert_eq!(of("A moving up")["verdict"], "repeatable");
+    assert!(out.join("report.html").is_file() && out.join("plots").is_dir());
+}

@@ -96,7 +96,7 @@ fn it_follows_a_command_and_better_what_it_knows() {
 }
 
 #[test]
-fn its_torque_is_what_the_model_foretells_of_its_motion() {
+fn its_torque_is_what_the_model_predicts_for_its_motion() {
     for id in [None, Some("torque_ripple"), Some("presliding"), Some("time_delay"), Some("warm_up"), Some("inertia")] {
         let model = Model { effects: id.map(example).into_iter().collect(), ..truth() };
         let wanted = Wanted { motor_inertia_kg_m2: 1e-4, ..Wanted::default() };

@@ -1,8 +1,8 @@
 //! Two models of one joint: what changed, and what cannot be said.
 
 use crate::campaigns::truth;
-use tautline::compare::{Comparison, Verdict, compare};
-use tautline::model::{Confidence, Model, Status};
+use tautline::compare::{CauseKind, Comparison, Verdict, compare};
+use tautline::model::{Both, BranchFunctions, Confidence, Direction, Functions, Level, Model, Status};
 
 fn verdict(found: &Comparison, name: &str) -> Verdict {
     found.changes.iter().find(|c| c.name == name).unwrap().verdict
@@ -55,4 +55,63 @@ fn models_of_two_joints_are_refused() {
     other.joint.winch_radius_m = 0.02;
     let refused = compare(&truth(), &other).unwrap_err().to_string();
     assert!(refused.contains("`joint.name`") && refused.contains("`joint.winch_radius_m`"), "{refused}");
+}
+
+/// A and B(v) of `model` at twelve speeds, each known to 1 mN m.
+fn with_functions(mut model: Model) -> Model {
+    let speeds: Vec<f64> = (0..12).map(|i| 0.02 * 20f64.powf(f64::from(i) / 11.0)).collect();
+    let branch = |direction| {
+        let mu_c = model.friction.of(direction).mu_c;
+        let level = |v: &f64| Level { speed_rad_s: *v, b_nm: model.b_nm(direction, *v), se_nm: 1e-3 };
+        let a_nm = model.joint.transmission() * model.dynamics.gravity_nm / (1.0 - mu_c);
+        let levels = speeds.iter().map(level).collect();
+        Some(BranchFunctions { a_nm, a_se_nm: 1e-3 * a_nm, levels, common_se_nm: 1e-4 })
+    };
+    model.functions = Functions { branches: Both::make(branch) };
+    model
+}
+
+/// What changed from the bundled elbow to `after`: cause and direction.
+fn changed(change: impl Fn(&mut Model)) -> Vec<(CauseKind, Option<Direction>)> {
+    let mut after = truth();
+    change(&mut after);
+    let found = compare(&with_functions(truth()), &with_functions(after)).unwrap();
+    assert_eq!(found.attribution.differs(), !found.attribution.causes.is_empty());
+    found.attribution.causes.iter().map(|cause| (cause.kind, cause.direction)).collect()
+}
+
+#[test]
+fn each_change_is_named() {
+    let (up, down) = (Some(Direction::Up), Some(Direction::Down));
+    assert_eq!(changed(|_| ()), []);
+    assert_eq!(changed(|m| m.friction.up.a_j *= 1.1), [(CauseKind::Coulomb, up)]);
+    assert_eq!(changed(|m| m.friction.down.a_j *= 1.3), [(CauseKind::Coulomb, down)]);
+    assert_eq!(changed(|m| m.friction.up.d *= 1.8), [(CauseKind::Viscous, up)]);
+    assert_eq!(changed(|m| m.friction.down.mu_c *= 1.1), [(CauseKind::LoadCoefficient, down)]);
+    let stribeck =
+        |m: &mut Model| (m.friction.up.b_c, m.friction.up.b_j) = (1.5 * m.friction.up.b_c, 1.5 * m.friction.up.b_j);
+    assert_eq!(changed(stribeck), [(CauseKind::Stribeck, up)]);
+    assert_eq!(changed(|m| m.dynamics.gravity_nm *= 1.05), [(CauseKind::Gravity, None)]);
+}
+
+#[test]
+fn a_cause_comes_with_its_size() {
+    let mut after = truth();
+    after.friction.up.a_j *= 1.1;
+    let found = compare(&with_functions(truth()), &with_functions(after)).unwrap();
+    let [cause] = &found.attribution.causes[..] else { panic!("{:?}", found.attribution) };
+    let expected_nm = 0.012 * 0.1 * 36.0 / (1.0 - 0.41);
+    assert!((cause.low..=cause.high).contains(&expected_nm), "{cause:?}");
+    assert!((cause.change / expected_nm - 1.0).abs() < 0.02, "{cause:?}");
+}
+
+#[test]
+fn functions_are_read_back_from_the_file() {
+    let model = with_functions(truth());
+    let text = model.to_json().to_string();
+    let read = Model::parse(std::path::Path::new("model.json"), &text).unwrap();
+    let (a, b) = (model.functions.branches.up.unwrap(), read.functions.branches.up.unwrap());
+    assert_eq!(a.levels.len(), b.levels.len());
+    assert!((a.levels[3].se_nm - b.levels[3].se_nm).abs() < 1e-12 && a.levels[3].b_nm == b.levels[3].b_nm);
+    assert!((a.a_se_nm / b.a_se_nm - 1.0).abs() < 1e-9);
 }

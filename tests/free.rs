@@ -2,10 +2,11 @@
 
 use crate::campaigns::{plan, truth};
 use std::path::Path;
+use tautline::dynamics::Dynamics;
 use tautline::identify::combination::{JudgedOn, Settings as CombinationSettings};
 use tautline::identify::{Identification, Route, Settings, run};
 use tautline::log::{Campaign, Protocol, TrialEntry};
-use tautline::model::{Combination, Model};
+use tautline::model::{Combination, Direction, Model, Term};
 use tautline::problem::Result;
 use tautline::simulate::{Course, Sensors, record};
 use tautline::trajectory::{Path as Motion, Segment};
@@ -113,4 +114,24 @@ fn interaction_alone_is_refused_for_what_it_is() {
     let folder = cosines(&truth(), &PERIODS_S, 1, Protocol::Interaction);
     let problems = tried(folder.path(), CombinationSettings::default()).unwrap_err().to_string();
     assert!(problems.contains("`interaction`") && problems.contains("uniform"), "{problems}");
+}
+
+/// Without a load mu_c is a factor of all friction: it is left out, not fitted to an interval without end.
+#[test]
+fn without_a_load_no_load_coefficient_is_fitted() {
+    let mut model = truth();
+    model.dynamics = Dynamics { gravity_nm: 0.0, inertia_kg_m2: 0.0, ..model.dynamics };
+    let folder = cosines(&model, &PERIODS_S, 3, Protocol::Cosine);
+    let found = tried(folder.path(), CombinationSettings::default()).unwrap();
+    let Route::Free(free) = &found.route else { panic!("no sweeps, yet a sweep's route") };
+    assert!(!free.is_loaded);
+    assert_eq!(free.forms.len(), 2, "{:?}", free.forms);
+    for direction in Direction::BOTH {
+        assert_eq!(found.model.friction.of(direction).mu_c, 0.0);
+        let known = &found.model.confidence[&Term::Coulomb.dotted(direction)];
+        assert!(known.high - known.low < 20.0, "{known:?}");
+    }
+    // B(v) is known even so.
+    let up = found.model.functions.branches.up.as_ref().unwrap();
+    assert!(up.levels.iter().all(|level| level.se_nm.hypot(up.common_se_nm) < 0.05 * level.b_nm.abs()), "{up:?}");
 }

@@ -115,7 +115,7 @@ fn a_campaign_without_sweeps_says_what_it_cannot_know() {
     let found = identified(Path::new("data/davinci_l4"), Settings::default());
     let Route::Free(free) = &found.route else { panic!("no sweeps, yet a sweep's route") };
     assert!(found.legs.is_empty());
-    assert!(found.warnings.iter().any(|w| w.contains("A(v) and B(v) are not to be had")));
+    assert!(found.warnings.iter().any(|w| w.contains("A(v) and B(v) cannot be identified")));
     assert_eq!(found.model.confidence["friction.up.b_c"].status, Status::Flat);
     // An independent fit reaches 31 mN m with `sign` and 8 with a transition of the right length; this one keeps the
     // placeholder clearance and must say that the data contradict it.

@@ -21,6 +21,10 @@ pub fn of(entry: &Entry, settings: &Settings) -> String {
     for file in files(entry) {
         add(&mut hasher, &file);
     }
+    if let Some(reference) = entry.against.as_ref().filter(|_| settings.diagnose) {
+        reference.name.hash(&mut hasher);
+        files_of(&reference.path).iter().for_each(|file| add(&mut hasher, file));
+    }
     format!("{:016x}", hasher.finish())
 }
 
@@ -32,10 +36,16 @@ pub fn of_text(text: &str) -> String {
 }
 
 fn files(entry: &Entry) -> Vec<PathBuf> {
-    let mut files = vec![entry.path.join("campaign.toml")];
+    let mut files = files_of(&entry.path);
     files.extend(entry.model.clone());
+    files
+}
+
+/// The files of the campaign in `folder`.
+fn files_of(folder: &Path) -> Vec<PathBuf> {
+    let mut files = vec![folder.join("campaign.toml")];
     // A campaign that cannot be read fails, and what failed is tried again anyway.
-    if let Ok(campaign) = read_campaign(&entry.path) {
+    if let Ok(campaign) = read_campaign(folder) {
         files.extend(campaign.trials.iter().map(|trial| campaign.folder.join(&trial.file)));
         files.extend(campaign.arm.iter().map(|arm| campaign.folder.join(&arm.urdf)));
     }

@@ -2,7 +2,7 @@
 
 use super::manifest::Batch;
 use super::table::{Row, parameter_names};
-use crate::compare::{Verdict, compare};
+use crate::compare::{Attribution, Verdict, compare_among};
 use crate::document::suggest;
 use crate::model::Status;
 use crate::numerics::statistics::{quantile, together};
@@ -51,10 +51,25 @@ pub struct Joint {
     pub since: usize,
     /// What changed since, beyond its confidence.
     pub drifts: Vec<Drift>,
+    /// What changed since, decided on A and B(v).
+    pub changed: Attribution,
+    /// What each retensioning changed.
+    pub retensionings: Vec<Retensioning>,
     /// RMS of the predicted torque's change along the paper's cosine cascade, N m.
     pub change_nm: Option<f64>,
     /// Why its campaigns cannot be compared, where that is so.
     pub incomparable: Option<String>,
+}
+
+/// What retensioning the cables changed.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Retensioning {
+    /// When.
+    pub date: String,
+    /// Places in `Fleet::rows` of the last campaign before and the first since.
+    pub rows: [usize; 2],
+    /// What changed from one to the other.
+    pub changed: Attribution,
 }
 
 impl Joint {
@@ -103,8 +118,9 @@ impl Fleet {
         for (at, row) in rows.iter().enumerate().filter(|(_, row)| row.model.is_some()) {
             of_joint.entry(row.joint().to_string()).or_default().push(at);
         }
+        let count = of_joint.len();
         let mut joints: Vec<Joint> =
-            of_joint.into_par_iter().map(|(name, of)| history(batch, &rows, name, of)).collect();
+            of_joint.into_par_iter().map(|(name, of)| history(batch, &rows, name, of, count)).collect();
         // Among thousands of intervals of 95 % many miss by chance: all are widened to hold together.
         let compared: usize = joints.iter().map(|joint| joint.drifts.len()).sum();
         let wider = together(compared);
@@ -118,7 +134,7 @@ impl Fleet {
 
     /// Joints of which anything drifted.
     pub fn drifted(&self) -> impl Iterator<Item = &Joint> {
-        self.joints.iter().filter(|joint| !joint.drifts.is_empty())
+        self.joints.iter().filter(|joint| !joint.drifts.is_empty() || joint.changed.differs())
     }
 
     /// Campaigns without a result.
@@ -136,8 +152,8 @@ impl Drift {
     }
 }
 
-/// The joint called `name` over its campaigns `of`; `drifts` holds all that is compared yet.
-fn history(batch: &Batch, rows: &[Row], name: String, mut of: Vec<usize>) -> Joint {
+/// The joint called `name`, one of `joints`, over its campaigns `of`; `drifts` holds all that is compared yet.
+fn history(batch: &Batch, rows: &[Row], name: String, mut of: Vec<usize>, joints: usize) -> Joint {
     let date = |at: usize| rows[at].entry.date.as_deref();
     // Without a date for each, time goes as they are listed.
     let dated = of.iter().all(|at| date(*at).is_some());
@@ -148,14 +164,26 @@ fn history(batch: &Batch, rows: &[Row], name: String, mut of: Vec<usize>) -> Joi
     let dates = batch.retensioned.get(&name).filter(|_| dated);
     let retensioned = dates.and_then(|dates| dates.iter().rev().find(|at| date(last) >= Some(at.as_str()))).cloned();
     let since = of.iter().copied().find(|at| retensioned.as_deref() <= date(*at)).unwrap_or(first);
-    let mut joint =
-        Joint { name, rows: of, retensioned, since, drifts: Vec::new(), change_nm: None, incomparable: None };
+    let retensionings = dates.iter().flat_map(|dates| dates.iter());
+    let retensionings = retensionings.filter_map(|at| retensioning(rows, &of, at, joints)).collect();
+    let mut joint = Joint {
+        name,
+        rows: of,
+        retensioned,
+        since,
+        drifts: Vec::new(),
+        changed: Attribution::default(),
+        retensionings,
+        change_nm: None,
+        incomparable: None,
+    };
     if since == last {
         return joint;
     }
     let (Some(before), Some(after)) = (&rows[since].model, &rows[last].model) else { return joint };
-    match compare(before, after) {
+    match compare_among(before, after, joints) {
         Ok(found) => {
+            joint.changed = found.attribution.clone();
             joint.change_nm = Some(found.effect.rms_nm);
             let judged = found.changes.into_iter().filter(|c| matches!(c.verdict, Verdict::Changed | Verdict::Within));
             joint.drifts.extend(judged.filter_map(|c| {
@@ -168,6 +196,15 @@ fn history(batch: &Batch, rows: &[Row], name: String, mut of: Vec<usize>) -> Joi
         Err(problems) => joint.incomparable = Some(problems.to_string()),
     }
     joint
+}
+
+/// What retensioning on `date` changed, from the last of the campaigns `of` before it to the first since.
+fn retensioning(rows: &[Row], of: &[usize], date: &str, joints: usize) -> Option<Retensioning> {
+    let first = of.iter().position(|at| rows[*at].entry.date.as_deref() >= Some(date))?;
+    let pair = [of[first.checked_sub(1)?], of[first]];
+    let [before, after] = pair.map(|at| rows[at].model.as_ref());
+    let changed = compare_among(before?, after?, joints).ok()?.attribution;
+    Some(Retensioning { date: date.to_string(), rows: pair, changed })
 }
 
 /// The retensionings that tell nothing: of joints that no campaign is of, or whose campaigns have no dates.
@@ -198,7 +235,7 @@ fn level(before: &Row, after: &Row, (name, half_width): (&str, &str)) -> Option<
     Some(Drift { name: name.into(), unit, before: a, after: b, low: b - a - reach, high: b - a + reach })
 }
 
-/// What lies far from the middle of the fleet: parameters that are known by themselves, levels, and how well models foretell.
+/// What lies far from the middle of the fleet: parameters that are known by themselves, levels, and how well models predict.
 fn outliers(rows: &[Row]) -> Vec<Outlier> {
     let pinned = |row: &Row, name: &str| {
         let known = row.model.as_ref()?.confidence.get(name)?;

@@ -1,6 +1,7 @@
 //! What a batch does: a list (`batch/1`), every campaign below a folder, or every one that a pattern finds.
 
 use crate::document::{Document, Section};
+use crate::prepare::read_campaign;
 use crate::problem::{Problem, Result};
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
@@ -30,6 +31,21 @@ pub struct Entry {
     pub date: Option<String>,
     /// The model that it is held against in place of its own.
     pub model: Option<PathBuf>,
+    /// Whether the list names it as its joint's reference.
+    pub is_reference: bool,
+    /// Named conditions under which it was recorded, numbers or words.
+    pub conditions: BTreeMap<String, String>,
+    /// The campaign that it is diagnosed against; `None` where that is itself, or `model` is given.
+    pub against: Option<Reference>,
+}
+
+/// A campaign that others of its joint are held against.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Reference {
+    /// Its name.
+    pub name: String,
+    /// Its folder.
+    pub path: PathBuf,
 }
 
 impl Batch {
@@ -57,8 +73,48 @@ impl Batch {
                 let what = format!("`{}` is there twice", twice.name);
                 Problem::error(&twice.path, what, "list it once, or give each a `name`").alone()
             }
-            None => Ok(batch),
+            None => {
+                batch.refer();
+                Ok(batch)
+            }
         }
+    }
+
+    /// Says for each campaign which one it is held against: of its joint the one that the list names as reference, the latest
+    /// that is not later than itself; else the first since the cables were last retensioned.
+    fn refer(&mut self) {
+        let mut of_joint: BTreeMap<String, Vec<usize>> = BTreeMap::new();
+        for (at, entry) in self.entries.iter().enumerate() {
+            // A campaign that cannot be read fails later, with the reason.
+            let own = || Some(read_campaign(&entry.path).ok()?.joint.name);
+            if let Some(joint) = entry.joint.clone().or_else(own) {
+                of_joint.entry(joint).or_default().push(at);
+            }
+        }
+        for (joint, mut of) in of_joint {
+            let is_dated = of.iter().all(|at| self.entries[*at].date.is_some());
+            if is_dated {
+                of.sort_by_key(|at| self.entries[*at].date.clone());
+            }
+            let dates = self.retensioned.get(&joint).filter(|_| is_dated).cloned().unwrap_or_default();
+            for place in 0..of.len() {
+                let against = self.reference(&of, place, &dates);
+                let found = &self.entries[against];
+                let reference = Reference { name: found.name.clone(), path: found.path.clone() };
+                let entry = &mut self.entries[of[place]];
+                entry.against = (entry.model.is_none() && against != of[place]).then_some(reference);
+            }
+        }
+    }
+
+    /// The campaign that number `place` of a joint's campaigns `of`, in time, is held against; `dates` are its retensionings.
+    fn reference(&self, of: &[usize], place: usize, dates: &[String]) -> usize {
+        let date = |at: &usize| self.entries[*at].date.as_ref();
+        let is_named = |at: &&usize| self.entries[**at].is_reference;
+        let named = of[..=place].iter().rev().find(is_named).or_else(|| of.iter().find(is_named));
+        let last = dates.iter().rev().find(|retensioned| date(&of[place]) >= Some(*retensioned));
+        let since = of.iter().find(|at| last.is_none() || date(at) >= last);
+        *named.or(since).unwrap_or(&of[place])
     }
 
     fn listed(file: &Path) -> Result<Self> {
@@ -124,16 +180,40 @@ impl Entry {
         // The folder searched may itself be a campaign.
         let name =
             if name.is_empty() { folder.file_name().unwrap_or_default().to_string_lossy().into_owned() } else { name };
-        Self { name, path: folder.to_path_buf(), joint: None, date: None, model: None }
+        Self {
+            name,
+            path: folder.to_path_buf(),
+            joint: None,
+            date: None,
+            model: None,
+            is_reference: false,
+            conditions: BTreeMap::new(),
+            against: None,
+        }
     }
 
     fn read(section: &Section<'_>, folder: &Path) -> Option<Self> {
         let path = section.need("path").such_as("\"elbow/2026-03-02\"", "the campaign's folder").text();
         let (name, joint, date) = (section.may("name").text(), section.may("joint").text(), section.may("date").date());
         let model = section.may("model").text().map(|model| folder.join(model));
+        let is_reference = section.may("reference").flag().unwrap_or(false);
+        let read = |s: &Section<'_>| {
+            let one = |key: &str| Some((key.to_string(), s.may(key).word()?));
+            Some(s.keys().filter_map(one).collect::<BTreeMap<String, String>>())
+        };
+        let conditions = section.may("conditions").section(read).unwrap_or_default();
         let path = path?;
         let model = model.map(|model| if model.is_dir() { model.join("model.json") } else { model });
-        Some(Self { name: name.unwrap_or_else(|| path.clone()), path: folder.join(&path), joint, date, model })
+        Some(Self {
+            name: name.unwrap_or_else(|| path.clone()),
+            path: folder.join(&path),
+            joint,
+            date,
+            model,
+            is_reference,
+            conditions,
+            against: None,
+        })
     }
 }
 

@@ -9,20 +9,23 @@
 //! | `store` | the results' folder: a file each, whole or not at all |
 //! | `table` | a row for each campaign |
 //! | `fleet` | by joint, over time: what drifted, what stands out |
+//! | `repeatability` | runs under the same conditions: what comes out the same |
 
 mod calendar;
 mod digest;
 mod fleet;
 mod manifest;
 mod record;
+mod repeatability;
 mod store;
 mod table;
 mod work;
 
 pub use calendar::day;
-pub use fleet::{Drift, Fleet, Joint, Outlier};
-pub use manifest::{Batch, Entry};
+pub use fleet::{Drift, Fleet, Joint, Outlier, Retensioning};
+pub use manifest::{Batch, Entry, Reference};
 pub use record::{Diagnosed, Record};
+pub use repeatability::{Quantity, RUNS_MIN, Repeatability, Verdict as Repeated};
 pub use store::Store;
 pub use table::{Row, columns};
 pub use work::Settings;

@@ -45,4 +45,7 @@ pub struct Diagnosed {
     pub verdict: String,
     /// The causes that it names.
     pub effects: Vec<String>,
+    /// Whose model the recordings were held against: the reference campaign's name, a file's, or `itself`.
+    #[serde(default)]
+    pub against: String,
 }

@@ -127,6 +127,7 @@ pub fn columns(rows: &[Row]) -> Vec<Mixed> {
     let diagnosed = |row: &Row| row.record.diagnosis.clone();
     columns.extend([
         text("verdict", &|row| diagnosed(row).map(|found| found.verdict)),
+        text("against", &|row| diagnosed(row).map(|found| found.against)),
         text("causes", &|row| diagnosed(row).map(|found| found.effects.join(" "))),
         text("warnings", &|row| Some(row.record.warnings.join(" | ")).filter(|text| !text.is_empty())),
         text("inputs", &|row| Some(row.record.inputs.clone())),

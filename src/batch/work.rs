@@ -2,7 +2,6 @@
 
 use super::manifest::Entry;
 use super::record::{Diagnosed, FORMAT, Record};
-use crate::compare::unloaded_nm;
 use crate::identify::{self, FrictionFit, Identification};
 use crate::log::{Campaign, Protocol};
 use crate::model::{Model, Term};
@@ -54,17 +53,18 @@ fn reason(Problems(problems): &Problems) -> String {
 fn work(entry: &Entry, settings: &Settings, mut record: Record) -> Result<Record> {
     let campaign = read_campaign(&entry.path)?;
     let given = entry.model.as_deref().map(Model::read).transpose()?;
+    let (of_reference, against) = reference(entry, settings)?;
     let found = identify::run(&campaign, settings.identify, &|| ())?;
     record.route = if found.route.sweeps().is_some() { "sweeps" } else { "free" }.to_string();
     (record.trials, record.rows) = (found.trials, found.rows);
     identified(&found, &mut record.figures);
     record.warnings.extend(found.warnings.iter().cloned());
     record.model = Some(found.model.to_json());
-    let model = given.unwrap_or(found.model);
+    let model = given.or(of_reference).unwrap_or(found.model);
     let campaign = if model.needs_clock() { campaign.with_clock()? } else { campaign };
     judged(&campaign, &model, &mut record)?;
     if settings.diagnose {
-        diagnosed(&campaign, &model, &mut record)?;
+        diagnosed(&campaign, &model, against, &mut record)?;
     }
     if let Some((name, _)) = record.figures.iter().find(|(name, figure)| figure.is_infinite() && !may_be_open(name)) {
         let what = format!("`{name}` is not a number: numbers grew beyond all measure");
@@ -73,6 +73,18 @@ fn work(entry: &Entry, settings: &Settings, mut record: Record) -> Result<Record
     // What is not known, and intervals without an end.
     record.figures.retain(|_, figure| figure.is_finite());
     Ok(record)
+}
+
+/// The model that `entry` is diagnosed against, where that is not its own, and whose it is.
+fn reference(entry: &Entry, settings: &Settings) -> Result<(Option<Model>, String)> {
+    match (&entry.model, &entry.against) {
+        (Some(file), _) => Ok((None, file.display().to_string())),
+        (None, Some(reference)) if settings.diagnose => {
+            let campaign = read_campaign(&reference.path)?;
+            Ok((Some(identify::run(&campaign, settings.identify, &|| ())?.model), reference.name.clone()))
+        }
+        (None, _) => Ok((None, "itself".to_string())),
+    }
 }
 
 /// Whether the figure called `name` is a width or an end that the data may leave open.
@@ -97,7 +109,7 @@ fn identified(found: &Identification, figures: &mut BTreeMap<String, f64>) {
             [
                 (&format!("a_{direction}_nm"), fit.a.a_nm),
                 (&format!("a_{direction}_half_width_nm"), fit.a.half_width_nm),
-                (&format!("level_{direction}_nm"), unloaded_nm(&found.model, fit.direction, speed_rad_s)),
+                (&format!("level_{direction}_nm"), found.model.b_nm(fit.direction, speed_rad_s)),
                 (&format!("level_{direction}_half_width_nm"), half_width_nm(&found.model, fit, speed_rad_s)),
             ],
         );
@@ -119,7 +131,7 @@ fn half_width_nm(model: &Model, fit: &FrictionFit, speed_rad_s: f64) -> f64 {
     HALF_WIDTH * variance.max(0.0).sqrt()
 }
 
-/// How well `model` foretells the cosine and free trials, if there are any.
+/// How well `model` predicts the cosine and free trials, if there are any.
 fn judged(campaign: &Campaign, model: &Model, record: &mut Record) -> Result<()> {
     if !campaign.trials.iter().any(|trial| matches!(trial.protocol, Protocol::Cosine | Protocol::Free)) {
         record.warnings.push("not judged: there is no cosine or free trial".to_string());
@@ -143,7 +155,7 @@ fn judged(campaign: &Campaign, model: &Model, record: &mut Record) -> Result<()>
     Ok(())
 }
 
-fn diagnosed(campaign: &Campaign, model: &Model, record: &mut Record) -> Result<()> {
+fn diagnosed(campaign: &Campaign, model: &Model, against: String, record: &mut Record) -> Result<()> {
     let found = diagnose::run(campaign, model, &|| ())?;
     let verdict = &found.verdict;
     put(
@@ -157,7 +169,13 @@ fn diagnosed(campaign: &Campaign, model: &Model, record: &mut Record) -> Result<
         ],
     );
     let effects = verdict.effects.iter().map(|cause| cause.name().to_string()).collect();
-    record.diagnosis = Some(Diagnosed { verdict: verdict.kind.name().to_string(), effects });
+    record.diagnosis = Some(Diagnosed { verdict: verdict.kind.name().to_string(), effects, against });
+    if record.diagnosis.as_ref().is_some_and(|diagnosis| diagnosis.against == "itself") {
+        record.warnings.push(
+            "diagnosed against the model identified from the same recordings: what that model has absorbed does not show"
+                .to_string(),
+        );
+    }
     record.warnings.extend(found.warnings.iter().cloned());
     Ok(())
 }

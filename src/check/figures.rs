@@ -42,7 +42,7 @@ pub(super) fn choices(found: &Identification) -> Vec<(String, String)> {
         Route::Sweeps(fits) => all.extend(Direction::BOTH.map(|direction| {
             (format!("forms.{}.exponentials", direction.name()), fits.of(direction).taken.rates.len().to_string())
         })),
-        Route::Free(free) => all.push(("free_motion.form".to_string(), free.form.name().to_string())),
+        Route::Free(free) => all.push(("free_motion.form".to_string(), free.form.name(free.is_loaded).to_string())),
     }
     all
 }
@@ -115,7 +115,7 @@ fn parameter(model: &Model, name: String, unit: &str, value: f64) -> Figure {
     }
 }
 
-/// How the model foretells each trial, and each group of repeats.
+/// How well the model predicts each trial, and each group of repeats.
 pub(super) fn of_evaluation(found: &Evaluation, trials: &[TrialMark]) -> Vec<Figure> {
     let mut all = Vec::new();
     for group in &found.groups {

@@ -1,7 +1,7 @@
 //! A campaign against a stored baseline: whether code or data changed what comes out, and whether that matters.
 //!
 //! A baseline holds a `Snapshot` of a campaign: what is declared, a digest of every log, what the identification found, and
-//! how the model that it found foretells every trial. Checking takes the same snapshot again, judging the model that the
+//! how well the model that it found predicts every trial. Checking takes the same snapshot again, judging the model that the
 //! *baseline* holds, and holds one against the other:
 //!
 //! - On the same data, bit for bit, a figure may move by another machine's arithmetic alone, for better or worse: whatever

@@ -151,7 +151,7 @@ fn friction(common: &Common, trials: &Path, form: Form, talk: &Talk) -> Result<(
         || json,
         |out| {
             terminal::sweeps(out, &fits, &Units::of(model.joint.kind))?;
-            terminal::parameter_table(out, &model, Some(&fits))?;
+            terminal::parameter_table(out, &model)?;
             list(out, &warnings)
         },
     )

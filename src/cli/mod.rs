@@ -28,6 +28,7 @@ mod man;
 mod outcome;
 mod predict;
 mod progress;
+mod repeatability;
 mod rig;
 mod simulate;
 mod validate;
@@ -71,6 +72,8 @@ enum Command {
     Diagnose(diagnose::Arguments),
     /// Hold a campaign against a stored baseline: has code or data changed what comes out?
     Check(check::Arguments),
+    /// Compare runs of one joint under nominally the same conditions: what is repeatable
+    Repeatability(repeatability::Arguments),
     /// Compare two models of one joint, before and after
     Compare(compare::Arguments),
     /// Identify many campaigns, on all cores: one table, one report of the fleet
@@ -125,6 +128,7 @@ fn act(command: Command, talk: &Talk) -> Result<ExitCode> {
         Command::Interaction(arguments) => interaction::run(&arguments, talk),
         Command::Diagnose(arguments) => diagnose::run(&arguments, talk),
         Command::Check(arguments) => check::run(&arguments, talk),
+        Command::Repeatability(arguments) => repeatability::run(&arguments, talk),
         Command::Compare(arguments) => compare::run(&arguments, talk),
         Command::Batch(arguments) => batch::run(&arguments, talk),
         Command::Fit(arguments) => fit::run(&arguments, talk),

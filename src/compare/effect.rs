@@ -62,13 +62,8 @@ pub(super) fn levels(before: &Model, after: &Model) -> Vec<Level> {
     let level = |direction, speed_rad_s| Level {
         direction,
         speed_rad_s,
-        before_nm: unloaded_nm(before, direction, speed_rad_s),
-        after_nm: unloaded_nm(after, direction, speed_rad_s),
+        before_nm: before.b_nm(direction, speed_rad_s),
+        after_nm: after.b_nm(direction, speed_rad_s),
     };
     Direction::BOTH.into_iter().flat_map(|d| REFERENCE_SPEEDS_RAD_S.map(|v| level(d, v))).collect()
-}
-
-/// B(v) of (19), N m.
-pub fn unloaded_nm(model: &Model, direction: Direction, speed_rad_s: f64) -> f64 {
-    model.b_nm(direction, speed_rad_s)
 }

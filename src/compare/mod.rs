@@ -1,8 +1,10 @@
 //! Two models of one joint, before and after: what changed beyond its confidence, and what it does to the prediction.
 
+mod attribution;
 mod effect;
 
-pub use effect::{Effect, Level, unloaded_nm};
+pub use attribution::{Attribution, Cause, CauseKind, Measure};
+pub use effect::{Effect, Level};
 
 use crate::dynamics::JointKind;
 use crate::model::{Combination, Confidence, Direction, Friction, Model, Status, Term};
@@ -26,6 +28,8 @@ pub struct Comparison {
     pub levels: Vec<Level>,
     /// What the change does to the predicted torque.
     pub effect: Effect,
+    /// What A and B(v) say of it.
+    pub attribution: Attribution,
 }
 
 impl Comparison {
@@ -84,6 +88,11 @@ impl Verdict {
 ///
 /// Errors: they are of different joints.
 pub fn compare(before: &Model, after: &Model) -> Result<Comparison> {
+    compare_among(before, after, 1)
+}
+
+/// The same of one of `count` pairs: what chance does in many counts as chance.
+pub fn compare_among(before: &Model, after: &Model, count: usize) -> Result<Comparison> {
     one_joint(before, after)?;
     let changes = parameters(before, after)
         .into_iter()
@@ -95,6 +104,7 @@ pub fn compare(before: &Model, after: &Model) -> Result<Comparison> {
         changes,
         levels: effect::levels(before, after),
         effect: Effect::new(before, after),
+        attribution: Attribution::new(before, after, count),
     })
 }
 
@@ -196,7 +206,7 @@ fn change(name: String, unit: &'static str, a: (Option<f64>, &Model), b: (Option
         () if x != y && (unsaid(x, a.1) || unsaid(y, b.1)) => Verdict::Unknown,
         () if statuses.iter().any(|s| matches!(s, Status::Flat | Status::AtBound)) => Verdict::Unknown,
         () if x == y || low <= 0.0 && high >= 0.0 => Verdict::Within,
-        () if statuses.contains(&Status::TradeOff) => Verdict::Together,
+        () if statuses.iter().any(|s| matches!(s, Status::TradeOff | Status::Merged)) => Verdict::Together,
         () => Verdict::Changed,
     };
     Change { name, unit, before: Some(x), after: Some(y), low, high, verdict }

@@ -160,6 +160,15 @@ impl<'a> Field<'_, 'a> {
         })
     }
 
+    /// A text or a number, as text.
+    pub fn word(self) -> Option<String> {
+        self.take("a text in quotes or a number", |value| match value {
+            Value::Text(text) if !text.chars().any(acts) => Some(text.clone()),
+            Value::Text(_) | Value::List(_) => None,
+            value => finite(value).map(|number| number.to_string()),
+        })
+    }
+
     /// A number without fraction, between `low` and `high`.
     pub fn whole(self, low: i64, high: i64) -> Option<i64> {
         self.take(&format!("a whole number from {low} to {high}"), |value| match value {

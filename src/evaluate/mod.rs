@@ -1,4 +1,4 @@
-//! How well a model foretells recorded motions, best ones that it was not identified from: the paper's section III B.
+//! How well a model predicts recorded motions, best ones that it was not identified from: the paper's section III B.
 //!
 //! Prediction and measurement pass through the same declared low-pass; the raw figures compare them with neither filtered.
 //! Samples before K_f is known and samples near clipped readings are in no figure.
@@ -212,7 +212,8 @@ fn chatter_warning(trial: &Trial, model: &Model, prediction: &Prediction) -> Opt
     const FEW: usize = 10;
     let changes = |differ: &dyn Fn(usize) -> bool| (1..prediction.torque_nm.len()).filter(|i| differ(*i)).count();
     let states = &prediction.states;
-    let of_speed = changes(&|i| states.k_tilde[i] != states.k_tilde[i - 1]);
+    // An effect of the model may make the passage gradual: that is no change of sign.
+    let of_speed = changes(&|i| (states.k_tilde[i] > 0.5) != (states.k_tilde[i - 1] > 0.5));
     let of_motion = changes(&|i| (states.k_f[i] > 0.0) != (states.k_f[i - 1] > 0.0));
     (model.combination == Combination::Sign && of_speed > of_motion + FEW).then(|| {
         format!(

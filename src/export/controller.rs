@@ -78,7 +78,7 @@ struct Module {
 
 /// The code of `model` in `language`.
 ///
-/// Errors: a torque recorded early, which no controller can foretell; a delay too long to keep.
+/// Errors: a torque recorded early, which no controller can predict; a delay too long to keep.
 pub fn controller(model: &Model, language: Language, settings: &Settings) -> Result<String> {
     let p = parts(model, language, settings)?;
     let made = match language {

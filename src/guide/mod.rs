@@ -1,7 +1,29 @@
 //! The guide: a page for each topic, text in Markdown, the same here and on the terminal.
 
+#[doc = include_str!("campaign.md")]
+pub mod campaign {}
+#[doc = include_str!("capture.md")]
+pub mod capture {}
+#[doc = include_str!("changes.md")]
+pub mod changes {}
+#[doc = include_str!("developers.md")]
+pub mod developers {}
+#[doc = include_str!("diagnose.md")]
+pub mod diagnose {}
+#[doc = include_str!("evaluate.md")]
+pub mod evaluate {}
+#[doc = include_str!("glossary.md")]
+pub mod glossary {}
+#[doc = include_str!("identify.md")]
+pub mod identify {}
+#[doc = include_str!("measured.md")]
+pub mod measured {}
+#[doc = include_str!("model.md")]
+pub mod model {}
 #[doc = include_str!("security.md")]
 pub mod security {}
+#[doc = include_str!("simulate.md")]
+pub mod simulate {}
 
 /// One page.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -14,9 +36,25 @@ pub struct Page {
     pub text: &'static str,
 }
 
-/// All pages.
-pub const PAGES: &[Page] = &[Page {
-    topic: "security",
-    about: "what is trusted, what is read and written, limits and integrity checks",
-    text: include_str!("security.md"),
-}];
+/// The page on `$topic`.
+macro_rules! page {
+    ($topic:literal, $about:literal) => {
+        Page { topic: $topic, about: $about, text: include_str!(concat!($topic, ".md")) }
+    };
+}
+
+/// All pages, in the order in which they are read.
+pub const PAGES: &[Page] = &[
+    page!("identify", "identify a joint from sweeps or free motion; statuses, options, how it works"),
+    page!("campaign", "campaign.toml, units, signal checks, import of other formats"),
+    page!("evaluate", "other motions, interaction torque, a whole arm"),
+    page!("diagnose", "verdicts on the gap between model and recordings, and how often they are right"),
+    page!("changes", "compare two models, repeatability, regression gate, fleets"),
+    page!("simulate", "excitation trajectories and simulated campaigns"),
+    page!("capture", "record a joint over EtherCAT: rigs, plans, safety"),
+    page!("model", "the formula, model.json, export to controllers and simulators"),
+    page!("measured", "speed, memory and accuracy, beside SciPy and beside the paper"),
+    page!("security", "what is trusted, what is read and written, limits and integrity checks"),
+    page!("glossary", "the terms of reports and messages"),
+    page!("developers", "the house, the scripts, CI"),
+];

@@ -14,6 +14,21 @@ pub fn demote<'a>(known: impl Iterator<Item = &'a mut Confidence>) {
     }
 }
 
+/// What is known of a parameter by two forms of the same law, neither of which the data rule out: both intervals.
+pub fn spanning(taken: Confidence, other: Confidence) -> Confidence {
+    let (low, high) = (taken.low.min(other.low), taken.high.max(other.high));
+    let wider = (high - low) / (taken.high - taken.low);
+    let cv = if wider.is_nan() { f64::INFINITY } else { taken.cv * wider };
+    let is_lost = taken.status == Status::Pinned && cv > PINNED_CV;
+    Confidence { low, high, cv, status: if is_lost { Status::TradeOff } else { taken.status } }
+}
+
+/// `confidence` of what stands for several parameters of a larger form; what the data do not show at all stays so.
+pub fn merged(confidence: Confidence) -> Confidence {
+    let status = if confidence.status == Status::Flat { Status::Flat } else { Status::Merged };
+    Confidence { status, ..confidence }
+}
+
 /// What is known of k, given what is known of p: k = 1 / atan(2 p).
 pub fn of_k(of_p: Confidence) -> Confidence {
     let k = |p: f64| scale_of_arctan(p.max(0.0));

@@ -1,8 +1,8 @@
-//! What a reader of an identification should distrust.
+//! Warnings on an identification: what is outside physics, extrapolated, or not known by itself.
 
 use super::Residual;
-use crate::model::{Confidence, Direction, Model, Status};
-use crate::numerics::statistics::root_mean_square;
+use crate::model::{Confidence, Direction, Level, Model, Status, Term};
+use crate::numerics::statistics::{HALF_WIDTH, root_mean_square};
 
 /// Beyond the sweeps' speeds the residual may be this many times that within before a word is due.
 const EXTRAPOLATED: f64 = 2.0;
@@ -31,20 +31,62 @@ pub fn extrapolation_warning(residuals: &[Residual], fastest_rad_s: f64, refined
     })
 }
 
-/// What a reader should not take at face value.
-pub fn doubts(model: &Model, sweeps: bool) -> Vec<String> {
+/// Beyond this a load coefficient leaves a tenth of the torque, or needs ten times as much.
+const MU_C_LARGEST: f64 = 0.9;
+
+/// What is outside physics, whether its interval is narrow or not: what a value usually means there.
+fn outside_physics(model: &Model, sweeps: bool) -> Vec<String> {
     let mut doubts = Vec::new();
     for direction in Direction::BOTH {
-        let mu_c = model.friction.of(direction).mu_c;
-        // On free motion a load that pulls the other way makes it negative, rightly.
-        if sweeps && !(0.0..0.9).contains(&mu_c) {
+        let (branch, moving) = (model.friction.of(direction), direction.name());
+        let known = |term: Term| model.confidence.get(&term.dotted(direction)).filter(|known| known.low.is_finite());
+        let mu_c = branch.mu_c;
+        // Lowering a load, friction carries part of it, and mu_c is negative; raising it, friction adds to it. On free motion the
+        // load may pull either way.
+        let smallest = if sweeps && direction == Direction::Up { 0.0 } else { -MU_C_LARGEST };
+        if !(smallest..=MU_C_LARGEST).contains(&mu_c) {
             doubts.push(format!(
-                "mu_c = {mu_c:.3} moving {} is no likely friction coefficient: check gravity_nm, the radii, the torque's unit and the \
-                 zero of the position",
-                direction.name()
+                "mu_c = {mu_c:.3} moving {moving} is outside physics ({smallest} to {MU_C_LARGEST}): check gravity_nm, the radii, the \
+                 torque's unit and the zero of the position"
+            ));
+        }
+        let is_negative = branch.d < 0.0 && known(Term::Viscous).is_none_or(|known| known.high < 0.0);
+        if !sweeps && is_negative {
+            doubts.push(format!(
+                "d = {:.3} {} moving {moving} is viscous friction that drives the motion: it compensates for an unmodelled effect; do \
+                 not use it beyond the recorded speeds",
+                branch.d,
+                Term::Viscous.unit(model.joint.kind)
             ));
         }
     }
+    doubts.extend(hysteresis_that_drives(model));
+    doubts
+}
+
+/// B moving up lies above B moving down, or friction would drive the motion.
+fn hysteresis_that_drives(model: &Model) -> Option<String> {
+    let (up, down) = (model.functions.branches.up.as_ref()?, model.functions.branches.down.as_ref()?);
+    let of = |level: &Level| {
+        let other = down.at(level.speed_rad_s)?;
+        let se_nm = level.se_nm.hypot(other.se_nm).hypot(up.common_se_nm).hypot(down.common_se_nm);
+        let width_nm = level.b_nm - other.b_nm;
+        (width_nm + 2.0 * HALF_WIDTH * se_nm < 0.0).then_some((level.speed_rad_s, width_nm))
+    };
+    let (speed, width_nm) = up.levels.iter().find_map(of)?;
+    let kind = model.joint.kind;
+    Some(format!(
+        "B(v) moving up lies {:.4} {} below B(v) moving down at {speed:.3} {}: friction that drives the motion; torque_sign or the \
+         position's sign is likely wrong",
+        -width_nm,
+        kind.torque_unit(),
+        kind.speed_unit()
+    ))
+}
+
+/// What a reader should not take at face value.
+pub fn doubts(model: &Model, sweeps: bool) -> Vec<String> {
+    let mut doubts = outside_physics(model, sweeps);
     // What the form taken leaves out has no interval at all; reports say so at its place.
     let bad = |status: Status| -> Vec<&str> {
         let known = |c: &Confidence| c.status == status && (status != Status::Flat || c.low.is_finite());
@@ -52,6 +94,10 @@ pub fn doubts(model: &Model, sweeps: bool) -> Vec<String> {
     };
     for (status, meaning) in [
         (Status::TradeOff, "known only together with others (trade_off): do not read as separate values"),
+        (
+            Status::Merged,
+            "several parameters of the two-exponential form in one (merged): do not read as the single parameter",
+        ),
         (Status::Flat, "not shown by these data (flat): do not use as values"),
         (Status::AtBound, "at the limit of what the data could show (at_bound)"),
     ] {

@@ -2,7 +2,7 @@
 
 use super::branch::Branch;
 use super::check::few_speeds;
-use super::confidence::demote;
+use super::confidence::{demote, merged, spanning};
 use super::covariance::Covariance;
 use super::forms::{self, Cut, Judge, Taken};
 use super::legs::{Amplitude, LegFit, weights};
@@ -16,6 +16,8 @@ use std::path::Path;
 
 pub use super::forms::Form;
 
+/// Exponentials of (19).
+const FULL: usize = 2;
 /// Speeds at which the confidence band of B is drawn.
 const BAND_POINTS: usize = 60;
 
@@ -48,6 +50,8 @@ pub struct FrictionFit {
     pub wanted: usize,
     /// Why the model takes fewer exponentials than were asked for; `None` when it does not.
     pub cut: Option<Cut>,
+    /// Standard error that all points B share, from A and the position's zero, N m.
+    pub b_common_se_nm: f64,
     /// Share of the variance of B that the taken fit explains; NaN where it is exactly determined.
     pub r_squared: f64,
 }
@@ -104,12 +108,41 @@ fn branch(data: &Data, direction: Direction, form: Form) -> Result<Branch> {
     Ok(Branch { direction, a, scale, points, forms, supported, wanted })
 }
 
+/// `known` of the parameters of `form` as what is known of the parameters of (19), which has two exponentials.
+///
+/// The exponential of a smaller form stands for two. Its a_j and d are those of (19) as far as the two exponentials
+/// leave them: their intervals span what that form says of them, and where the speeds cannot hold it they are merged too.
+fn of_the_paper(
+    branch: &Branch,
+    form: &ExponentialFit,
+    mut known: [Confidence; Term::COUNT],
+) -> [Confidence; Term::COUNT] {
+    if form.rates.len() == FULL {
+        return known;
+    }
+    let full = branch.forms.iter().find(|other| other.rates.len() == FULL).and_then(|full| {
+        let profile = branch.points.profile(full, Vec::new(), CONSPIRING)?;
+        Some(branch.scale.confidence(full, Some(&profile), &branch.points))
+    });
+    for (at, term) in Term::ALL.into_iter().enumerate() {
+        let known = &mut known[at];
+        match (term, &full) {
+            (Term::JointStribeck | Term::JointDecay, _) if !form.rates.is_empty() => *known = merged(*known),
+            (Term::Coulomb | Term::Viscous, Some(full)) => *known = spanning(*known, full[at]),
+            (Term::Coulomb | Term::Viscous, None) => *known = merged(*known),
+            _ => {}
+        }
+    }
+    known
+}
+
 /// The fit with the form that was taken.
 fn take(branch: &Branch, Taken { form, cut }: &Taken) -> FrictionFit {
     let (slow, fast) = branch.points.speed_range_rad_s();
     let band = (0..BAND_POINTS).map(|i| slow * (fast / slow).powf(i as f64 / (BAND_POINTS - 1) as f64)).collect();
     let profile = branch.points.profile(form, band, CONSPIRING);
-    let mut confidence = branch.scale.confidence(form, profile.as_ref(), &branch.points);
+    let known = branch.scale.confidence(form, profile.as_ref(), &branch.points);
+    let mut confidence = of_the_paper(branch, form, known);
     if !branch.a.describes() {
         demote(confidence.iter_mut());
     }
@@ -123,6 +156,7 @@ fn take(branch: &Branch, Taken { form, cut }: &Taken) -> FrictionFit {
         friction: branch.scale.friction(form),
         confidence,
         covariance: Covariance::new(&branch.scale, form, &branch.points),
+        b_common_se_nm: branch.scale.common_se_of_b_nm(),
         r_squared: r_squared(form, &branch.points.b_nm),
         why: forms::why(&branch.forms, branch.supported),
         supported: branch.supported,

@@ -216,7 +216,7 @@ pub fn consistent<'l>(
     let moving = direction.name();
     let wrong = |what: String, cure: &str, key: &str| Err(Problem::error(campaign, what, cure).in_column(key));
     if !a.a_nm.is_finite() {
-        let what = format!("moving {moving}, the load does not change along a leg: A is not to be had from it");
+        let what = format!("moving {moving}, the load does not change along a leg: A cannot be identified from it");
         let cure = "record sweeps along which the load changes, or mark the trials `free`";
         return Err(Problem::error(campaign, what, cure));
     }

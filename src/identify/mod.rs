@@ -11,6 +11,7 @@ pub mod drift;
 mod forms;
 pub mod free;
 pub mod friction;
+mod functions;
 mod judge;
 pub mod legs;
 mod moving;
@@ -45,7 +46,7 @@ pub use zero::Zero;
 
 use crate::dynamics::JointKind;
 use crate::log::{Arm, Campaign, Protocol, TrialEntry};
-use crate::model::{Both, Combination, Confidence, Direction, Friction, Model, Status, Term};
+use crate::model::{Both, Combination, Confidence, Direction, Friction, Functions, Model, Status, Term};
 use crate::problem::{Problem, Problems, Result};
 use drift::{Drift, LegTime};
 use predicted::Prepared;
@@ -80,7 +81,7 @@ impl Settings {
 pub enum Route {
     /// By the five steps on constant-speed sweeps.
     Sweeps(Box<Both<FrictionFit>>),
-    /// From free motion, for want of sweeps.
+    /// From free motion, where there are no sweeps.
     Free(Box<FreeFit>),
 }
 
@@ -168,6 +169,7 @@ pub fn blank_model(campaign: &Campaign) -> Model {
         combination: Combination::Sign,
         effects: Vec::new(),
         confidence: BTreeMap::new(),
+        functions: Functions::default(),
     }
 }
 
@@ -260,8 +262,9 @@ fn first_repeats(trials: &[Prepared], entries: &[TrialEntry]) -> Vec<Prepared> {
     trials.iter().zip(entries).filter(|(_, entry)| first(entry)).map(|(trial, _)| trial.clone()).collect()
 }
 
-/// `model` with the friction that `fits` found and its confidence.
+/// `model` with the friction that `fits` found and its confidence, and with A and B(v).
 pub fn with_friction(mut model: Model, fits: &Both<FrictionFit>) -> Model {
+    model.functions = functions::of_sweeps(fits);
     for direction in Direction::BOTH {
         let fit = fits.of(direction);
         *model.friction.of_mut(direction) = fit.friction;
@@ -282,8 +285,8 @@ fn from_free_motion(campaign: &Campaign, readings: Vec<Reading>, settings: Setti
     let lowpass_hz = campaign.signal.lowpass_hz;
     let mut warnings: Vec<String> = readings.iter().flat_map(|r| r.warnings.iter().map(Problem::to_string)).collect();
     warnings.push(
-        "no uniform sweeps in this campaign: A(v) and B(v) are not to be had; friction and combination come from free \
-         motion, judged on strokes that their fit did not see"
+        "no uniform sweeps in this campaign: A(v) and B(v) cannot be identified; friction and combination are fitted to free \
+         motion and validated on held-out strokes"
             .to_string(),
     );
     let (rows, trials) = (readings.iter().map(|r| r.rows).sum(), readings.len());
@@ -305,6 +308,7 @@ fn from_free_motion(campaign: &Campaign, readings: Vec<Reading>, settings: Setti
     if settings.refine {
         warnings.push("--refine changes nothing here: without sweeps all parameters are fitted together anyway".into());
     }
+    model.functions = functions::of_free_motion(&fit.fit, &prepared);
     let rests_on = rests_on::of_free_motion(&model);
     let residuals = residuals(&prepared, &entries, &model);
     warnings.splice(0..0, zero::warning_of_fit(&model));

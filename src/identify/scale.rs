@@ -126,6 +126,13 @@ impl Scale {
         places
     }
 
+    /// Standard error that A and the position's zero give all points B = y - A R alike, N m.
+    pub fn common_se_of_b_nm(&self) -> f64 {
+        let by_zero_nm_rad = self.a.by_zero_nm_rad * self.mean_sine + self.a.a_nm * self.mean_slope;
+        let half_nm = (self.a.given_zero_nm * self.mean_sine).hypot(by_zero_nm_rad * self.a.zero_half_width_rad);
+        if half_nm.is_finite() { half_nm / HALF_WIDTH } else { 0.0 }
+    }
+
     /// Variance of the position's zero, rad^2.
     pub fn variance_of_zero(&self) -> f64 {
         (self.a.zero_half_width_rad / HALF_WIDTH).powi(2)

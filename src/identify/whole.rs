@@ -34,6 +34,10 @@ pub struct WholeFit {
     pub rmse_nm: f64,
     /// What is known of each free parameter, by dotted name.
     pub confidence: Vec<(String, Confidence)>,
+    /// The free parameters.
+    pub free: Vec<Free>,
+    /// Their covariance as they move, by the sandwich over strokes; NaN where the data do not tell them apart.
+    pub covariance: DMatrix<f64>,
     /// How it stopped.
     pub stopped: Stopped,
 }
@@ -49,9 +53,9 @@ pub fn fit_whole(parts: &[Part], start: &Model, free: &[Free], limits: &Limits) 
     let problem = Whole { parts, start, free };
     let minimum = problem.minimum(limits, PATIENCE);
     let model = problem.model(&minimum.parameters);
-    let confidence = problem.confidence(&minimum, limits);
+    let (confidence, covariance) = problem.confidence(&minimum, limits);
     let rmse_nm = (minimum.residual_sum / minimum.residual_count as f64).sqrt();
-    WholeFit { model, rmse_nm, confidence, stopped: minimum.stopped }
+    WholeFit { model, rmse_nm, confidence, free: free.to_vec(), covariance, stopped: minimum.stopped }
 }
 
 /// The model alone of the same fit, with less patience: to be compared with others.
@@ -97,7 +101,7 @@ impl Whole<'_> {
     }
 
     /// Intervals by the sandwich over strokes: errors of one stroke hang together, those of different strokes hardly.
-    fn confidence(&self, minimum: &Minimum, limits: &Limits) -> Vec<(String, Confidence)> {
+    fn confidence(&self, minimum: &Minimum, limits: &Limits) -> (Vec<(String, Confidence)>, DMatrix<f64>) {
         let errors = self.residuals(&minimum.parameters);
         let jacobian = self.jacobian(&minimum.parameters);
         let strokes = self.strokes();
@@ -134,7 +138,11 @@ impl Whole<'_> {
             };
             (free.name(), confidence)
         };
-        self.free.iter().enumerate().map(told).collect()
+        let known = self.free.iter().enumerate().map(told).collect();
+        let is_told = |i: usize| !minimum.unscaled_covariance[(i, i)].is_nan();
+        let n = self.free.len();
+        let told = DMatrix::from_fn(n, n, |i, j| if is_told(i) && is_told(j) { covariance[(i, j)] } else { f64::NAN });
+        (known, told)
     }
 
     /// Rows of each stroke.

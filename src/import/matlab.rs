@@ -7,7 +7,7 @@
 use super::{Series, mat5};
 use crate::limits::{Budget, HDF5_LINKS, HDF5_READ_BYTES, HDF5_READ_PER_BYTE, MATRIX_COLUMNS, STRUCTURE_DEPTH, shown};
 use crate::problem::{Problem, Result};
-use hdf5_pure::{DType, Dataset, Error, File, FormatError, Group, Source};
+use hdf5_pure::{DType, Dataset, Error, File, FormatError, Group, Layout, Source};
 use std::path::Path;
 use std::sync::atomic::{AtomicU64, Ordering};
 
@@ -20,7 +20,8 @@ pub(super) fn read(file: &Path, bytes: Vec<u8>) -> Result<Vec<Series>> {
 }
 
 fn read_hdf5(file: &Path, bytes: Vec<u8>) -> Result<Vec<Series>> {
-    let mut walk = Walk { budget: Budget::of_file(bytes.len() as u64), links: 0, all: Vec::new() };
+    let file_bytes = bytes.len() as u64;
+    let mut walk = Walk { budget: Budget::of_file(file_bytes), file_bytes, links: 0, all: Vec::new() };
     let opened = File::from_source(Metered::of(bytes)).map_err(|error| error.to_string());
     match opened.and_then(|opened| walk.fields(&opened.root(), "", STRUCTURE_DEPTH)) {
         Ok(()) => Ok(walk.all),
@@ -65,6 +66,7 @@ impl Source for Metered {
 /// Going through the structures of a file.
 struct Walk {
     budget: Budget,
+    file_bytes: u64,
     /// Names looked at so far: hard links can make a group a part of itself.
     links: usize,
     all: Vec<Series>,
@@ -106,6 +108,7 @@ impl Walk {
             return Ok(());
         }
         self.budget.take_numbers(unpacked(data, &shape))?;
+        within(data, self.file_bytes)?;
         match data.read_f64() {
             Ok(values) => {
                 let size = |side: u64| usize::try_from(side).unwrap_or(0);
@@ -127,6 +130,21 @@ fn unpacked(data: &Dataset, shape: &[u64]) -> u64 {
         _ => *side,
     };
     shape.iter().enumerate().map(side).fold(1, u64::saturating_mul)
+}
+
+/// Errors: stored numbers of which the file's own structures say that they lie beyond its end. The reader makes room for a
+/// chunk of the size that is declared, up to 4 GB, before it looks whether the file holds it.
+fn within(data: &Dataset, file_bytes: u64) -> std::result::Result<(), String> {
+    let told = |error: Error| error.to_string();
+    let beyond = |from: u64, size: u64| from.checked_add(size).is_none_or(|end| end > file_bytes);
+    let is_cut_off = match data.layout().map_err(told)? {
+        Layout::Chunked { .. } => {
+            data.chunks().map_err(told)?.iter().any(|chunk| beyond(chunk.address, chunk.storage_size))
+        }
+        Layout::Contiguous { address: Some(address), size } => beyond(address, size),
+        _ => false,
+    };
+    if is_cut_off { Err("the file declares more of it than it holds".to_string()) } else { Ok(()) }
 }
 
 fn is_number(kind: &DType) -> bool {

@@ -66,7 +66,7 @@ pub fn read(file: &Path) -> Result<Option<Vec<Series>>> {
         "csv" | "txt" => scope::read(file, &bytes()?).map(Some),
         _ => {
             let cure = "it takes .mat (MATLAB), .mcap (ROS 2), .csv and .txt (TwinCAT Scope), .csv and .parquet";
-            Problem::error(file, "is no kind of log known here", cure).alone()
+            Problem::error(file, "is of an unsupported log format", cure).alone()
         }
     }
 }

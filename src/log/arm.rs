@@ -144,7 +144,7 @@ impl Declared {
             for (at, column) in open.iter().zip(&left) {
                 places[*at] = Some(Place::Column(*column));
                 let (joint, name) = (joints[*at].0, &columns[*column].column.name);
-                let what = format!("column `{name}` is taken for joint `{joint}`, for want of a better match");
+                let what = format!("column `{name}` is taken for joint `{joint}`, as no other matches better");
                 section.doubt("urdf", what, format!("say so: add joint = \"{joint}\" to it under [columns]"));
             }
         }

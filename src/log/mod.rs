@@ -148,7 +148,7 @@ fn read_columns(file: &Path, entry: &TrialEntry, wanted: &[Wanted], faults: &mut
     match extension.to_ascii_lowercase().as_str() {
         "csv" => csv_file::read(file, entry.is_incomplete(), wanted, faults),
         "parquet" => parquet_file::read(file, wanted, faults),
-        _ => Problem::error(file, "is no kind of log known here", "save it as .csv or .parquet").alone(),
+        _ => Problem::error(file, "is of an unsupported log format", "save it as .csv or .parquet").alone(),
     }
 }
 

@@ -1,6 +1,6 @@
 //! `model.json`: read and written.
 
-use super::{Both, ChainName, Combination, Confidence, Direction, Friction, Joint, Model, Status, Term};
+use super::{Both, ChainName, Combination, Confidence, Direction, Friction, Functions, Joint, Model, Status, Term};
 use crate::document::{Document, Section};
 use crate::dynamics::{Dynamics, JointKind};
 use crate::effects::{Added, LIBRARY, Parameter};
@@ -53,6 +53,7 @@ impl Model {
         let combination = root.need("combination").section(read_combination);
         let effects = root.may("effects").sections(read_effect).unwrap_or_default();
         let confidence = root.may("confidence").sections_by_name(|_, s| read_confidence(s)).unwrap_or_default();
+        let functions = root.may("functions").section(Functions::read).unwrap_or_default();
         let (dynamics, chain) = dynamics?;
         Some(Self {
             joint: joint?,
@@ -62,6 +63,7 @@ impl Model {
             combination: combination?,
             effects,
             confidence,
+            functions,
         })
     }
 
@@ -96,7 +98,7 @@ impl Model {
             (dynamics["urdf"], dynamics["joint"]) = (json!(urdf), json!(joint));
         }
         let confidence: Map<String, Value> = self.confidence.iter().map(|(n, c)| (n.clone(), c.to_json())).collect();
-        json!({
+        let mut all = json!({
             "format": FORMAT,
             "joint": joint,
             "dynamics": dynamics,
@@ -104,7 +106,11 @@ impl Model {
             "combination": combination,
             "effects": self.effects.iter().map(Added::to_json).collect::<Vec<Value>>(),
             "confidence": confidence,
-        })
+        });
+        if !self.functions.is_empty() {
+            all["functions"] = self.functions.to_json();
+        }
+        all
     }
 }
 

@@ -4,6 +4,7 @@ mod added;
 mod combination;
 mod file;
 mod friction;
+mod functions;
 pub mod groups;
 mod joint;
 mod passage;
@@ -13,6 +14,7 @@ pub use crate::dynamics::{Both, Direction};
 pub use combination::{Combination, STABLE_K_F, Transition, moved, on_the_way, scale_of_arctan, settle};
 pub use file::{RecordedCurve, recorded_curves};
 pub use friction::{Friction, Term, combined, decayed, loss};
+pub use functions::{BranchFunctions, Functions, Level};
 pub use groups::Group;
 pub use joint::Joint;
 pub use passage::{AT_REST_RAD_S, Passage};
@@ -40,6 +42,8 @@ pub struct Model<S = f64> {
     pub effects: Vec<Added<S>>,
     /// How well each parameter is known, by dotted name (`friction.up.a_j`); empty when nobody said.
     pub confidence: BTreeMap<String, Confidence>,
+    /// A and B(v) as the identification measured them.
+    pub functions: Functions,
 }
 
 impl Model {
@@ -81,6 +85,7 @@ impl Model {
             },
             effects: self.effects.iter().map(effect).collect(),
             confidence: BTreeMap::new(),
+            functions: Functions::default(),
         }
     }
 }
@@ -114,6 +119,9 @@ pub enum Status {
     Pinned,
     /// Known only together with others: a change is made up for by theirs.
     TradeOff,
+    /// Stands for several of the full form's parameters, where a smaller form was taken: the interval is of what they make
+    /// together.
+    Merged,
     /// Hardly changes the prediction at all.
     Flat,
     /// Ended at the limit of what is physical.
@@ -122,13 +130,14 @@ pub enum Status {
 
 impl Status {
     /// All of them.
-    pub const ALL: [Self; 4] = [Self::Pinned, Self::TradeOff, Self::Flat, Self::AtBound];
+    pub const ALL: [Self; 5] = [Self::Pinned, Self::TradeOff, Self::Merged, Self::Flat, Self::AtBound];
 
     /// The name used in files.
     pub fn name(self) -> &'static str {
         match self {
             Self::Pinned => "pinned",
             Self::TradeOff => "trade_off",
+            Self::Merged => "merged",
             Self::Flat => "flat",
             Self::AtBound => "at_bound",
         }

@@ -65,6 +65,11 @@ pub fn poisson_bound(count: f64) -> f64 {
     ChiSquared::new(2.0 * (count + 1.0)).map_or(f64::INFINITY, |chi| chi.inverse_cdf(CONFIDENCE) / 2.0)
 }
 
+/// Chance that chi squared with `freedom` degrees exceeds `value`; NaN without any.
+pub fn chi_squared_tail(value: f64, freedom: f64) -> f64 {
+    ChiSquared::new(freedom).map_or(f64::NAN, |chi| chi.sf(value.max(0.0)))
+}
+
 /// Chance that Fisher's F with `over` and `under` degrees of freedom exceeds `value`; 1 without any.
 pub fn fisher_tail(value: f64, over: f64, under: f64) -> f64 {
     FisherSnedecor::new(over, under).map_or(1.0, |f| f.sf(value.max(0.0)))

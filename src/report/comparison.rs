@@ -4,9 +4,29 @@ use super::number::{counted, interval, significant};
 use super::page::{Card, Drawing, Page, Table};
 use super::terminal::{BOLD, DIM, heading};
 use super::wording::{Units, moving};
-use crate::compare::{Change, Comparison, Level, Verdict};
+use crate::compare::{Cause, CauseKind, Change, Comparison, Level, Measure, Verdict};
+use crate::model::Direction;
 use serde_json::{Value, json};
 use std::io::{self, Write};
+
+/// `c` for programs.
+pub(super) fn cause_json(c: &Cause) -> Value {
+    json!({
+        "what": c.kind.name(),
+        "direction": c.direction.map(Direction::name),
+        "change_nm": in_torque(c).then_some(c.change),
+        "low_nm": in_torque(c).then_some(c.low),
+        "high_nm": in_torque(c).then_some(c.high),
+        "change_rad": (c.measure == Measure::Angle).then_some(c.change),
+        "relative": relative(c).map(|ends| ends[0]),
+        "relative_low": relative(c).map(|ends| ends[1]),
+        "relative_high": relative(c).map(|ends| ends[2]),
+        "parameters": c.kind.parameters(),
+        "or": c.rivals.iter().map(|(kind, direction)| {
+            json!({ "what": kind.name(), "direction": direction.map(Direction::name) })
+        }).collect::<Vec<Value>>(),
+    })
+}
 
 /// `found` between the models in the files called `names`; what is not known is null.
 pub fn to_json(found: &Comparison, names: &[String; 2]) -> Value {
@@ -23,9 +43,13 @@ pub fn to_json(found: &Comparison, names: &[String; 2]) -> Value {
             "after_nm": l.after_nm, "change_nm": l.after_nm - l.before_nm,
         })
     };
+    let known = found.attribution.is_known();
     json!({
         "format": "comparison/1",
         "joint": found.before.joint.name,
+        "changed": known.then_some(found.attribution.differs()),
+        "chance": known.then_some(found.attribution.chance),
+        "what_changed": found.attribution.causes.iter().map(cause_json).collect::<Vec<Value>>(),
         "parameters": found.changes.iter().map(change).collect::<Vec<Value>>(),
         "friction": found.levels.iter().map(level).collect::<Vec<Value>>(),
         "combination": [found.before.combination.name(), found.after.combination.name()],
@@ -49,13 +73,92 @@ fn verdict_word(verdict: Verdict) -> &'static str {
     }
 }
 
-fn sentence(found: &Comparison, units: &Units) -> String {
+/// The change of `cause` and its interval as shares of what was before; `None` where that is nothing.
+fn relative(cause: &Cause) -> Option<[f64; 3]> {
+    let ends = [cause.change, cause.low, cause.high];
+    match cause.measure {
+        Measure::Share => Some(ends),
+        Measure::Torque { before_nm } => (before_nm > 0.0).then(|| ends.map(|end| end / before_nm)),
+        Measure::Angle => None,
+    }
+}
+
+fn in_torque(cause: &Cause) -> bool {
+    matches!(cause.measure, Measure::Torque { .. })
+}
+
+fn of_what(kind: CauseKind, direction: Option<Direction>) -> String {
+    let where_to = direction.map_or(String::new(), |direction| format!(" moving {}", direction.name()));
+    format!("{}{where_to}", kind.words())
+}
+
+/// One cause as a technician would tell it.
+pub(super) fn told_cause(cause: &Cause, units: &Units) -> String {
+    let percent = |ends: [f64; 3]| {
+        let [change, low, high] = ends.map(|end| 100.0 * end);
+        format!("{change:+.1} % [{low:.1}, {high:.1}]")
+    };
+    let speed = match cause.kind {
+        CauseKind::Viscous => " at the fastest speed",
+        CauseKind::Stribeck => " at the slowest speed",
+        _ => "",
+    };
+    let size = match (cause.measure, relative(cause)) {
+        (Measure::Angle, _) => {
+            let [change, low, high] = [cause.change, cause.low, cause.high].map(f64::to_degrees);
+            format!("{change:+.2} deg [{low:.2}, {high:.2}]")
+        }
+        (Measure::Share, Some(ends)) => percent(ends),
+        (_, ends) => {
+            // Friction opposes the motion: moving down it is negative at the sensor.
+            let sign = cause.direction.map_or(1.0, Direction::sign);
+            let share = ends.map_or(String::new(), |[change, low, high]| {
+                let (low, high) = if sign < 0.0 { (-high, -low) } else { (low, high) };
+                format!(", {} of the friction before", percent([sign * change, low, high]))
+            });
+            format!("{}{speed}{share}", units.torque(cause.change))
+        }
+    };
+    let rivals: Vec<String> = cause.rivals.iter().map(|(kind, direction)| of_what(*kind, *direction)).collect();
+    let or = match rivals.is_empty() {
+        true => String::new(),
+        false => format!(" (these data cannot tell it from {})", rivals.join(" or ")),
+    };
+    format!("{} changed by {size}{or}", of_what(cause.kind, cause.direction))
+}
+
+/// What changed, decided on A and B(v) where both models have them.
+fn told(found: &Comparison, units: &Units) -> String {
     let changed: Vec<&str> =
         found.changes.iter().filter(|c| c.verdict == Verdict::Changed).map(|c| c.name.as_str()).collect();
-    let told = match changed.len() {
-        0 => "No parameter changed beyond its confidence".to_string(),
-        n => format!("{} changed beyond confidence: {}", counted(n, "parameter", "parameters"), changed.join(", ")),
+    let causes: Vec<String> = found.attribution.causes.iter().map(|cause| told_cause(cause, units)).collect();
+    let parameters = match changed.len() {
+        0 => "no single parameter changed beyond its interval".to_string(),
+        n => format!(
+            "{} changed beyond {}: {}",
+            counted(n, "parameter", "parameters"),
+            if n == 1 { "its interval" } else { "their intervals" },
+            changed.join(", ")
+        ),
     };
+    match (found.attribution.is_known(), causes.is_empty()) {
+        (true, false) => format!("{}; {parameters}", causes.join("; ")),
+        (true, true) if found.attribution.differs() => {
+            format!("A and B(v) changed beyond their intervals, as no single cause explains; {parameters}")
+        }
+        (true, true) => format!("A and B(v) are the same within their intervals; {parameters}"),
+        (false, _) => {
+            let mut parameters = parameters;
+            parameters[..1].make_ascii_uppercase();
+            format!(
+                "{parameters}; the models do not hold A and B(v) with intervals, so whether the prediction's change is real is not known"
+            )
+        }
+    }
+}
+
+fn sentence(found: &Comparison, units: &Units) -> String {
+    let told = told(found, units);
     let (a, b) = (found.before.combination.name(), found.after.combination.name());
     let curve = if a == b { String::new() } else { format!("; the combination passes from {a} to {b}") };
     let share = if found.load_is_missing() { " (friction alone: gravity and inertia are the chain's)" } else { "" };

@@ -1,11 +1,12 @@
 //! Many campaigns as `fleet.json`, on the terminal, and as a page.
 
+use super::comparison::{cause_json, told_cause};
 use super::number::{counted, interval, significant};
 use super::page::{Card, Drawing, Page, Table};
 use super::terminal::{BOLD, DIM, YELLOW, heading};
 use super::wording::{Units, moving};
-use crate::batch::{Drift, Fleet, Joint, Outlier, Row};
-use crate::compare::parameters_of;
+use crate::batch::{Drift, Fleet, Joint, Outlier, Retensioning, Row};
+use crate::compare::{Attribution, parameters_of};
 use crate::model::Direction;
 use serde_json::{Value, json};
 use std::io::{self, Write};
@@ -22,12 +23,16 @@ pub fn to_json(fleet: &Fleet) -> Value {
         json!({ "name": d.name, "unit": d.unit, "before": d.before, "after": d.after,
                 "change": d.after - d.before, "low": d.low, "high": d.high })
     };
+    let causes = |of: &Attribution| of.causes.iter().map(cause_json).collect::<Vec<Value>>();
+    let retensioning = |r: &Retensioning| json!({ "date": r.date, "before": name(r.rows[0]), "after": name(r.rows[1]), "what_changed": causes(&r.changed) });
     let joint = |j: &Joint| {
         json!({
             "joint": j.name,
             "campaigns": j.rows.iter().map(|at| name(*at)).collect::<Vec<_>>(),
             "retensioned": j.retensioned,
             "since": name(j.since),
+            "what_changed": causes(&j.changed),
+            "retensionings": j.retensionings.iter().map(retensioning).collect::<Vec<Value>>(),
             "drifted": j.drifts.iter().map(drift).collect::<Vec<Value>>(),
             "prediction_rms_change_nm": j.change_nm,
             "incomparable": j.incomparable,
@@ -112,6 +117,36 @@ fn drifts(fleet: &Fleet) -> Cells<7> {
     (["joint", "campaigns", "what", "before", "after", "change", "its interval"], rows.collect())
 }
 
+/// What A and B(v) say of a change, as a technician would.
+fn told(changed: &Attribution, units: &Units) -> String {
+    let causes: Vec<String> = changed.causes.iter().map(|cause| told_cause(cause, units)).collect();
+    match (changed.is_known(), causes.is_empty()) {
+        (false, _) => "not known: no A and B(v) of both".to_string(),
+        (true, false) => causes.join("; "),
+        (true, true) if changed.differs() => "A and B(v) changed, as no single cause explains".to_string(),
+        (true, true) => "nothing beyond the intervals".to_string(),
+    }
+}
+
+fn retensionings(fleet: &Fleet) -> Cells<4> {
+    let row = |joint: &Joint, r: &Retensioning| {
+        let kind = fleet.rows[r.rows[1]].model.as_ref().map(|model| model.joint.kind).unwrap_or_default();
+        let span = format!("{} to {}", when(fleet, r.rows[0]), when(fleet, r.rows[1]));
+        [joint.name.clone(), r.date.clone(), span, told(&r.changed, &Units::of(kind))]
+    };
+    let rows = fleet.joints.iter().flat_map(|joint| joint.retensionings.iter().map(move |r| row(joint, r)));
+    (["joint", "retensioned", "campaigns", "what it changed"], rows.collect())
+}
+
+fn changes(fleet: &Fleet) -> Cells<3> {
+    let row = |joint: &Joint| {
+        let kind = fleet.rows[joint.since].model.as_ref().map(|model| model.joint.kind).unwrap_or_default();
+        let span = format!("{} to {}", when(fleet, joint.since), when(fleet, joint.last()));
+        [joint.name.clone(), span, told(&joint.changed, &Units::of(kind))]
+    };
+    (["joint", "campaigns", "what changed"], fleet.joints.iter().filter(|j| j.changed.differs()).map(row).collect())
+}
+
 fn outliers(fleet: &Fleet) -> Cells<5> {
     let row = |o: &Outlier| {
         [
@@ -137,7 +172,7 @@ fn joints(fleet: &Fleet) -> Cells<7> {
         let drifted = match (&joint.incomparable, joint.since == joint.last()) {
             (Some(why), _) => why.clone(),
             (None, true) => "one campaign since".to_string(),
-            (None, false) if joint.drifts.is_empty() => "no".to_string(),
+            (None, false) if joint.drifts.is_empty() => if joint.changed.differs() { "yes" } else { "no" }.to_string(),
             _ => joint.drifts.iter().map(|d| words(&d.name, &fleet.rows[joint.since])).collect::<Vec<_>>().join("; "),
         };
         let diagnosis = last.record.diagnosis.as_ref();
@@ -189,6 +224,16 @@ pub fn page(fleet: &Fleet, name: &str, drawings: Vec<Drawing>) -> Page {
         counted(fleet.compared, "value", "values")
     );
     let tables = [
+        table(
+            "What changed since the cables were last retensioned",
+            "Decided on A and B(v) of the first campaign since then and the last, with the intervals of both.",
+            changes(fleet),
+        ),
+        table(
+            "What each retensioning changed",
+            "The last campaign before against the first since; both as recorded, with the intervals of both.",
+            retensionings(fleet),
+        ),
         table("What drifted", &drift_intro, drifts(fleet)),
         table("Campaigns that failed", "Each by itself; the others are not touched.", failures(fleet)),
         table(
@@ -226,10 +271,12 @@ pub fn write_summary(out: &mut impl Write, fleet: &Fleet, written: &Path) -> io:
         counted(fleet.rows.len(), "campaign", "campaigns"),
         sentence(fleet)
     )?;
+    lines(out, "Changed since the cables were last retensioned", changes(fleet).1)?;
+    lines(out, "Changed by retensioning", retensionings(fleet).1)?;
     lines(out, "Drifted", drifts(fleet).1)?;
     lines(out, "Stand out", outliers(fleet).1)?;
     lines(out, "Failed", failures(fleet).1)?;
-    lines(out, "To distrust", fleet.warnings.iter().map(|warning| [warning.clone()]).collect())?;
+    lines(out, "Warnings", fleet.warnings.iter().map(|warning| [warning.clone()]).collect())?;
     writeln!(out, "\n  {}", written.join("report.html").display())
 }
 

@@ -64,7 +64,7 @@ fn trades(fit: &FrictionFit) -> String {
         format!("{} and {} {}", one.name(), other.name(), with_minus(&format!("{r:.3}")))
     };
     match &fit.covariance {
-        Err(reason) => format!("The covariance of the parameters is not to be had: {reason}."),
+        Err(reason) => format!("The covariance of the parameters cannot be computed: {reason}."),
         Ok(covariance) => {
             let pairs: Vec<String> = covariance.strongest(TRADES_SHOWN).into_iter().map(pair).collect();
             format!("Strongest correlations of the parameters: {}.", pairs.join(", "))

@@ -90,7 +90,7 @@ pub fn report<'a>(
     figures: &'a [(&Figure, String)],
 ) -> askama::Result<String> {
     let units = Units::of(found.model.joint.kind);
-    let [up, down] = Direction::BOTH.map(|direction| friction(&found.model, direction, found.route.sweeps()));
+    let [up, down] = Direction::BOTH.map(|direction| friction(&found.model, direction));
     let Verdict { short, steps } = verdict(found);
     let view = |(figure, svg): &'a (&Figure, String)| FigureView {
         name: figure.name,
@@ -140,7 +140,9 @@ fn cards(found: &Identification, units: &Units) -> Vec<Card> {
                 add(&format!("A {}", moving(direction)), value, amplitude_spread(&a));
             }
         }
-        Route::Free(free) => add("held-out RMSE", units.torque(free.held_out_nm), free.form.name().to_string()),
+        Route::Free(free) => {
+            add("held-out RMSE", units.torque(free.held_out_nm), free.form.name(free.is_loaded).to_string())
+        }
     }
     if let Some(fit) = &found.combination {
         let curve = fit.curve();
@@ -182,6 +184,7 @@ fn status_chip(status: Status) -> Chip {
     let class = match status {
         Status::Pinned => "pinned",
         Status::TradeOff => "trade-off",
+        Status::Merged => "merged",
         Status::Flat => "flat",
         Status::AtBound => "at-bound",
     };
@@ -200,7 +203,7 @@ fn forms(found: &Identification, units: &Units) -> Vec<FormsTable> {
 fn free_forms(found: &Identification, units: &Units) -> Vec<FreeFormRow> {
     let Route::Free(free) = &found.route else { return Vec::new() };
     let row = |(form, held_out_nm): &(crate::identify::free::FreeForm, f64)| FreeFormRow {
-        name: form.name(),
+        name: form.name(free.is_loaded),
         held_out: units.torque(*held_out_nm),
         taken: *form == free.form,
     };

@@ -168,7 +168,7 @@ fn refinement(refined: &Refinement) -> Value {
 }
 
 fn free_motion(free: &FreeFit) -> Value {
-    let form = |(form, held_out_nm): &(crate::identify::free::FreeForm, f64)| json!({ "form": form.name(), "held_out_rmse_nm": held_out_nm, "taken": *form == free.form });
+    let form = |(form, held_out_nm): &(crate::identify::free::FreeForm, f64)| json!({ "form": form.name(free.is_loaded), "held_out_rmse_nm": held_out_nm, "taken": *form == free.form });
     json!({
         "forms": free.forms.iter().map(form).collect::<Vec<Value>>(),
         "held_out_rmse_nm": free.held_out_nm,

@@ -46,6 +46,7 @@ pub mod parameters;
 pub mod plots;
 pub mod png;
 pub mod predicted;
+pub mod repeatability;
 pub mod tables;
 pub mod terminal;
 pub mod verdict;
@@ -54,7 +55,7 @@ pub mod wording;
 pub use output::Output;
 pub use tables::{read_trials_csv, trials_csv};
 
-use crate::batch::{self, Fleet};
+use crate::batch::{self, Fleet, Repeatability};
 use crate::compare::Comparison;
 use crate::evaluate::Evaluation;
 use crate::excite::{Asked, Limits};
@@ -126,6 +127,13 @@ pub fn write_comparison(found: &Comparison, names: &[String; 2], output: &Output
     output.write("comparison.json", json_text(&comparison::to_json(found, names)))?;
     let drawings = plots::comparison::drawings(found).or_else(|error| unmade(output, "plots", error))?;
     comparison::page(found, names, drawings).write(output, png)
+}
+
+/// Writes `repeatability.json`, the page and the plots to `output`.
+pub fn write_repeatability(found: &[Repeatability], output: &Output, png: bool) -> Result<()> {
+    output.write("repeatability.json", json_text(&repeatability::to_json(found)))?;
+    let drawings = plots::repeatability::drawings(found).or_else(|error| unmade(output, "plots", error))?;
+    repeatability::page(found, drawings).write(output, png)
 }
 
 /// Writes a file for each motion of `asked`, `excitation.json` and `plan.svg` to `output`; `png` asks for a picture too.

@@ -2,8 +2,9 @@
 
 use super::number::{interval, significant};
 use super::wording::Units;
-use crate::identify::{FrictionFit, Identification, zero};
-use crate::model::{Both, Combination, Confidence, Direction, Joint, Model, Status, Term};
+use crate::identify::stribeck::rate_limits;
+use crate::identify::{Identification, zero};
+use crate::model::{Combination, Confidence, Direction, Model, Status, Term};
 
 /// One parameter, in the unit in which it is shown.
 #[derive(Debug, Clone, PartialEq)]
@@ -24,12 +25,17 @@ pub struct Parameter {
     pub left_out: bool,
     /// Whether the interval's lower and upper end are where the search for it ended, not what the data say.
     pub searched: [bool; 2],
+    /// Whether the interval is wider than what is physically possible.
+    pub is_open: bool,
 }
 
 impl Parameter {
     /// Its interval in words; empty where nothing is known of it.
     pub fn interval(&self) -> String {
         let Some(known) = self.confidence.filter(|_| !self.left_out) else { return String::new() };
+        if self.is_open {
+            return "not identifiable".to_string();
+        }
         let text = interval(self.value, known.low, known.high);
         match (text.split_once(" to "), self.searched) {
             (Some((_, high)), [true, false]) => format!("search limit to {high}"),
@@ -42,13 +48,12 @@ impl Parameter {
 
 /// Friction of both branches, `up` first, in the order of [`Term::ALL`], then the combination.
 pub fn parameters(model: &Model) -> Vec<Parameter> {
-    let branches = Direction::BOTH.into_iter().flat_map(|direction| friction(model, direction, None));
+    let branches = Direction::BOTH.into_iter().flat_map(|direction| friction(model, direction));
     branches.chain(combination(model)).collect()
 }
 
-/// The seven of one branch, in the order of [`Term::ALL`]; the fits of the sweeps, if it comes of any, tell where the
-/// rates' intervals ended with the search.
-pub fn friction(model: &Model, direction: Direction, sweeps: Option<&Both<FrictionFit>>) -> [Parameter; Term::COUNT] {
+/// The seven of one branch, in the order of [`Term::ALL`].
+pub fn friction(model: &Model, direction: Direction) -> [Parameter; Term::COUNT] {
     let branch = model.friction.of(direction);
     Term::ALL.map(|term| {
         let value = branch[term];
@@ -66,27 +71,42 @@ pub fn friction(model: &Model, direction: Direction, sweeps: Option<&Both<Fricti
             // A Stribeck term without amplitude is no term, whatever its rate says.
             left_out: branch.lacks(term) || open && value == 0.0,
             searched: [false; 2],
+            is_open: false,
         };
-        match sweeps {
-            Some(fits) => with_search_limits(row, fits.of(direction), &model.joint),
-            None => row,
-        }
+        with_limits(row, term, direction, model)
     })
 }
 
+/// A force whose half width exceeds this many times the largest friction measured is not identifiable.
+const TIMES_MEASURED: f64 = 3.0;
 /// An end this close to a limit, relative to it, is the limit.
 const AT_LIMIT: f64 = 1e-6;
 
-fn with_search_limits(row: Parameter, fit: &FrictionFit, joint: &Joint) -> Parameter {
-    let per_rate = match row.name {
-        name if name == Term::CableDecay.name() => 1.0 / joint.pulley_radius_m,
-        name if name == Term::JointDecay.name() => 1.0,
-        _ => return row,
+/// `row` with what the recorded speeds and the friction that was measured say of its interval: whether an end is where the search
+/// for a rate ended, and whether it is wider than any friction that the torque allows.
+fn with_limits(row: Parameter, term: Term, direction: Direction, model: &Model) -> Parameter {
+    let (Some(functions), Some(known)) = (model.functions.branches.of(direction), row.confidence) else { return row };
+    let speeds = functions.levels.first().zip(functions.levels.last());
+    let Some(range) = speeds.map(|(slow, fast)| (slow.speed_rad_s, fast.speed_rad_s)) else { return row };
+    let (slow, fast) = rate_limits(range);
+    let at_limit = |per_rate: f64| {
+        move |end: f64| [slow, fast].iter().any(|limit| (end.abs() / (limit * per_rate) - 1.0).abs() < AT_LIMIT)
     };
-    let (slow, fast) = fit.points.rate_limits();
-    let at_limit = |end: f64| [slow, fast].iter().any(|limit| (end.abs() / (limit * per_rate) - 1.0).abs() < AT_LIMIT);
-    let searched = row.confidence.map_or([false; 2], |c| [at_limit(c.low), at_limit(c.high)]);
-    Parameter { searched, ..row }
+    let largest_nm = functions.levels.iter().map(|level| level.b_nm.abs()).fold(0.0, f64::max);
+    let largest_n = largest_nm / model.joint.winch_radius_m;
+    let widest = match term {
+        Term::Load => 1.0,
+        Term::Coulomb | Term::CableStribeck | Term::JointStribeck => TIMES_MEASURED * largest_n,
+        Term::Viscous => TIMES_MEASURED * largest_n / range.1,
+        Term::CableDecay | Term::JointDecay => f64::INFINITY,
+    };
+    let is_open = (known.high - known.low) / 2.0 > widest;
+    let searched = match term {
+        Term::CableDecay => [known.low, known.high].map(at_limit(1.0 / model.joint.pulley_radius_m)),
+        Term::JointDecay => [known.low, known.high].map(at_limit(1.0)),
+        _ => [false; 2],
+    };
+    Parameter { searched, is_open, ..row }
 }
 
 /// The curve's and the clearance.
@@ -105,6 +125,7 @@ pub fn combination(model: &Model) -> Vec<Parameter> {
             confidence,
             left_out: false,
             searched: [false; 2],
+            is_open: false,
         });
     };
     match model.combination {

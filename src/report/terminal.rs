@@ -37,7 +37,7 @@ pub fn write_summary(
         Route::Sweeps(fits) => sweeps(out, fits, &units)?,
         Route::Free(free) => free_motion(out, free, &units)?,
     }
-    parameter_table(out, &found.model, found.route.sweeps())?;
+    parameter_table(out, &found.model)?;
     if let Some(fit) = &found.combination {
         curves(out, fit, &units)?;
     }
@@ -61,7 +61,7 @@ pub fn write_summary(
 /// Writes what to distrust, if anything.
 pub(super) fn distrust(out: &mut impl Write, warnings: &[String]) -> io::Result<()> {
     if !warnings.is_empty() {
-        heading(out, "To distrust")?;
+        heading(out, "Warnings")?;
     }
     warnings.iter().try_for_each(|warning| writeln!(out, "  {YELLOW}!{YELLOW:#} {}", wrapped(warning, 4)))
 }
@@ -111,14 +111,14 @@ fn free_motion(out: &mut impl Write, free: &FreeFit, units: &Units) -> io::Resul
     heading(out, "Friction from free motion")?;
     for (form, held_out_nm) in &free.forms {
         let taken = if *form == free.form { "taken" } else { "" };
-        writeln!(out, "  {:<46} {:>12} held out  {taken}", form.name(), units.torque(*held_out_nm))?;
+        writeln!(out, "  {:<46} {:>12} held out  {taken}", form.name(free.is_loaded), units.torque(*held_out_nm))?;
     }
     Ok(())
 }
 
-/// Friction in both directions side by side; `sweeps` are the fits that it comes from, if it does.
-pub fn parameter_table(out: &mut impl Write, model: &Model, sweeps: Option<&Both<FrictionFit>>) -> io::Result<()> {
-    let [up, down] = Direction::BOTH.map(|direction| friction(model, direction, sweeps));
+/// Friction in both directions side by side.
+pub fn parameter_table(out: &mut impl Write, model: &Model) -> io::Result<()> {
+    let [up, down] = Direction::BOTH.map(|direction| friction(model, direction));
     heading(out, "Friction parameters, with 95 % intervals")?;
     let head = |direction| format!("{:<width$}", moving(direction), width = CELL);
     writeln!(out, "  {DIM}{:<6} {:<8} {} {}{DIM:#}", "", "unit", head(Direction::Up), head(Direction::Down))?;
@@ -155,6 +155,7 @@ fn style(status: Status) -> Style {
     match status {
         Status::Pinned => AnsiColor::Green.on_default(),
         Status::TradeOff => YELLOW,
+        Status::Merged => YELLOW,
         Status::Flat => DIM,
         Status::AtBound => AnsiColor::Red.on_default(),
     }

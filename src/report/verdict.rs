@@ -45,7 +45,7 @@ fn source(found: &Identification) -> String {
     let (trials, rows) = (counted(found.trials, "trial", "trials"), counted(found.rows, "row", "rows"));
     let route = match &found.route {
         Route::Sweeps(_) => format!("from {} at constant speed", counted(found.legs.len(), "leg", "legs")),
-        Route::Free(_) => "from free motion, for want of sweeps at constant speed".to_string(),
+        Route::Free(_) => "from free motion, as there are no sweeps at constant speed".to_string(),
     };
     format!("The friction of joint {} was identified {route}: {trials}, {rows}.", found.model.joint.name)
 }
@@ -78,7 +78,7 @@ fn friction(fits: &Both<FrictionFit>, units: &Units) -> String {
 }
 
 fn free_motion(free: &FreeFit, units: &Units) -> String {
-    let (form, held_out) = (free.form.name(), units.torque(free.held_out_nm));
+    let (form, held_out) = (free.form.name(free.is_loaded), units.torque(free.held_out_nm));
     format!("The friction taken is {form}: it leaves {held_out} RMSE on strokes that its fit did not see.")
 }
 
@@ -106,7 +106,7 @@ fn combination(fit: &CombinationFit, units: &Units) -> String {
 }
 
 fn no_combination() -> String {
-    "How friction changes over after a reversal was not to be had; the model changes at once (sign).".to_string()
+    "How friction changes over after a reversal could not be identified; the model changes at once (sign).".to_string()
 }
 
 /// What refining gained, in a sentence.
@@ -129,6 +129,7 @@ fn sureness(found: &Identification) -> String {
     let parts = [
         (count(Status::Pinned), "known by themselves"),
         (count(Status::TradeOff), "known only together with others"),
+        (count(Status::Merged), "merged with others in a smaller form"),
         (count(Status::Flat), "not shown by these data"),
         (count(Status::AtBound), "at the limit of what these data could show"),
     ];

@@ -52,7 +52,7 @@ impl Units {
     /// A with what is known of it.
     pub fn amplitude(&self, a: &Amplitude) -> String {
         match a.half_width_nm.is_finite() {
-            _ if a.fixed => format!("0 {}, fixed for want of a load", self.torque),
+            _ if a.fixed => format!("0 {}, fixed, as there is no load", self.torque),
             true => format!("{} {}, {}", as_precise_as(a.a_nm, a.half_width_nm), self.torque, amplitude_spread(a)),
             false => format!("{} {}, {}", significant(a.a_nm, 4), self.torque, amplitude_spread(a)),
         }
@@ -63,7 +63,7 @@ impl Units {
 pub fn amplitude_spread(a: &Amplitude) -> String {
     let figure = |x: f64| as_precise_as(x, x);
     match a.half_width_nm.is_finite() {
-        _ if a.fixed => "fixed for want of a load".to_string(),
+        _ if a.fixed => "fixed, as there is no load".to_string(),
         true => format!("95 % ± {}, SD {} over {} legs", figure(a.half_width_nm), figure(a.sd_nm), a.legs),
         false => "from a single leg".to_string(),
     }
@@ -73,7 +73,7 @@ pub fn amplitude_spread(a: &Amplitude) -> String {
 pub fn met(fit: &FrictionFit, units: &Units) -> String {
     match fit.taken.freedom() < 1.0 {
         true => "exactly determined".to_string(),
-        false => format!("met to {}, R² {}", units.torque(fit.taken.rmse_nm), r_squared(fit.r_squared)),
+        false => format!("fit RMSE {}, R² {}", units.torque(fit.taken.rmse_nm), r_squared(fit.r_squared)),
     }
 }
 
@@ -82,6 +82,7 @@ pub fn status_word(status: Status) -> &'static str {
     match status {
         Status::Pinned => "pinned",
         Status::TradeOff => "trade-off",
+        Status::Merged => "merged",
         Status::Flat => "flat",
         Status::AtBound => "at bound",
     }
@@ -93,6 +94,9 @@ pub fn status_meaning(status: Status) -> &'static str {
         Status::Pinned => "known by itself: its standard error is at most 10 % of it",
         Status::TradeOff => {
             "known only together with others: a change is made up for by theirs, so do not read it alone"
+        }
+        Status::Merged => {
+            "several parameters of the two-exponential form (19) in one: the interval is of their sum, not of the single parameter"
         }
         Status::Flat => "hardly changes the prediction: these data do not show it, so do not use its value",
         Status::AtBound => "ended at the limit of what these data could show: the true value may lie beyond",

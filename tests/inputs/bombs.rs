@@ -81,3 +81,11 @@ fn hdf5_that_unpacks_without_end_is_refused() {
     let said = imported("a.mat", &bomb).unwrap_err();
     assert!(said.contains("`x`: unpacks to more than"), "{said}");
 }
+
+/// Room for a chunk is made by its declared size: 4 GB in a file of 15 kB.
+#[test]
+fn hdf5_that_declares_more_than_it_holds_is_refused_before_it_is_read() {
+    let bomb = include_bytes!("../fuzz/corpus/mat73/chunk_of_4_gb");
+    let said = imported("a.mat", bomb).unwrap_err();
+    assert!(said.contains("`t`: the file declares more of it than it holds"), "{said}");
+}

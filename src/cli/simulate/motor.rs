@@ -21,7 +21,7 @@ pub struct Motor {
     /// Inertia of motor and gear about the winch, before the torque sensor, kg m^2
     #[arg(long, requires = "closed_loop", default_value_t = 0.0, help_heading = "Closed loop")]
     motor_inertia_kg_m2: f64,
-    /// The controller adds the torque that the model without --effect foretells along the command
+    /// The controller adds the torque that the model without --effect predicts along the command
     #[arg(long, requires = "closed_loop", help_heading = "Closed loop")]
     feedforward: bool,
 }

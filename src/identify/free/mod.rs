@@ -1,7 +1,7 @@
 //! Campaigns without sweeps: friction and combination from free motion.
 //!
-//! A(v) and B(v) are not to be had: no leg holds one speed. What the motion shows is fitted on whole series instead, in forms
-//! of growing size with every curve, each judged on strokes that its fit never saw. What the motion cannot show keeps its
+//! A(v) and B(v) cannot be identified: no leg holds one speed. What the motion shows is fitted on whole series instead, in forms
+//! of growing size with every curve, each validated on held-out strokes. What the motion cannot show keeps its
 //! neutral value and is marked `flat`.
 
 mod choice;
@@ -40,19 +40,24 @@ impl FreeForm {
     pub const ALL: [Self; 3] = [Self::Viscous, Self::Load, Self::Stribeck];
 
     /// In words.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Viscous => "Coulomb and viscous",
-            Self::Load => "Coulomb, viscous and load",
-            Self::Stribeck => "Coulomb, viscous, load and one Stribeck term",
+    pub fn name(self, is_loaded: bool) -> &'static str {
+        match (self, is_loaded) {
+            (Self::Viscous, _) | (Self::Load, false) => "Coulomb and viscous",
+            (Self::Load, true) => "Coulomb, viscous and load",
+            (Self::Stribeck, true) => "Coulomb, viscous, load and one Stribeck term",
+            (Self::Stribeck, false) => "Coulomb, viscous and one Stribeck term",
         }
     }
 
-    fn parameters(self) -> &'static [Term] {
-        match self {
-            Self::Viscous => &[Term::Coulomb, Term::Viscous],
-            Self::Load => &[Term::Load, Term::Coulomb, Term::Viscous],
-            Self::Stribeck => &[Term::Load, Term::Coulomb, Term::JointStribeck, Term::JointDecay, Term::Viscous],
+    /// Its parameters; without a load that changes, mu_c is only a factor of all the others.
+    fn parameters(self, is_loaded: bool) -> &'static [Term] {
+        match (self, is_loaded) {
+            (Self::Viscous, _) | (Self::Load, false) => &[Term::Coulomb, Term::Viscous],
+            (Self::Load, true) => &[Term::Load, Term::Coulomb, Term::Viscous],
+            (Self::Stribeck, true) => {
+                &[Term::Load, Term::Coulomb, Term::JointStribeck, Term::JointDecay, Term::Viscous]
+            }
+            (Self::Stribeck, false) => &[Term::Coulomb, Term::JointStribeck, Term::JointDecay, Term::Viscous],
         }
     }
 }
@@ -62,6 +67,8 @@ impl FreeForm {
 pub struct FreeFit {
     /// Each form with the curve taken, and its RMSE on strokes that its fit did not see, N m.
     pub forms: Vec<(FreeForm, f64)>,
+    /// Whether the load changes along the motion; else mu_c cannot be identified.
+    pub is_loaded: bool,
     /// The form taken.
     pub form: FreeForm,
     /// RMSE of the taken form and curve on strokes that their fit did not see, N m.
@@ -90,8 +97,9 @@ pub fn fit_free(
     let estimate_backlash = settings.estimate_backlash;
     let widest_rad = if estimate_backlash { MAX_BACKLASH * limits.stroke_rad } else { model.joint.backlash_rad() };
     let halves = Halves::new(trials, folds, widest_rad, lowpass_hz, campaign)?;
-    let start = start(trials, model);
-    let search = Search { halves: &halves, start: &start, limits: &limits, estimate_backlash };
+    let is_loaded = is_loaded(trials, model);
+    let start = start(trials, model, is_loaded);
+    let search = Search { halves: &halves, start: &start, limits: &limits, estimate_backlash, is_loaded };
     let choice = Choice::new(&search, settings.wanted);
     let Choice { form, kind, .. } = choice;
     let fit = search.fit(kind, form, choice.judged(kind, form));
@@ -113,12 +121,29 @@ pub fn fit_free(
         combination.warnings.extend(combination.checks.iter().filter_map(Check::warning));
     }
     Ok(FreeFit {
-        forms: FreeForm::ALL.map(|form| (form, rmse_nm(&choice.judged(kind, form).sums))).to_vec(),
+        forms: FreeForm::ALL
+            .into_iter()
+            .filter(|form| is_loaded || *form != FreeForm::Load)
+            .map(|form| (form, rmse_nm(&choice.judged(kind, form).sums)))
+            .collect(),
+        is_loaded,
         held_out_nm: rmse_nm(&choice.judged(kind, form).sums),
         form,
         fit,
         combination,
     })
+}
+
+/// Whether the load at the joint changes by enough of what is measured to tell friction that goes with it from the rest.
+fn is_loaded(trials: &[Prepared], model: &Model) -> bool {
+    /// Share of the measured torque's spread.
+    const SEEN: f64 = 0.01;
+    let load = |trial: &Prepared| {
+        let of = trial.series.joint_torque_nm(&model.dynamics);
+        (0..trial.series.torque_nm.len()).map(of).collect::<Vec<f64>>()
+    };
+    let loads: Vec<f64> = trials.iter().flat_map(load).collect();
+    model.joint.transmission() * standard_deviation(&loads) > SEEN * spread_nm(trials)
 }
 
 /// Standard deviation of the measured torque, N m.

@@ -40,6 +40,8 @@ pub struct Search<'a> {
     pub limits: &'a Limits,
     /// Whether X_cl is free.
     pub estimate_backlash: bool,
+    /// Whether the load changes along the motion.
+    pub is_loaded: bool,
 }
 
 impl Search<'_> {
@@ -116,7 +118,8 @@ impl Search<'_> {
     }
 
     fn free(&self, kind: CurveKind, form: FreeForm) -> Vec<Free> {
-        let friction = |direction| form.parameters().iter().map(move |term| Free::Friction(direction, *term));
+        let friction =
+            |direction| form.parameters(self.is_loaded).iter().map(move |term| Free::Friction(direction, *term));
         let mut free: Vec<Free> = Direction::BOTH.into_iter().flat_map(friction).collect();
         free.extend(kind.range().map(|_| Free::Curve(kind)));
         free.extend(self.moves_backlash(kind).then_some(Free::Backlash));
@@ -126,7 +129,7 @@ impl Search<'_> {
 
 /// Coulomb friction from the mean torque beyond the load in each direction; of the rest a little, for a parameter that
 /// starts at its bound has no slope to leave it by.
-pub fn start(trials: &[Prepared], model: &Model) -> Model {
+pub fn start(trials: &[Prepared], model: &Model, is_loaded: bool) -> Model {
     let mut start = model.clone();
     for direction in Direction::BOTH {
         let (mut sum, mut count) = (0.0, 0.0);
@@ -141,8 +144,12 @@ pub fn start(trials: &[Prepared], model: &Model) -> Model {
             }
         }
         let mean_n = if count > 0.0 { sum / count / model.joint.winch_radius_m } else { 0.0 };
-        *start.friction.of_mut(direction) =
-            Friction { mu_c: 0.05, a_j: mean_n, d: 0.01 * mean_n.abs(), ..Friction::default() };
+        *start.friction.of_mut(direction) = Friction {
+            mu_c: if is_loaded { 0.05 } else { 0.0 },
+            a_j: mean_n,
+            d: 0.01 * mean_n.abs(),
+            ..Friction::default()
+        };
     }
     start
 }

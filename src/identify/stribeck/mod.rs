@@ -17,7 +17,7 @@ mod search;
 
 pub use profile::Profile;
 
-use crate::model::decayed;
+use crate::model::{Level, decayed};
 use crate::numerics::linear::{LinearFit, solve};
 use crate::numerics::marquardt::Stopped;
 use crate::numerics::statistics::root_mean_square;
@@ -30,6 +30,8 @@ const SLOWEST: f64 = 0.2;
 const FASTEST: f64 = 5.0;
 /// The fast rate is at least this much above the slow one, or the two columns are one.
 const RATIO_MIN: f64 = 1.02;
+/// Repeats beyond the first, over all speeds, whose scatter tells the error of a single point.
+const REPEATS_MIN: f64 = 6.0;
 
 /// B against speed, one direction.
 #[derive(Debug, Clone, PartialEq)]
@@ -69,6 +71,11 @@ pub struct ExponentialFit {
     pub stopped: Stopped,
     /// Rates that ended at the limit of the search.
     pub at_bound: Vec<bool>,
+}
+
+/// The rates that sweeps from the slowest to the fastest speed, rad/s, could show, s/rad.
+pub fn rate_limits((slowest_rad_s, fastest_rad_s): (f64, f64)) -> (f64, f64) {
+    (SLOWEST / fastest_rad_s, FASTEST / slowest_rad_s)
 }
 
 /// "no exponential", "one exponential", "two exponentials".
@@ -123,6 +130,22 @@ impl Points {
         Self { speed_rad_s, b_nm, speeds, within }
     }
 
+    /// Mean B at each speed with its standard error: from the scatter of repeats where there are enough of them, else from
+    /// what `fit` leaves; NaN where neither says anything.
+    pub fn means(&self, fit: &ExponentialFit) -> impl Iterator<Item = Level> {
+        let of_repeats = self.b_nm.len() as f64 - self.speeds.len() as f64;
+        let variance = match of_repeats >= REPEATS_MIN {
+            true => self.within / of_repeats,
+            false if fit.freedom() >= 1.0 => fit.residual_sum / fit.freedom(),
+            false => f64::NAN,
+        };
+        self.speeds.iter().map(move |s| Level {
+            speed_rad_s: s.speed_rad_s,
+            b_nm: s.b_nm,
+            se_nm: (variance / s.weight).sqrt(),
+        })
+    }
+
     /// How many different speeds there are.
     pub fn distinct_speeds(&self) -> usize {
         self.speeds.len()
@@ -136,8 +159,7 @@ impl Points {
 
     /// The rates that the data could show, s/rad.
     pub fn rate_limits(&self) -> (f64, f64) {
-        let (slowest, fastest) = self.speed_range_rad_s();
-        (SLOWEST / fastest, FASTEST / slowest)
+        rate_limits(self.speed_range_rad_s())
     }
 
     /// Root of the weighted sum of squares over all points of `slope` of the speed.

@@ -75,6 +75,7 @@ pub mod palette {
         match status {
             Status::Pinned => GREEN,
             Status::TradeOff => ORANGE,
+            Status::Merged => BLUE,
             Status::Flat => GREY,
             Status::AtBound => PURPLE,
         }

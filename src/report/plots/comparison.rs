@@ -1,6 +1,6 @@
 //! The figures of a comparison: friction, combination, prediction.
 
-use crate::compare::{Comparison, unloaded_nm};
+use crate::compare::Comparison;
 use crate::model::{Direction, Model};
 use crate::report::chart::{Axis, Drawn, Frame, Mark, Stroke, palette, span, svg, thin};
 use crate::report::page::Drawing;
@@ -33,10 +33,7 @@ fn friction(found: &Comparison) -> Drawn<Drawing> {
     let units = Units::of(found.before.joint.kind);
     let x = Axis::log(format!("speed ({})", units.speed), [SPEEDS_RAD_S.0, SPEEDS_RAD_S.1]);
     let curve = |model: &Model, direction| -> Vec<(f64, f64)> {
-        x.spread(SPEEDS_RAD_S.0, SPEEDS_RAD_S.1, 200)
-            .into_iter()
-            .map(|v| (v, unloaded_nm(model, direction, v)))
-            .collect()
+        x.spread(SPEEDS_RAD_S.0, SPEEDS_RAD_S.1, 200).into_iter().map(|v| (v, model.b_nm(direction, v))).collect()
     };
     let models = [&found.before, &found.after];
     let all = Direction::BOTH.into_iter().flat_map(|d| models.map(|m| curve(m, d))).flatten().map(|p| p.1);
@@ -116,8 +113,7 @@ fn prediction(found: &Comparison) -> Drawn<Drawing> {
     Ok(Drawing {
         name: "prediction".to_string(),
         title: "What it does to the predicted torque".to_string(),
-        caption: "Torque that both models foretell along the paper's cosine cascade, and after less before."
-            .to_string(),
+        caption: "Torque that both models predict along the paper's cosine cascade, and after less before.".to_string(),
         svg: drawn,
     })
 }

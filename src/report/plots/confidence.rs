@@ -97,6 +97,7 @@ fn sign(status: Status) -> Mark {
     match status {
         Status::Pinned => Mark::Disc(4.5),
         Status::TradeOff => Mark::Diamond,
+        Status::Merged => Mark::Up,
         Status::Flat => Mark::Ring,
         Status::AtBound => Mark::Square,
     }

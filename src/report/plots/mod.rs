@@ -9,6 +9,7 @@ pub mod excitation;
 pub mod fleet;
 mod friction;
 pub mod interaction;
+pub mod repeatability;
 mod residual_cloud;
 mod residual_time;
 mod sweep;

@@ -42,7 +42,7 @@ pub(super) fn draw(shown: &Shown) -> Drawn<Drawing> {
         title: format!("{}: raw", trial.entry.file),
         caption: "Torque as the sensor gave it and the prediction, neither of them filtered; below, their difference. Bands \
                   run from the lowest to the highest reading of each short stretch. Their width is the sensor's noise, which \
-                  no model foretells."
+                  no model predicts."
             .to_string(),
         svg,
     })

@@ -1,0 +1,314 @@
+//! Several recordings of one joint under nominally the same conditions: which of its parameters, and which of the functions
+//! that they amount to, come out the same; which scatter more than their intervals claim; which follow a named condition.
+//!
+//! Each run gives a value with its standard error s. With weights 1 / s^2, the sum of squares about their mean, Q, is chi
+//! squared with one degree less than there are runs if the intervals tell the whole scatter (Cochran's Q). What exceeds it is a
+//! variance between runs tau^2 by the method of moments of DerSimonian and Laird (Controlled Clinical Trials 7:177, 1986).
+
+use super::table::Row;
+use crate::compare::parameters_of;
+use crate::model::{Direction, Model, Status};
+use crate::numerics::statistics::{HALF_WIDTH, chi_squared_tail, fisher_tail, mean, student_t};
+use std::collections::BTreeMap;
+
+/// Fewest runs that can be judged.
+pub const RUNS_MIN: usize = 3;
+/// Scatter that chance would give less often than this is more than the intervals claim.
+const MORE_THAN_CLAIMED: f64 = 0.01;
+/// A condition explains the scatter when chance would do as well less often than this.
+const EXPLAINED: f64 = 0.01;
+/// Pairs that absorb each other are correlated over the runs by more than this ...
+const ABSORBED: f64 = 0.9;
+/// ... in at least so many runs.
+const ABSORBED_RUNS: usize = 5;
+/// Speeds at which B(v) is compared: the slowest and the fastest that all runs have, and the middle on a logarithmic scale.
+const LEVELS: usize = 3;
+
+/// Runs of one joint, judged.
+#[derive(Debug, Clone)]
+pub struct Repeatability {
+    /// The joint's name.
+    pub joint: String,
+    /// Names of the runs.
+    pub runs: Vec<String>,
+    /// Each parameter and function.
+    pub quantities: Vec<Quantity>,
+    /// Pairs of parameters that change against or with each other from run to run, with their correlation.
+    pub absorbed: Vec<(String, String, f64)>,
+}
+
+/// One parameter or function over the runs.
+#[derive(Debug, Clone)]
+pub struct Quantity {
+    /// Its dotted name, or the function's.
+    pub name: String,
+    /// Its unit.
+    pub unit: &'static str,
+    /// Value and standard error of each run; `None` where that run does not show it.
+    pub values: Vec<Option<(f64, f64)>>,
+    /// Weighted mean over the runs; NaN where fewer than two show it.
+    pub mean: f64,
+    /// Half width of a single run's 95 % interval as the runs claim it: the median.
+    pub claimed: f64,
+    /// The same as the scatter shows it; NaN where it is not identifiable.
+    pub honest: f64,
+    /// What can be said.
+    pub verdict: Verdict,
+}
+
+/// What can be said of a quantity over the runs.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Verdict {
+    /// Its scatter is what its intervals claim.
+    Repeatable,
+    /// It scatters more than its intervals claim.
+    Scatters,
+    /// It follows a condition, by so much per unit of it or, of words, between its values.
+    DependsOn {
+        /// The condition's name.
+        condition: String,
+        /// The change per unit with its 95 % half width; `None` of a condition in words.
+        slope: Option<(f64, f64)>,
+    },
+    /// Most runs do not show it.
+    NotIdentifiable,
+}
+
+impl Verdict {
+    /// The name used in files.
+    pub fn name(&self) -> &'static str {
+        match self {
+            Self::Repeatable => "repeatable",
+            Self::Scatters => "scatters_more_than_claimed",
+            Self::DependsOn { .. } => "depends_on_condition",
+            Self::NotIdentifiable => "not_identifiable",
+        }
+    }
+}
+
+/// A condition of the runs.
+enum Condition<'a> {
+    Number(Vec<f64>),
+    Word(Vec<&'a str>),
+}
+
+impl Repeatability {
+    /// Of each joint of which `rows` hold enough runs.
+    pub fn of(rows: &[Row]) -> Vec<Self> {
+        let mut joints: BTreeMap<&str, Vec<&Row>> = BTreeMap::new();
+        for row in rows.iter().filter(|row| row.model.is_some()) {
+            joints.entry(row.joint()).or_default().push(row);
+        }
+        joints.into_iter().filter(|(_, of)| of.len() >= RUNS_MIN).map(|(joint, of)| Self::new(joint, &of)).collect()
+    }
+
+    fn new(joint: &str, rows: &[&Row]) -> Self {
+        let models: Vec<&Model> = rows.iter().filter_map(|row| row.model.as_ref()).collect();
+        let mut names: BTreeMap<&String, ()> = BTreeMap::new();
+        rows.iter().for_each(|row| names.extend(row.entry.conditions.keys().map(|name| (name, ()))));
+        let conditions: Vec<(&String, Condition)> =
+            names.into_keys().filter_map(|name| Some((name, condition(rows, name)?))).collect();
+        let quantities = parameters(&models).into_iter().chain(functions(&models));
+        let quantities: Vec<Quantity> =
+            quantities.map(|(name, unit, values)| Quantity::new(name, unit, values, &conditions)).collect();
+        let absorbed = absorbed(&quantities);
+        Self {
+            joint: joint.to_string(),
+            runs: rows.iter().map(|row| row.entry.name.clone()).collect(),
+            quantities,
+            absorbed,
+        }
+    }
+}
+
+/// The condition called `name` of every run; `None` where one does not tell it, or all are the same.
+fn condition<'a>(rows: &[&'a Row], name: &String) -> Option<Condition<'a>> {
+    let texts: Option<Vec<&str>> = rows.iter().map(|row| row.entry.conditions.get(name).map(String::as_str)).collect();
+    let texts = texts.filter(|texts| texts.iter().any(|text| *text != texts[0]))?;
+    let numbers: std::result::Result<Vec<f64>, _> = texts.iter().map(|text| text.parse::<f64>()).collect();
+    Some(numbers.map_or(Condition::Word(texts), Condition::Number))
+}
+
+type Values = (String, &'static str, Vec<Option<(f64, f64)>>);
+
+/// Every parameter that was identified.
+fn parameters(models: &[&Model]) -> Vec<Values> {
+    let mut names: Vec<(String, &'static str)> = Vec::new();
+    for (name, unit, _) in models.iter().flat_map(|model| parameters_of(model)) {
+        let known = models.iter().any(|model| model.confidence.contains_key(&name));
+        if known && !names.iter().any(|(other, _)| *other == name) {
+            names.push((name, unit));
+        }
+    }
+    let of = |name: &String, model: &Model| {
+        let known = model.confidence.get(name)?;
+        let se = (known.high - known.low) / 2.0 / HALF_WIDTH;
+        let shown = !matches!(known.status, Status::Flat | Status::AtBound) && se.is_finite() && se > 0.0;
+        let value = parameters_of(model).into_iter().find(|row| row.0 == *name)?.2;
+        shown.then_some((value, se))
+    };
+    let row = |(name, unit): (String, &'static str)| {
+        let values = models.iter().map(|model| of(&name, model)).collect();
+        (name, unit, values)
+    };
+    names.into_iter().map(row).collect()
+}
+
+/// A of each direction and B(v) at some speeds.
+fn functions(models: &[&Model]) -> Vec<Values> {
+    let unit = models.first().map_or("", |model| model.joint.kind.torque_unit());
+    let mut all = Vec::new();
+    for direction in Direction::BOTH {
+        let branch = |model: &Model| model.functions.branches.of(direction).clone();
+        let a = |model: &&Model| {
+            let of = branch(model)?;
+            of.a_se_nm.is_finite().then_some((of.a_nm, of.a_se_nm))
+        };
+        all.push((format!("A moving {}", direction.name()), unit, models.iter().map(a).collect()));
+        let ends = |model: &Model| {
+            let levels = branch(model)?.levels;
+            Some((levels.first()?.speed_rad_s, levels.last()?.speed_rad_s))
+        };
+        let ranges: Vec<(f64, f64)> = models.iter().filter_map(|model| ends(model)).collect();
+        let slowest = ranges.iter().map(|range| range.0).fold(0.0, f64::max);
+        let fastest = ranges.iter().map(|range| range.1).fold(f64::INFINITY, f64::min);
+        if !(slowest > 0.0 && slowest < fastest && fastest.is_finite()) {
+            continue;
+        }
+        for at in 0..LEVELS {
+            let speed = slowest * (fastest / slowest).powf(at as f64 / (LEVELS - 1) as f64);
+            let b = |model: &&Model| {
+                let of = branch(model)?;
+                let level = of.at(speed.clamp(slowest, fastest))?;
+                let se = level.se_nm.hypot(of.common_se_nm);
+                se.is_finite().then_some((level.b_nm, se))
+            };
+            let name = format!("B({speed:.3} {}) moving {}", models[0].joint.kind.speed_unit(), direction.name());
+            all.push((name, unit, models.iter().map(b).collect()));
+        }
+    }
+    all
+}
+
+impl Quantity {
+    fn new(
+        name: String,
+        unit: &'static str,
+        values: Vec<Option<(f64, f64)>>,
+        conditions: &[(&String, Condition)],
+    ) -> Self {
+        let known: Vec<(usize, f64, f64)> =
+            values.iter().enumerate().filter_map(|(run, value)| value.map(|(x, se)| (run, x, se))).collect();
+        if known.len() < RUNS_MIN || 2 * known.len() <= values.len() {
+            let nan = f64::NAN;
+            return Self {
+                name,
+                unit,
+                values,
+                mean: nan,
+                claimed: nan,
+                honest: nan,
+                verdict: Verdict::NotIdentifiable,
+            };
+        }
+        let runs = known.len() as f64;
+        let (mean, q) = about_mean(&known);
+        let mut claimed: Vec<f64> = known.iter().map(|(.., se)| HALF_WIDTH * se).collect();
+        claimed.sort_by(f64::total_cmp);
+        let claimed = claimed[claimed.len() / 2];
+        let excess = between(&known, q);
+        let honest = if excess > 0.0 { claimed.hypot(student_t(runs - 1.0) * excess.sqrt()) } else { claimed };
+        let scatters = chi_squared_tail(q, runs - 1.0) < MORE_THAN_CLAIMED;
+        let explained = || {
+            let fits = conditions.iter().filter_map(|(name, condition)| Some((name, explains(&known, condition, q)?)));
+            fits.min_by(|a, b| a.1.0.total_cmp(&b.1.0))
+        };
+        let verdict = match scatters.then(explained).flatten() {
+            Some((condition, (chance, slope))) if chance < EXPLAINED => {
+                Verdict::DependsOn { condition: condition.to_string(), slope }
+            }
+            _ if scatters => Verdict::Scatters,
+            _ => Verdict::Repeatable,
+        };
+        Self { name, unit, values, mean, claimed, honest: if scatters { honest } else { claimed }, verdict }
+    }
+
+    /// By how much the honest interval is wider than the claimed one.
+    pub fn wider(&self) -> f64 {
+        self.honest / self.claimed
+    }
+}
+
+/// Weighted mean and Cochran's Q.
+fn about_mean(known: &[(usize, f64, f64)]) -> (f64, f64) {
+    let weight: f64 = known.iter().map(|(.., se)| se.powi(-2)).sum();
+    let mean = known.iter().map(|(_, x, se)| x * se.powi(-2)).sum::<f64>() / weight;
+    (mean, known.iter().map(|(_, x, se)| ((x - mean) / se).powi(2)).sum())
+}
+
+/// Variance between runs beyond what their standard errors explain.
+fn between(known: &[(usize, f64, f64)], q: f64) -> f64 {
+    let weights: Vec<f64> = known.iter().map(|(.., se)| se.powi(-2)).collect();
+    let total: f64 = weights.iter().sum();
+    let scale = total - weights.iter().map(|w| w * w).sum::<f64>() / total;
+    ((q - (known.len() as f64 - 1.0)) / scale).max(0.0)
+}
+
+/// Chance that a condition that does not matter would explain as much of `q`, and the slope with its half width.
+///
+/// The scatter within equal conditions judges, by Fisher's F, but counts as no less than the intervals claim.
+fn explains(known: &[(usize, f64, f64)], condition: &Condition, q: f64) -> Option<(f64, Option<(f64, f64)>)> {
+    let runs = known.len() as f64;
+    match condition {
+        Condition::Number(all) => {
+            let weight = |se: f64| se.powi(-2);
+            let total: f64 = known.iter().map(|(.., se)| weight(*se)).sum();
+            let middle = known.iter().map(|(run, _, se)| weight(*se) * all[*run]).sum::<f64>() / total;
+            let spread: f64 = known.iter().map(|(run, _, se)| weight(*se) * (all[*run] - middle).powi(2)).sum();
+            let slope = known.iter().map(|(run, x, se)| weight(*se) * (all[*run] - middle) * x).sum::<f64>() / spread;
+            let gained = slope * slope * spread;
+            let freedom = runs - 2.0;
+            let left = (q - gained).max(freedom);
+            let chance = if freedom >= 1.0 { fisher_tail(gained / (left / freedom), 1.0, freedom) } else { 1.0 };
+            let half = student_t(freedom) * (left / freedom / spread).sqrt();
+            (spread > 0.0).then_some((chance, Some((slope, half))))
+        }
+        Condition::Word(all) => {
+            let mut groups: BTreeMap<&str, Vec<(usize, f64, f64)>> = BTreeMap::new();
+            known.iter().for_each(|one| groups.entry(all[one.0]).or_default().push(*one));
+            let (over, freedom) = (groups.len() as f64 - 1.0, runs - groups.len() as f64);
+            let within: f64 = groups.values().map(|group| about_mean(group).1).sum();
+            let left = within.max(freedom);
+            let enough = over >= 1.0 && freedom >= 1.0;
+            enough.then(|| (fisher_tail((q - within) / over / (left / freedom), over, freedom), None))
+        }
+    }
+}
+
+/// Pairs of parameters that scatter together.
+fn absorbed(quantities: &[Quantity]) -> Vec<(String, String, f64)> {
+    let is_parameter = |quantity: &&Quantity| quantity.name.contains('.') && !quantity.name.starts_with("B(");
+    let parameters: Vec<&Quantity> = quantities.iter().filter(is_parameter).collect();
+    let mut pairs = Vec::new();
+    for (i, a) in parameters.iter().enumerate() {
+        for b in &parameters[i + 1..] {
+            let both: Vec<(f64, f64)> =
+                a.values.iter().zip(&b.values).filter_map(|(a, b)| Some((a.as_ref()?.0, b.as_ref()?.0))).collect();
+            let r = correlation(&both);
+            if both.len() >= ABSORBED_RUNS && r.abs() > ABSORBED {
+                pairs.push((a.name.clone(), b.name.clone(), r));
+            }
+        }
+    }
+    pairs.sort_by(|a, b| b.2.abs().total_cmp(&a.2.abs()));
+    pairs
+}
+
+/// Pearson's correlation.
+fn correlation(pairs: &[(f64, f64)]) -> f64 {
+    let (xs, ys): (Vec<f64>, Vec<f64>) = pairs.iter().copied().unzip();
+    let (x, y) = (mean(&xs), mean(&ys));
+    let sum = |of: &dyn Fn(&(f64, f64)) -> f64| pairs.iter().map(of).sum::<f64>();
+    let product = sum(&|p| (p.0 - x) * (p.1 - y));
+    product / (sum(&|p| (p.0 - x).powi(2)) * sum(&|p| (p.1 - y).powi(2))).sqrt()
+}
