@@ -127,6 +127,7 @@ impl Device {
         match fault {
             Fault::SafeOp { code, .. } => self.fall(code),
             Fault::Watchdog { .. } => self.starve(),
+            Fault::SecondMaster => self.reset(),
             Fault::WatchdogOff { .. } => {
                 self.is_unwatched = true;
                 self.memory.put(at::WATCHDOG_OUTPUTS, &[0, 0]);

@@ -50,6 +50,8 @@ pub enum Fault {
         /// Which device.
         device: usize,
     },
+    /// Another master on the wire resets all devices: they go to INIT.
+    SecondMaster,
     /// A device sends an emergency message (CoE) and goes on.
     Emergency {
         /// Which device.

@@ -33,7 +33,7 @@ pub use device::Device;
 pub use drive::{COUNTS_PER_REVOLUTION, RATED_TORQUE_MNM, device as drive, device_with as drive_with};
 pub use fault::{Fault, When};
 pub use terminal::{Terminal, VOLTS_PER_NM};
-pub use world::{Joint, Law, Motor, World};
+pub use world::{Joint, Law, MOTOR_INERTIA_KG_M2, Motor, World};
 
 use crate::model::Model;
 use crate::simulate::Load;
@@ -246,6 +246,13 @@ impl Bus {
             velocity_rad_s: joint.velocity_rad_s(),
             torque_nm: joint.torque_nm(),
         })
+    }
+
+    /// Sets a number in the object dictionary of the device at `place`, as the maker's own tool would.
+    pub fn set_object(&mut self, place: usize, index: u16, number: i64) {
+        if let Some(device) = self.devices.get_mut(place) {
+            device.dictionary.set(index, 0, number);
+        }
     }
 
     /// The devices, in the order of the wire.

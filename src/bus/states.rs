@@ -115,6 +115,12 @@ impl Device {
         }
     }
 
+    /// Another master has asked for INIT, and it is there at once.
+    pub(super) fn reset(&mut self) {
+        self.go(INIT);
+        self.show_state();
+    }
+
     /// Goes where it was asked to, if that is due and may be.
     pub(super) fn change_state(&mut self, now_ns: u64) {
         let Some(asked) = self.states.asked.take_if(|asked| asked.due_ns <= now_ns) else { return };

@@ -15,7 +15,7 @@ const SHORTEST_NS: u64 = 20_000;
 /// How long ago the joint was let go, ns.
 const SETTLES_IN_NS: u64 = 3_000_000_000;
 /// Inertia of the motor about the winch, kg m^2: that of the joint as it is felt there.
-const MOTOR_INERTIA_KG_M2: f64 = 1e-3;
+pub const MOTOR_INERTIA_KG_M2: f64 = 1e-3;
 
 /// What a motor does until it is told otherwise.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -59,20 +59,9 @@ pub fn bounded(wanted: Sent, last: Sent, at: At, limits: &Limits, torque_max_nm:
 
 #[cfg(test)]
 mod tests {
+    use super::super::limits::EXAMPLE as LIMITS;
     use super::*;
 
-    const LIMITS: Limits = Limits {
-        low_rad: 0.0,
-        high_rad: 1.5,
-        speed_rad_s: 0.5,
-        acceleration_rad_s2: 8.0,
-        torque_nm: 2.0,
-        torque_step_nm: 0.3,
-        lag_rad: 0.05,
-        approach_rad_s: 0.1,
-        stuck_rad: 0.005,
-        stop_rad: 0.1,
-    };
     const PERIOD_S: f64 = 0.001;
 
     fn sent(position_rad: f64, speed_rad_s: f64, torque_nm: f64) -> Sent {

@@ -72,5 +72,6 @@ pub(super) fn briefing(rig: &Rig, plan: &Plan, report: &[String], sight: &Sight)
          joint, and the joint supported where it must not fall without torque."
             .to_string(),
     );
+    lines.push("The word below gives the drive torque.".to_string());
     (lines, if has_fault { WORD_WITH_FAULT } else { WORD })
 }

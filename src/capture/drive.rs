@@ -154,6 +154,11 @@ pub fn brakes(code: i16) -> bool {
     (1..=8).contains(&code)
 }
 
+/// Whether quick-stop option `code` holds the joint at rest, with torque, until another command comes.
+pub fn holds(code: i16) -> bool {
+    (5..=8).contains(&code)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -7,6 +7,7 @@
 //! | `capture.log` | what happened when |
 //! | `*.csv` | the trials |
 
+use super::origin::{Origin, today_s};
 use super::rig::Rig;
 use crate::dynamics::JointKind;
 use crate::log::{Campaign, Captured, Column, Columns, TrialEntry, Uncertainty};
@@ -15,7 +16,6 @@ use crate::units::Unit;
 use std::fs::{File, OpenOptions};
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
-use std::time::{SystemTime, UNIX_EPOCH};
 
 /// What an incomplete trial is said to have broken off by until its end is known.
 const UNKNOWN: &str = "its end was not recorded: killed, without power, or without room on the disk";
@@ -35,19 +35,6 @@ pub struct Folder {
     origin: Origin,
 }
 
-/// When a capture began, by the time of day.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Origin {
-    since_1970_s: f64,
-}
-
-impl Origin {
-    /// How long ago that is, s.
-    pub fn elapsed_s(self) -> f64 {
-        (today_s() - self.since_1970_s).max(0.0)
-    }
-}
-
 impl Folder {
     /// Makes `path` for a capture by `rig`; `texts` are the files kept beside the logs, by name.
     ///
@@ -61,13 +48,9 @@ impl Folder {
             std::fs::create_dir_all(path)?;
             texts.iter().try_for_each(|(name, text)| replace(path, name, text))?;
             let campaign = campaign(path, rig, Vec::new());
-            let mut folder = Self {
-                path: path.to_path_buf(),
-                campaign,
-                notes: notes(path)?,
-                origin: Origin { since_1970_s: today_s() },
-            };
+            let mut folder = Self { path: path.to_path_buf(), campaign, notes: notes(path)?, origin: Origin::now() };
             folder.note("capture begins")?;
+            folder.note(&folder.origin.to_line())?;
             Ok(folder)
         };
         made().or_else(|error| {
@@ -98,12 +81,12 @@ impl Folder {
         // Before its first trial a capture has no campaign.
         let trials = if path.join(CAMPAIGN).exists() { listed(path)? } else { Vec::new() };
         let opened = || -> io::Result<Self> {
-            let first = std::fs::read_to_string(path.join(NOTES))?;
-            let since_1970_s = first.split(' ').next().and_then(|stamp| stamp.parse().ok()).unwrap_or_else(today_s);
-            let origin = Origin { since_1970_s };
+            let recorded_s = trials.iter().filter_map(|trial| last_time_s(&path.join(&trial.file))).fold(0.0, f64::max);
+            let origin = Origin::of_notes(&std::fs::read_to_string(path.join(NOTES))?, recorded_s);
             let campaign = campaign(path, rig, trials);
             let mut folder = Self { path: path.to_path_buf(), campaign, notes: notes(path)?, origin };
-            folder.note("capture goes on")?;
+            let (elapsed_s, clock) = folder.origin.elapsed();
+            folder.note(&format!("capture goes on, {elapsed_s:.1} s after it began, by {clock}"))?;
             Ok(folder)
         };
         opened().or_else(|error| unwritable(path, &error))
@@ -126,8 +109,8 @@ impl Folder {
     }
 
     /// When the first run began.
-    pub fn origin(&self) -> Origin {
-        self.origin
+    pub fn origin(&self) -> &Origin {
+        &self.origin
     }
 
     /// A trial begins.
@@ -159,14 +142,16 @@ impl Folder {
     }
 }
 
-/// The time of day, s since 1970.
-fn today_s() -> f64 {
-    SystemTime::now().duration_since(UNIX_EPOCH).unwrap_or_default().as_secs_f64()
-}
-
 /// The trials of the campaign in `path`, also those that are too short to be used.
 fn listed(path: &Path) -> Result<Vec<TrialEntry>> {
     Ok(crate::log::Survey::read(path)?.listed)
+}
+
+/// The time of the last whole row of a log, s.
+fn last_time_s(log: &Path) -> Option<f64> {
+    let text = std::fs::read_to_string(log).ok()?;
+    let (whole, _) = text.rsplit_once('\n')?;
+    whole.lines().next_back()?.split(',').next()?.parse().ok()
 }
 
 fn unwritable<T>(path: &Path, error: &io::Error) -> Result<T> {

@@ -132,20 +132,8 @@ impl Follow {
 
 #[cfg(test)]
 mod tests {
+    use super::super::limits::EXAMPLE as LIMITS;
     use super::*;
-
-    const LIMITS: Limits = Limits {
-        low_rad: 0.0,
-        high_rad: 1.5,
-        speed_rad_s: 0.5,
-        acceleration_rad_s2: 8.0,
-        torque_nm: 2.0,
-        torque_step_nm: 0.3,
-        lag_rad: 0.05,
-        approach_rad_s: 0.1,
-        stuck_rad: 0.005,
-        stop_rad: 0.1,
-    };
 
     /// After how many cycles of `way` and `position` (rad, of the cycle's number) it complains, and of what.
     fn told(way: impl Fn(f64) -> f64, position: impl Fn(f64) -> f64) -> Option<(u32, &'static str)> {

@@ -210,22 +210,25 @@ impl Watch {
     }
 }
 
+/// Limits of a joint that tests are made with.
+#[cfg(test)]
+pub(super) const EXAMPLE: Limits = Limits {
+    low_rad: 0.0,
+    high_rad: 1.5,
+    speed_rad_s: 0.5,
+    acceleration_rad_s2: 8.0,
+    torque_nm: 2.0,
+    torque_step_nm: 0.3,
+    lag_rad: 0.05,
+    approach_rad_s: 0.1,
+    stuck_rad: 0.005,
+    stop_rad: 0.1,
+};
+
 #[cfg(test)]
 mod tests {
+    use super::EXAMPLE as LIMITS;
     use super::*;
-
-    const LIMITS: Limits = Limits {
-        low_rad: 0.0,
-        high_rad: 1.5,
-        speed_rad_s: 0.5,
-        acceleration_rad_s2: 8.0,
-        torque_nm: 2.0,
-        torque_step_nm: 0.3,
-        lag_rad: 0.05,
-        approach_rad_s: 0.1,
-        stuck_rad: 0.005,
-        stop_rad: 0.1,
-    };
 
     fn at(position_rad: f64) -> Measured {
         Measured { position_rad, torque_nm: Some(0.5), command_rad: Some(position_rad), periods: 1 }

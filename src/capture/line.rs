@@ -142,15 +142,31 @@ impl<W: Wire> Line<'_, W> {
         }
     }
 
-    /// The last resort, past the stack: every device on the bus is told to leave OP, on which a drive must stop by itself.
-    ///
-    /// Sent three times, as frames may be lost.
+    /// The end, past the stack: every device on the bus is told to leave OP, on which a drive must stop by itself.
     pub fn drop_out(&mut self) {
+        self.send_past_stack(&DROP_OUT);
+    }
+
+    /// The same to the device at `station` alone.
+    pub fn drop_device(&mut self, station: u16) {
+        let mut frame = DROP_OUT;
+        frame[COMMAND_AT] = FPWR;
+        frame[ADDRESS_AT..ADDRESS_AT + 2].copy_from_slice(&station.to_le_bytes());
+        self.send_past_stack(&frame);
+    }
+
+    /// Three times, as frames may be lost.
+    fn send_past_stack(&mut self, frame: &[u8]) {
         for _ in 0..3 {
-            let _ = self.wire.send(&DROP_OUT);
+            let _ = self.wire.send(frame);
         }
     }
 }
+
+/// Where the datagram's command and address stand in `DROP_OUT`, and the command that writes to one station (FPWR).
+const COMMAND_AT: usize = 16;
+const ADDRESS_AT: usize = 18;
+const FPWR: u8 = 0x05;
 
 /// A broadcast write of SAFE-OP (0x04, 0x10: whatever error is acknowledged) to AL control (register 0x0120), padded to the
 /// shortest Ethernet frame: destination, source, EtherType 0x88A4, EtherCAT header (length 14, type 1), datagram (command 8 BWR,

@@ -47,6 +47,8 @@ pub struct Findings {
     pub report: Vec<String>,
     /// The device without an output watchdog that works, and why.
     pub unwatched: Option<String>,
+    /// Whether the drive holds the joint after a quick stop.
+    pub holds: bool,
 }
 
 impl NotStarted {
@@ -116,8 +118,8 @@ pub fn prepare<W: Wire>(
     map(line, drive, &rig.drive.identity, ASSIGNED_OUTPUTS, &rig.drive.outputs, &mut report)?;
     map(line, drive, &rig.drive.identity, ASSIGNED_INPUTS, &rig.drive.inputs, &mut report)?;
     map(line, sensor, &rig.sensor.identity, ASSIGNED_INPUTS, &rig.sensor.inputs, &mut report)?;
-    own_limits::set_all(line, drive, rig, &mut report)?;
-    Ok(Findings { report, unwatched: None })
+    let holds = own_limits::set_all(line, drive, rig, &mut report)?;
+    Ok(Findings { report, unwatched: None, holds })
 }
 
 fn described(found: &Found) -> String {

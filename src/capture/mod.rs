@@ -18,7 +18,7 @@
 //! | `axis`, `cycle` | one cycle as a pure step; the exchange |
 //! | `operator`, `briefing` | who is asked before there is torque, and what is shown first |
 //! | `run`, `tried`, `session` | the trials one after the other, after a first small motion; a whole capture |
-//! | `folder`, `recorder` | samples to the disk as they come |
+//! | `folder`, `origin`, `recorder` | samples to the disk as they come; by which clock |
 //! | `realtime` | what the operating system grants |
 
 pub mod axis;
@@ -41,6 +41,7 @@ mod mailbox;
 mod managers;
 pub mod master;
 pub mod operator;
+mod origin;
 mod own_limits;
 pub mod plan;
 pub mod ramp;

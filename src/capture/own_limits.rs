@@ -1,6 +1,6 @@
 //! What the drive itself watches over: it is read, set and read back before there is torque, and must be as it should.
 
-use super::drive::brakes;
+use super::drive::{brakes, holds};
 use super::line::Line;
 use super::master::{NotStarted, while_doing};
 use super::rig::{Drive, Rig};
@@ -8,7 +8,8 @@ use super::wire::Wire;
 use ethercrab::{EtherCrabWireReadSized, EtherCrabWireWrite, SubDevice, SubDeviceRef};
 use std::ops::Deref;
 
-/// Reads what the drive does on a stop, and sets and reads back what it allows itself; adds lines to `report`.
+/// Reads what the drive does on a stop, and sets and reads back what it allows itself; adds lines to `report`. Whether the drive holds
+/// the joint after a quick stop (option 5 to 8).
 ///
 /// Errors: the first thing that the drive does not have, or not as it should be, with its object.
 pub(super) fn set_all<W: Wire, S: Deref<Target = SubDevice>>(
@@ -16,7 +17,7 @@ pub(super) fn set_all<W: Wire, S: Deref<Target = SubDevice>>(
     device: &SubDeviceRef<'_, S>,
     rig: &Rig,
     report: &mut Vec<String>,
-) -> Result<(), NotStarted> {
+) -> Result<bool, NotStarted> {
     let drive = &rig.drive;
     let option: Option<i16> = object(line, device, drive, 0x605A, "quick-stop option", report)?;
     if let Some(option) = option.filter(|option| !brakes(*option)) {
@@ -44,7 +45,8 @@ pub(super) fn set_all<W: Wire, S: Deref<Target = SubDevice>>(
     report.push(format!("quick stop: option {}, {ramp}; fault reaction: option {}", told(option), told(reaction)));
     report.extend(interpolate(line, device, drive, rig.bus.cycle_us));
     report.push(range(line, device, rig)?);
-    allow(line, device, drive, report)
+    allow(line, device, drive, report)?;
+    Ok(option.is_some_and(holds))
 }
 
 /// Sets what the drive may do, and reads it back.

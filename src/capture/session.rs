@@ -3,10 +3,11 @@
 use super::axis::{Axis, Now};
 use super::cause::Cause;
 use super::cycle::{Counts, Cycle};
-use super::folder::{Folder, Origin};
+use super::folder::Folder;
 use super::line::{Line, with_line, words};
 use super::master::{self, Exchange, Findings, NotStarted};
 use super::operator::Operator;
+use super::origin::Origin;
 use super::plan::Plan;
 use super::realtime::Granted;
 use super::recorder::Recorder;
@@ -145,7 +146,7 @@ pub fn capture<W: Wire>(
     live: &Arc<Mutex<Live>>,
 ) -> Result<Outcome, NotStarted> {
     let done = folder.as_ref().map_or(Vec::new(), |folder| folder.trials().to_vec());
-    let origin = folder.as_ref().map(Folder::origin);
+    let origin = folder.as_ref().map(|folder| folder.origin().clone());
     let waits = !wire.is_real_time();
     let mut recorder = folder.map_or_else(Recorder::none, |folder| Recorder::new(folder, waits));
     let granted = wire.is_real_time().then(Granted::ask);
@@ -217,7 +218,7 @@ impl Session<'_> {
         findings: Findings,
     ) -> Outcome {
         let Self { task, done, origin, recorder, live } = self;
-        let began_s = origin.map_or(0.0, Origin::elapsed_s);
+        let began_s = origin.map_or(0.0, |origin| origin.elapsed().0);
         let cycle = Cycle::new(line, main, exchange, task.rig, recorder, task.interrupted, began_s);
         let mut run = Run::new(cycle, task, live, findings);
         run.guarded(|run| if task.armed { run.trials(&done) } else { run.look() });

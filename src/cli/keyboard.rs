@@ -2,19 +2,19 @@
 
 use crate::capture::operator::Operator;
 use std::io::{self, BufRead, Write};
-use std::sync::Arc;
-use std::sync::OnceLock;
+use std::sync::{Arc, Mutex, PoisonError};
 
-/// The answer, once there is one.
+/// The answer to what was asked last, once there is one.
 #[derive(Debug, Default)]
 pub struct Keyboard {
-    answer: Arc<OnceLock<bool>>,
+    answer: Arc<Mutex<Option<bool>>>,
 }
 
 impl Operator for Keyboard {
     fn ask(&self, lines: &[String], word: &str) {
+        *self.answer.lock().unwrap_or_else(PoisonError::into_inner) = None;
         let (answer, word) = (Arc::clone(&self.answer), word.to_string());
-        let asked = format!("{}\nType `{word}` to give it torque: ", lines.join("\n"));
+        let asked = format!("{}\nType `{word}`: ", lines.join("\n"));
         // Nothing here may keep the cycle waiting, not even a terminal that is slow.
         std::thread::spawn(move || {
             let mut out = anstream::stderr().lock();
@@ -22,11 +22,12 @@ impl Operator for Keyboard {
             drop(out);
             let mut typed = String::new();
             let read = io::stdin().lock().read_line(&mut typed);
-            let _ = answer.set(read.is_ok() && typed.trim() == word);
+            *answer.lock().unwrap_or_else(PoisonError::into_inner) = Some(read.is_ok() && typed.trim() == word);
         });
     }
 
     fn answer(&self) -> Option<bool> {
-        self.answer.get().copied()
+        // The thread holds it for no longer than an assignment takes.
+        self.answer.try_lock().ok().and_then(|answer| *answer)
     }
 }

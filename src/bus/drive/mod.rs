@@ -21,6 +21,7 @@ pub const PRODUCT: u32 = 0x0402;
 /// Error codes (CiA 402-2, table 5; ETG.6010).
 const FOLLOWING_ERROR: u16 = 0x8611;
 const COMMUNICATION: u16 = 0x7500;
+const POSITION_RANGE: u16 = 0x8600;
 /// A speed below which the motor stands, rad/s.
 const STANDS_RAD_S: f64 = 1e-3;
 /// The motor runs no faster, rad/s at the joint.
@@ -147,6 +148,7 @@ impl Drive {
             }
             _ if lost => Some(COMMUNICATION),
             _ if enabled && self.strays(objects, joint, moment) => Some(FOLLOWING_ERROR),
+            _ if enabled && self.leaves_range(objects, joint) => Some(POSITION_RANGE),
             _ => None,
         };
         if self.inhibited {
@@ -170,6 +172,16 @@ impl Drive {
         }
         let since_ns = *self.strays_since_ns.get_or_insert(moment.now_ns);
         moment.now_ns - since_ns >= objects.unsigned(0x6066, 0) * 1_000_000
+    }
+
+    /// Whether the motor is beyond the drive's own limits of position (0x607D) and goes on outwards, in speed and torque mode, where
+    /// no target can be held back.
+    fn leaves_range(&self, objects: &Dictionary, joint: &Joint) -> bool {
+        let position = (joint.encoder_rad() * COUNTS_PER_RAD).round() as i64;
+        let (lowest, highest) = (objects.signed(0x607D, 1), objects.signed(0x607D, 2));
+        let speed_rad_s = joint.velocity_rad_s();
+        let goes_out = position < lowest && speed_rad_s < 0.0 || position > highest && speed_rad_s > 0.0;
+        self.mode != CSP && !self.defects.frozen_encoder && lowest < highest && goes_out
     }
 
     /// What the control word asks for.

@@ -1,9 +1,10 @@
 //! One cycle after the other: wait for its moment, exchange, look, decide.
 
+mod ask;
+
 use super::axis::{Axis, Inputs, Now};
 use super::cause::Cause;
 use super::line::{Failure, Line};
-use super::mailbox;
 use super::managers::{Manager, managers};
 use super::master::{Exchange, states};
 use super::recorder::{Recorder, Sample};
@@ -11,7 +12,7 @@ use super::rig::Rig;
 use super::safety::{Request, State};
 use super::watchdog;
 use super::wire::Wire;
-use ethercrab::{Command, MainDevice, SubDeviceState};
+use ethercrab::{MainDevice, SubDeviceState};
 use std::sync::atomic::{AtomicBool, Ordering};
 
 /// A cycle that begins later than this share of its period counts as late.
@@ -21,9 +22,6 @@ const ANSWER: f64 = 0.8;
 
 /// The drive's mailbox is looked at once in so many cycles.
 const MAILBOX_CYCLES: u64 = 10;
-/// What is taken out of it until then was there before we came.
-const OLD_MAIL_CYCLES: u64 = 100;
-
 /// A drive that must leave OP is told so again after so many cycles.
 const TOLD_AGAIN: u64 = 20;
 /// Cycles missed one after the other from which on a drive stands still: one it bridges.
@@ -62,8 +60,12 @@ pub struct Cycle<'a, 's, W, C> {
     began_ns: u64,
     origin_ns: u64,
     missed_in_a_row: u32,
+    /// Missed before the last answer.
+    bridged: u32,
     /// Where the drive's inputs stand in its memory, if that is known.
     drive_inputs: Option<Manager>,
+    /// The drive's station address.
+    drive_station: Option<u16>,
     bus_time_origin_ns: Option<u64>,
     /// s from the beginning of the campaign to that of this run.
     began_s: f64,
@@ -81,11 +83,9 @@ impl<'a, 's, W: Wire, C> Cycle<'a, 's, W, C> {
         interrupted: &'a AtomicBool,
         began_s: f64,
     ) -> Self {
-        let drive_inputs = exchange
-            .group
-            .subdevice(main, rig.drive.identity.place)
-            .ok()
-            .and_then(|drive| managers(line, &drive).into_iter().find(Manager::is_inputs));
+        let drive = exchange.group.subdevice(main, rig.drive.identity.place).ok();
+        let drive_station = drive.as_ref().map(|drive| drive.configured_address());
+        let drive_inputs = drive.and_then(|drive| managers(line, &drive).into_iter().find(Manager::is_inputs));
         let origin_ns = line.wire.now_ns();
         Self {
             line,
@@ -102,7 +102,9 @@ impl<'a, 's, W: Wire, C> Cycle<'a, 's, W, C> {
             began_ns: origin_ns,
             origin_ns,
             missed_in_a_row: 0,
+            bridged: 0,
             drive_inputs,
+            drive_station,
             bus_time_origin_ns: None,
             began_s,
             command_rad: 0.0,
@@ -119,9 +121,9 @@ impl<'a, 's, W: Wire, C> Cycle<'a, 's, W, C> {
         self.number
     }
 
-    /// Whether answers fail to come for so long that the drive stands still.
+    /// Whether answers fail to come for so long that the drive stands still, or have just come again after that.
     pub fn is_gap(&self) -> bool {
-        self.missed_in_a_row >= GAP_CYCLES
+        self.missed_in_a_row.max(self.bridged) >= GAP_CYCLES
     }
 
     /// Whether the drive's output watchdog runs now; nothing where it does not tell.
@@ -167,7 +169,7 @@ impl<'a, 's, W: Wire, C> Cycle<'a, 's, W, C> {
         self.axis.step(request, command_rad);
         let is_leaving = self.axis.state() == State::Leaving;
         if is_leaving && (before != State::Leaving || self.number.is_multiple_of(TOLD_AGAIN)) {
-            self.line.drop_out();
+            self.drop_drive();
         }
         self.command_rad = self.axis.target_rad();
         self.write();
@@ -197,48 +199,18 @@ impl<'a, 's, W: Wire, C> Cycle<'a, 's, W, C> {
         now_ns
     }
 
-    /// The stack panicked with these words: past it the devices are told to leave OP.
+    /// The drive is told to leave OP, past the stack. It alone: what else is on the bus goes on.
+    fn drop_drive(&mut self) {
+        match self.drive_station {
+            Some(station) => self.line.drop_device(station),
+            None => self.line.drop_out(),
+        }
+    }
+
+    /// The stack panicked with these words: past it the drive is told to leave OP.
     fn panicked(&mut self, words: String) {
-        self.line.drop_out();
+        self.drop_drive();
         self.axis.blame(Cause::Panic(words));
-    }
-
-    /// Whether the drive has filled its buffer anew, where no counter of its own tells.
-    fn look_for_news(&mut self, until_ns: u64) {
-        let Some(inputs) = self.drive_inputs.filter(|_| !self.axis.has_counter()) else { return };
-        let Ok(drive) = self.exchange.group.subdevice(self.main, self.rig.drive.identity.place) else { return };
-        let asked = self.line.run_until(until_ns, drive.register_read::<u8>(inputs.status_at()));
-        match asked {
-            Ok(status) => self.axis.freshen(u32::from(status >> 4 & 3)),
-            Err(Failure::Panic(words)) => self.panicked(words),
-            Err(_) => {}
-        }
-    }
-
-    /// Asks the drive alone where it stands, by its memory, in a stop in which not all devices answer: out of OP, or with another
-    /// device gone, it still tells.
-    fn ask_drive(&mut self, until_ns: u64) {
-        let Some(inputs) = self.drive_inputs else { return };
-        let Some(place) = self.rig.drive.inputs.place("status_word") else { return };
-        let Ok(drive) = self.exchange.group.subdevice(self.main, self.rig.drive.identity.place) else { return };
-        let memory = Command::fprd(drive.configured_address(), inputs.start);
-        let asked = async { memory.receive_slice(self.main, inputs.length).await.map(|bytes| place.get(&bytes)) };
-        if let Ok(status_word) = self.line.run_until(until_ns, asked) {
-            self.axis.take_status(status_word as u16);
-        }
-    }
-
-    /// Whether the drive has sent an emergency message. One that was there before we came, or that comes with a fault being
-    /// acknowledged, is history: it is told, and the status word says how things stand now.
-    fn look_for_mail(&mut self, until_ns: u64) {
-        let Ok(drive) = self.exchange.group.subdevice(self.main, self.rig.drive.identity.place) else { return };
-        let Some(emergency) = mailbox::fetch(self.line, &drive, until_ns) else { return };
-        let cause = Cause::Emergency(emergency);
-        let is_looking = self.axis.state() == State::Watching && self.number > OLD_MAIL_CYCLES;
-        match is_looking || self.axis.drive().has_torque() {
-            true => self.axis.blame(cause),
-            false => self.recorder.note(format!("cycle {}: {cause}, before there was torque", self.number)),
-        }
     }
 
     /// Keeps our frames in the middle between the pulses of the devices' clocks, which come at whole periods of their time: what
@@ -278,7 +250,7 @@ impl<'a, 's, W: Wire, C> Cycle<'a, 's, W, C> {
             return self.missed(1);
         }
         let periods = self.missed_in_a_row.saturating_add(1);
-        self.missed_in_a_row = 0;
+        self.bridged = std::mem::take(&mut self.missed_in_a_row);
         let group = &self.exchange.group;
         let (drive, sensor) = (self.rig.drive.identity.place, self.rig.sensor.identity.place);
         let (Ok(drive), Ok(sensor)) = (group.subdevice(self.main, drive), group.subdevice(self.main, sensor)) else {

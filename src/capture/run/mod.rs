@@ -1,6 +1,9 @@
 //! The trials of a plan, one after the other, cycle by cycle; or a look without torque.
 
-use super::briefing::{Sight, briefing};
+mod first;
+mod follow;
+mod release;
+
 use super::cause::Cause;
 use super::cycle::{Counts, Cycle};
 use super::line::words;
@@ -9,7 +12,6 @@ use super::plan::PlannedTrial;
 use super::ramp::Ramp;
 use super::safety::{Request, State};
 use super::session::{Live, Looked, Task};
-use super::tried;
 use super::wire::Wire;
 use crate::log::{Captured, TrialEntry};
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -20,18 +22,8 @@ use std::sync::{Arc, Mutex};
 const LOOK_S: f64 = 2.0;
 /// Cycles between two looks of whoever watches.
 const WATCHED_CYCLES: u64 = 50;
-/// Cycles without voltage that end a run: the last word on the wire ...
-const LAST_CYCLES: usize = 10;
-/// ... and how many at most, while torque has not been seen off: an answer may be late.
-const MOST_LAST_CYCLES: usize = 100;
-/// Cycles that are looked at before the operator is asked.
-const BRIEFED_CYCLES: u32 = 500;
 /// A computer that misses more than this share of its cycles does not keep the cycle.
 const MISSED_SHARE: f64 = 0.01;
-/// How long after a gap the motion takes to be at full speed again, as a share of what the limit of acceleration would need.
-const GENTLE: f64 = 2.0;
-/// Share of a cycle's way that the target goes back in a cycle of a gap.
-const BACK: f64 = 0.25;
 
 /// The trials as they run.
 pub(super) struct Run<'a, 's, W, C> {
@@ -55,7 +47,7 @@ pub(super) struct Run<'a, 's, W, C> {
 impl<'a, 's, W: Wire, C> Run<'a, 's, W, C> {
     /// Nothing done yet.
     pub fn new(cycle: Cycle<'a, 's, W, C>, task: &'a Task<'a>, live: &Arc<Mutex<Live>>, findings: Findings) -> Self {
-        let Findings { report, unwatched } = findings;
+        let Findings { report, unwatched, holds } = findings;
         let mut new = Self {
             cycle,
             task,
@@ -68,6 +60,7 @@ impl<'a, 's, W: Wire, C> Run<'a, 's, W, C> {
             report,
             declined: false,
         };
+        new.cycle.axis.set_holds(holds);
         unwatched.into_iter().for_each(|why| new.cycle.axis.blame(Cause::Watchdog(why)));
         new
     }
@@ -105,111 +98,6 @@ impl<'a, 's, W: Wire, C> Run<'a, 's, W, C> {
         let missed = self.cycle.counts.missed;
         if f64::from(missed) > MISSED_SHARE * f64::from(cycles) {
             self.cycle.axis.blame(Cause::CycleQuality { missed, cycles });
-        }
-    }
-
-    /// Looks for a moment, shows everything to the operator, and waits for the answer while the bus goes on; false where it is no.
-    fn asks(&mut self) -> bool {
-        self.shown.name = "looking".to_string();
-        self.cycle.recorder().note(format!("looking for {BRIEFED_CYCLES} cycles, without torque"));
-        for _ in 0..BRIEFED_CYCLES {
-            self.turn(Request::Watch, None);
-        }
-        self.judge_cycle(BRIEFED_CYCLES);
-        if self.cycle.is_watched() == Some(false) {
-            let why = "the drive's output watchdog does not run (register 0x0440), though it is set".to_string();
-            self.cycle.axis.fail(Cause::Watchdog(why));
-            return false;
-        }
-        let axis = &self.cycle.axis;
-        let now = self.cycle.now.as_ref();
-        let sight = Sight {
-            drive: axis.drive(),
-            error_code: axis.error_code(),
-            position_rad: now.map_or(f64::NAN, |now| now.position_rad),
-            knows_fresh: axis.knows_fresh(),
-            cycles: BRIEFED_CYCLES,
-            counts: self.cycle.counts,
-            doubt: axis.doubt().map(ToString::to_string),
-        };
-        let (lines, word) = briefing(self.task.rig, self.task.plan, &self.report, &sight);
-        lines.iter().for_each(|line| self.cycle.recorder().note(format!("shown: {line}")));
-        self.task.operator.ask(&lines, word);
-        self.shown.name = "asking".to_string();
-        loop {
-            if let Some(answer) = self.task.operator.answer() {
-                self.declined = !answer;
-                self.cycle
-                    .recorder()
-                    .note(format!("asked for `{word}`: {}", if answer { "given" } else { "not given" }));
-                return answer;
-            }
-            if self.task.interrupted.load(Ordering::Relaxed) {
-                self.declined = true;
-                return false;
-            }
-            self.turn(Request::Watch, None);
-        }
-    }
-
-    /// The first motion: small and slow, up and back; false where it showed something wrong.
-    fn tries(&mut self) -> bool {
-        self.shown.name = "first motion".to_string();
-        let from_rad = self.cycle.axis.target_rad();
-        let ways = tried::motion(self.task.rig, from_rad);
-        let goes_up = ways[0].last().is_some_and(|to_rad| *to_rad > from_rad);
-        let [there, back] = ways.map(|positions_rad| {
-            let mut torques_nm = Vec::with_capacity(positions_rad.len());
-            self.follow(&positions_rad, |run, _| {
-                torques_nm.extend(run.cycle.now.as_ref().and_then(|now| now.sensor.torque_nm));
-            });
-            torques_nm
-        });
-        if self.cycle.axis.cause().is_some() {
-            return false;
-        }
-        let (up_nm, down_nm) = if goes_up { (there, back) } else { (back, there) };
-        let (cause, told) = tried::signs(self.task.rig, &up_nm, &down_nm);
-        self.cycle.recorder().note(told.clone());
-        self.report.push(told);
-        cause.is_none_or(|cause| {
-            self.cycle.axis.blame(cause);
-            false
-        })
-    }
-
-    /// Along `positions_rad`, one a cycle, each told to `each`; false where that broke off. While answers fail to come the target
-    /// goes back to where a drive stands that bridged one cycle; then the motion gets under way again no faster than the limits allow.
-    fn follow(&mut self, positions_rad: &[f64], mut each: impl FnMut(&mut Self, usize)) -> bool {
-        let Some(last) = positions_rad.len().checked_sub(1) else { return true };
-        let (limits, period_s) = (&self.task.rig.limits, self.task.rig.bus.period_s());
-        let faster = limits.acceleration_rad_s2 / GENTLE * period_s / limits.speed_rad_s;
-        let (mut at, mut pace, mut stands_at) = (0.0f64, 1.0f64, None);
-        loop {
-            let (before, share) = (at as usize, at.fract());
-            let after = (before + 1).min(last);
-            let position_rad = positions_rad[before] + share * (positions_rad[after] - positions_rad[before]);
-            if !self.turn(Request::Move, Some(position_rad)) {
-                return false;
-            }
-            each(self, before);
-            if at >= last as f64 {
-                return true;
-            }
-            if self.cycle.is_gap() {
-                stands_at = stands_at.or(Some((at - 1.0).max(0.0)));
-                pace = 0.0;
-                self.cycle.axis.resume();
-            } else {
-                stands_at = None;
-                pace = (pace + faster).min(1.0);
-            }
-            // Whole samples stay whole.
-            at = match stands_at {
-                Some(stands_at) => (at - BACK).max(stands_at),
-                None if pace >= 1.0 && share == 0.0 => at + 1.0,
-                None => (at + pace).min(last as f64),
-            };
         }
     }
 
@@ -290,19 +178,6 @@ impl<'a, 's, W: Wire, C> Run<'a, 's, W, C> {
         let incomplete = self.cycle.axis.cause().map(|cause| format!("{}: {cause}", cause.name()));
         if std::mem::take(&mut self.is_open) {
             self.cycle.recorder().end(Captured { incomplete, late_cycles: late, missed_cycles: missed });
-        }
-    }
-
-    /// Back to no torque, the way that the state asks for.
-    pub fn release(&mut self) {
-        while !self.cycle.axis.state().is_over() {
-            self.turn(Request::Watch, None);
-        }
-        for cycle in 0..MOST_LAST_CYCLES {
-            if cycle >= LAST_CYCLES && self.cycle.axis.is_seen_off() {
-                break;
-            }
-            self.turn(Request::Watch, None);
         }
     }
 

@@ -1,0 +1,100 @@
+//! What the drive is told.
+
+use super::{Axis, Now};
+use crate::capture::bound::{At, Sent, bounded};
+use crate::capture::rig::Place;
+use crate::capture::safety::{Request, Seen, State, Target};
+
+impl Axis {
+    /// One cycle on: from what was taken in and what is wanted, to what the drive is told. `command_rad` is where the joint is to
+    /// be next, for a `Move`.
+    pub fn step(&mut self, request: Request, command_rad: Option<f64>) {
+        let period_s = self.rig.bus.period_s();
+        if self.state == State::Moving || (self.state == State::Holding && request == Request::Move) {
+            let beyond =
+                command_rad.and_then(|command| self.rig.limits.check_command(self.target_rad, command, period_s));
+            if let Some(cause) = beyond {
+                self.blame(cause);
+            }
+        }
+        let is_blind = self.is_blind();
+        let seen = Seen { request, has_cause: self.cause.is_some(), is_blind, cycles: self.cycles, ..self.last };
+        let next = self.state.next(&seen, self.patience);
+        if next == State::Stopping && self.cause.is_none() {
+            self.cause = Some(self.slow());
+        }
+        self.cycles = if next == self.state { self.cycles.saturating_add(1) } else { 0 };
+        if next == State::Stopping && self.state != next {
+            let from_rad = self.watch.position_rad().unwrap_or(self.target_rad);
+            self.stop_from = Some((from_rad, self.watch.speed_rad_s()));
+        }
+        self.state = next;
+        self.was_armed |= next.is_armed();
+        self.is_seen_off &= seen.is_fresh;
+        self.silent = if seen.is_fresh { 0 } else { self.silent.saturating_add(1) };
+        self.last = Seen { cycles: self.cycles, is_fresh: false, ..seen };
+        match (next.target(), command_rad) {
+            (Target::Follows, Some(command)) => {
+                self.target_rad_s = (command - self.target_rad) / period_s;
+                self.target_rad = command;
+                self.target_counts = self.rig.drive.counts(command);
+            }
+            (Target::Brakes, _) => {
+                let slower = self.target_rad_s.abs() - self.rig.limits.acceleration_rad_s2 * period_s;
+                self.target_rad_s = slower.max(0.0).copysign(self.target_rad_s);
+                self.target_rad += self.target_rad_s * period_s;
+            }
+            _ => self.target_rad_s = 0.0,
+        }
+    }
+
+    /// Writes the drive's outputs: what follows from the target, kept within the limits as the last step of all.
+    pub fn write(&mut self, outputs: &mut [u8], now: Option<&Now>) {
+        let (drive, target) = (&self.rig.drive, self.state.target());
+        let (measured_rad, period_s) = (now.map(|now| now.position_rad), self.rig.bus.period_s());
+        let behind_rad = measured_rad.map_or(0.0, |measured_rad| self.target_rad - measured_rad);
+        let measured_rad_s = self.watch.speed_rad_s();
+        let torque_nm = drive.gains.stiffness_nm_rad * behind_rad
+            + drive.gains.damping_nm_s_rad * (self.target_rad_s - measured_rad_s);
+        let (speed_rad_s, torque_nm) = match target {
+            Target::Held | Target::Follows => (self.target_rad_s + drive.gains.position_per_s * behind_rad, torque_nm),
+            // A position that cannot be trusted has no part in a stop.
+            Target::Brakes if self.is_blind() => (self.target_rad_s, self.carrying_nm()),
+            Target::Brakes => (self.target_rad_s, torque_nm),
+            Target::Actual => (0.0, 0.0),
+        };
+        let wanted = Sent { position_rad: self.target_rad, speed_rad_s, torque_nm };
+        self.sent = match target {
+            // No torque: a target that is where the joint is, wherever that be.
+            Target::Actual => wanted,
+            _ => {
+                let at = At { position_rad: measured_rad.unwrap_or(f64::NAN), speed_rad_s: measured_rad_s };
+                bounded(wanted, self.sent, at, &self.rig.limits, drive.torque_max_nm, period_s)
+            }
+        };
+        self.way_rad += self.sent.speed_rad_s * period_s;
+        let counts = if target == Target::Actual { self.target_counts } else { drive.counts(self.sent.position_rad) };
+        let mut set = |place: Option<Place>, value: f64| {
+            if let Some(place) = place {
+                place.set(outputs, value);
+            }
+        };
+        set(self.places.control_word, f64::from(self.state.control(&self.last).word()));
+        set(self.places.mode, f64::from(drive.mode.code()));
+        set(self.places.target_position, counts);
+        set(self.places.target_velocity, drive.sign * self.sent.speed_rad_s * drive.counts_per_rad);
+        set(self.places.target_torque, drive.sign * self.sent.torque_nm / drive.rated_torque_nm * 1e3);
+    }
+
+    /// After a gap in which the drive may have stood still: a speed that is sent goes on from the one that is measured.
+    pub fn resume(&mut self) {
+        self.sent.speed_rad_s = self.watch.speed_rad_s();
+    }
+
+    /// The torque at the winch that carries the joint where it was told to be, N m: friction then brakes it. Without torque it would
+    /// fall, with the last torque go on.
+    fn carrying_nm(&self) -> f64 {
+        let joint = &self.rig.joint;
+        joint.transmission() * self.rig.dynamics.gravity_nm(joint.kind, self.target_rad)
+    }
+}
