@@ -50,6 +50,8 @@ def main() -> None:
     rig = rig.replace("lowpass_hz = 5.0", "lowpass_hz = 2.0").replace("missed_cycles_max = 1 ", "missed_cycles_max = 49 ")
     rig = rig.replace("stale_cycles = 3", "stale_cycles = 1000")
     rig = rig.replace("torque_step_nm = 0.3", "torque_step_nm = 5.0").replace("torque_nm = 2.5", "torque_nm = 4.5")
+    # Pulses of its clock that the drive lets go by without outputs.
+    rig = rig.replace('mode = "csp"\n', 'mode = "csp"\nstartup = [{ index = 0x10F1, sub = 2, type = "u16", value = 100 }]\n')
     (folder / "rig.toml").write_text(rig)
     (folder / "plan.toml").write_text(PLAN)
     (folder / "short.toml").write_text(MOTION)

@@ -8,7 +8,7 @@ use super::eeprom::{Eeprom, Information, Pdo};
 use super::memory::Memory;
 use super::process::{self, Mapping};
 use super::registers as at;
-use super::states::States;
+use super::states::{SYNC_ERROR_LIMIT, States};
 
 /// Where process data stand.
 const OUTPUTS_AT: u16 = 0x1100;
@@ -17,6 +17,8 @@ const INPUTS_AT: u16 = 0x1400;
 const MAILBOX: [(u16, u16); 2] = [(0x1000, 128), (0x1080, 128)];
 /// How a sync manager is controlled: mailboxes, outputs with watchdog, inputs.
 const CONTROLS: [u8; 4] = [0x26, 0x22, 0x64, 0x20];
+/// Pulses that may go by without outputs, by default.
+const SYNC_ERRORS: i64 = 50;
 /// The bit of it that has outputs feed the watchdog.
 const FEEDS_WATCHDOG: u8 = 0x40;
 
@@ -111,6 +113,9 @@ fn describe_objects(
     use super::coe::Access::Read;
     dictionary.text((0x1008, 0), names[2]).text((0x1009, 0), "1").text((0x100A, 0), env!("CARGO_PKG_VERSION"));
     dictionary.list(0x1018, Read, 4, &identity.map(i64::from));
+    let (limit, sub) = SYNC_ERROR_LIMIT;
+    dictionary.number((limit, 0), Read, 1, 2).within((limit, 1), 4, 1, (0, 4));
+    dictionary.within((limit, sub), 2, SYNC_ERRORS, (0, 65535));
     dictionary.list(0x1C00, Read, 1, &managers.map(i64::from).collect::<Vec<i64>>());
     if dictionary.entry(0x1001, 0).is_err() {
         dictionary.number((0x1001, 0), Read, 1, 0);

@@ -71,6 +71,7 @@ impl Device {
                 if let Some(clock) = &mut self.clock {
                     clock.pulse(&self.memory, now_ns);
                 }
+                self.miss_outputs(now_ns);
                 self.work(world, now_ns, true);
             }
             None if self.worked_ns + OWN_CYCLE_NS <= now_ns => self.work(world, now_ns, false),
@@ -153,6 +154,11 @@ impl Device {
         self.memory.u16(at::AL_STATUS)
     }
 
+    /// The AL status code: why the error flag is set.
+    pub fn al_code(&self) -> u16 {
+        self.memory.u16(at::AL_CODE)
+    }
+
     /// A datagram passes. `times_ns`: when it comes in, and when it comes back from those behind.
     pub(super) fn pass(&mut self, datagram: &Datagram, frame: &mut [u8], times_ns: (u64, Option<u64>), logical: bool) {
         let command = datagram.command;
@@ -217,6 +223,9 @@ impl Device {
         {
             return false;
         }
+        if has(at::SYNC_MANAGER + 8 * self.process_managers().0 as u16 + 6, 1) {
+            self.check_outputs_manager();
+        }
         if has(at::AL_CONTROL, 2) {
             self.states.ask(self.memory.u16(at::AL_CONTROL), times_ns.0);
         }
@@ -252,7 +261,7 @@ impl Device {
         }
         if let Some(mailbox) = &mut self.mailbox {
             if touched.written >> OUT & 1 != 0 {
-                mailbox.take(&self.memory, now_ns);
+                mailbox.take(&mut self.memory, now_ns);
             }
             if touched.read >> IN & 1 != 0 {
                 self.answer(now_ns);

@@ -19,6 +19,9 @@ const CHANGE_NS: u64 = 500_000;
 /// How long a device waits in SAFE-OP for the outputs that let it into OP, ns.
 const WAITS_FOR_OUTPUTS_NS: u64 = 5_000_000_000;
 
+/// The object that holds how many pulses of the clock may go by without outputs (ETG.1020, sync error counter limit); 0 for any.
+pub const SYNC_ERROR_LIMIT: (u16, u8) = (0x10F1, 2);
+
 /// Reasons for a refusal (ETG.1000.6, table 11).
 mod code {
     pub const INVALID_CHANGE: u16 = 0x0011;
@@ -30,6 +33,7 @@ mod code {
     pub const INPUTS: u16 = 0x001E;
     pub const NO_SYNC: u16 = 0x002D;
     pub const CLOCK: u16 = 0x0030;
+    pub const SYNCHRONISATION: u16 = 0x001A;
 }
 
 /// Where a device is, and where it was asked to go.
@@ -105,6 +109,26 @@ impl Device {
         self.memory.put(at::WATCHDOG_COUNT, &[count]);
         self.memory.put(at::WATCHDOG_STATUS, &[0]);
         self.fall(code::WATCHDOG);
+    }
+
+    /// A pulse of the clock came, at `now_ns`, for which outputs should have come: after a gap that is too long the device gives up, as
+    /// drives do that work by their clock.
+    pub(super) fn miss_outputs(&mut self, now_ns: u64) {
+        let gap_ns = self.fed_ns.map_or(0, |fed_ns| now_ns.saturating_sub(fed_ns));
+        let pulses = gap_ns / u64::from(self.memory.u32(at::SYNC0_CYCLE).max(super::clock::SHORTEST_CYCLE_NS));
+        let limit = self.dictionary.unsigned(SYNC_ERROR_LIMIT.0, SYNC_ERROR_LIMIT.1);
+        let is_watched = self.states.is_operational() && !self.outputs.is_empty() && !self.is_unwatched && limit > 0;
+        if is_watched && pulses > limit {
+            self.fall(code::SYNCHRONISATION);
+        }
+    }
+
+    /// The master has switched the outputs' sync manager: without it there are no outputs.
+    pub(super) fn check_outputs_manager(&mut self) {
+        let manager = self.memory.sync_manager(self.process_managers().0);
+        if self.states.is_operational() && !self.outputs.is_empty() && !manager.active {
+            self.fall(code::OUTPUTS);
+        }
     }
 
     /// Falls back to SAFE-OP, if it was beyond, with an error.

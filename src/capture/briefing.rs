@@ -5,6 +5,7 @@ use super::cycle::Counts;
 use super::drive::Condition;
 use super::plan::Plan;
 use super::rig::Rig;
+use super::run::jog::SPEED_RAD_S;
 use super::tried::TRIED_RAD;
 
 /// What the operator types.
@@ -49,13 +50,19 @@ pub(super) fn briefing(rig: &Rig, plan: &Plan, report: &[String], sight: &Sight)
         lines.push(format!("THE DRIVE IS IN FAULT ({code}): find out why before you go on; arming clears it"));
     }
     lines.extend(sight.doubt.iter().map(|doubt| format!("WOULD BE STOPPED NOW: {doubt}")));
-    lines.push(format!(
-        "`{}` will move by itself: first from {position_rad:+.3} rad by {TRIED_RAD} rad and back, slowly, to check signs; then \
-         {} trials, {minutes:.0} min and the moves between them, on {}",
-        rig.joint.name,
-        plan.trials.len(),
-        rig.bus.interface
-    ));
+    lines.push(match plan.trials.len() {
+        0 => format!(
+            "`{}` at {position_rad:+.3} rad will move only while you ask for it, at {} rad/s at most, on {}",
+            rig.joint.name,
+            SPEED_RAD_S.min(limits.approach_rad_s),
+            rig.bus.interface
+        ),
+        trials => format!(
+            "`{}` will move by itself: first from {position_rad:+.3} rad by {TRIED_RAD} rad and back, slowly, to check signs; then \
+             {trials} trials, {minutes:.0} min and the moves between them, on {}",
+            rig.joint.name, rig.bus.interface
+        ),
+    });
     if let Some(first) = plan.trials.first() {
         let start_rad = first.trajectory.own.start_rad;
         lines.push(format!(

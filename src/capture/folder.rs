@@ -8,6 +8,7 @@
 //! | `*.csv` | the trials |
 
 use super::origin::{Origin, today_s};
+use super::recorder::EXTRAS;
 use super::rig::Rig;
 use crate::dynamics::JointKind;
 use crate::log::{Campaign, Captured, Column, Columns, TrialEntry, Uncertainty};
@@ -33,6 +34,8 @@ pub struct Folder {
     campaign: Campaign,
     notes: File,
     origin: Origin,
+    /// Columns that this rig records besides those that all do.
+    extras: Vec<&'static str>,
 }
 
 impl Folder {
@@ -48,7 +51,13 @@ impl Folder {
             std::fs::create_dir_all(path)?;
             texts.iter().try_for_each(|(name, text)| replace(path, name, text))?;
             let campaign = campaign(path, rig, Vec::new());
-            let mut folder = Self { path: path.to_path_buf(), campaign, notes: notes(path)?, origin: Origin::now() };
+            let mut folder = Self {
+                path: path.to_path_buf(),
+                campaign,
+                notes: notes(path)?,
+                origin: Origin::now(),
+                extras: extras(rig),
+            };
             folder.note("capture begins")?;
             folder.note(&folder.origin.to_line())?;
             Ok(folder)
@@ -84,7 +93,8 @@ impl Folder {
             let recorded_s = trials.iter().filter_map(|trial| last_time_s(&path.join(&trial.file))).fold(0.0, f64::max);
             let origin = Origin::of_notes(&std::fs::read_to_string(path.join(NOTES))?, recorded_s);
             let campaign = campaign(path, rig, trials);
-            let mut folder = Self { path: path.to_path_buf(), campaign, notes: notes(path)?, origin };
+            let mut folder =
+                Self { path: path.to_path_buf(), campaign, notes: notes(path)?, origin, extras: extras(rig) };
             let (elapsed_s, clock) = folder.origin.elapsed();
             folder.note(&format!("capture goes on, {elapsed_s:.1} s after it began, by {clock}"))?;
             Ok(folder)
@@ -101,6 +111,11 @@ impl Folder {
             let _ = std::fs::remove_file(path.join(name));
         }
         let _ = std::fs::remove_dir(path);
+    }
+
+    /// Columns that this rig records besides those that all do.
+    pub(super) fn extras(&self) -> impl Iterator<Item = &'static str> {
+        self.extras.iter().copied()
     }
 
     /// What is recorded, whole or not.
@@ -140,6 +155,10 @@ impl Folder {
     fn write(&self) -> io::Result<()> {
         replace(&self.path, CAMPAIGN, &self.campaign.to_toml())
     }
+}
+
+fn extras(rig: &Rig) -> Vec<&'static str> {
+    EXTRAS.iter().filter(|(role, _)| rig.drive.inputs.place(role).is_some()).map(|(_, column)| *column).collect()
 }
 
 /// The trials of the campaign in `path`, also those that are too short to be used.

@@ -1,7 +1,7 @@
 //! What devices report of themselves, and whether it is what the rig says.
 
 use super::line::{Failure, Line};
-use super::rig::{AXIS_OBJECTS, Entry, Identity, Kind, ProcessData};
+use super::rig::{AXIS_OBJECTS, Entry, Identity, Kind, Pdo, ProcessData};
 use super::wire::Wire;
 use ethercrab::error::{Error, MailboxError};
 use ethercrab::{MainDevice, SubDeviceRef};
@@ -25,10 +25,10 @@ pub struct Found {
     pub alias: u16,
     /// Whether it has a clock of its own that can be held to the others'.
     pub has_clock: bool,
-    /// What it sends and takes as it is set up now; nothing of a device without an object dictionary.
-    pub inputs: Vec<ProcessData>,
+    /// What it sends as it is set up now; nothing of a device without an object dictionary.
+    pub inputs: ProcessData,
     /// What is sent to it.
-    pub outputs: Vec<ProcessData>,
+    pub outputs: ProcessData,
 }
 
 impl Found {
@@ -61,13 +61,14 @@ where
 }
 
 /// The PDOs that a device has in one direction, with what is mapped to them; nothing where it does not tell.
-pub fn mapped<W: Wire, S>(line: &mut Line<'_, W>, device: &SubDeviceRef<'_, S>, assigned: u16) -> Vec<ProcessData>
+pub fn mapped<W: Wire, S>(line: &mut Line<'_, W>, device: &SubDeviceRef<'_, S>, assigned: u16) -> ProcessData
 where
     S: std::ops::Deref<Target = ethercrab::SubDevice>,
 {
-    let Ok(count) = line.run(device.sdo_read::<u8>(assigned, 0u8)) else { return Vec::new() };
+    let Ok(count) = line.run(device.sdo_read::<u8>(assigned, 0u8)) else { return ProcessData::default() };
     let pdos = (1..=count).filter_map(|sub| line.run(device.sdo_read::<u16>(assigned, sub)).ok()).collect::<Vec<_>>();
-    pdos.into_iter().filter_map(|pdo| Some(ProcessData { pdo, entries: entries(line, device, pdo).ok()? })).collect()
+    let pdo = |index| Some(Pdo { index, entries: entries(line, device, index).ok()? });
+    ProcessData { pdos: pdos.into_iter().filter_map(pdo).collect() }
 }
 
 /// What is mapped to `pdo`.
@@ -98,6 +99,7 @@ fn entry(mapping: u32) -> Entry {
         0x606C => (Some("velocity"), true),
         0x6071 => (Some("target_torque"), true),
         0x6077 => (Some("torque"), true),
+        0x6078 => (Some("current"), true),
         0x607A => (Some("target_position"), true),
         0x60FF => (Some("target_velocity"), true),
         0x603F => (Some("error_code"), false),

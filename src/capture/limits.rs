@@ -29,7 +29,7 @@ pub struct Limits {
 }
 
 /// By how much the measured speed may be above the limit, as a share: noise and the controller's own swing.
-const SPEED_ROOM: f64 = 1.25;
+pub const SPEED_ROOM: f64 = 1.25;
 /// How many times the limit of speed a jump of the position is: no joint gets there in one cycle.
 const JUMP_SPEEDS: f64 = 5.0;
 /// The same of its change from one cycle to the next: what no torque can do to a joint in a cycle.

@@ -49,6 +49,13 @@ pub enum Failure {
     TimedOut,
 }
 
+impl Failure {
+    /// Whether there is more on the bus than this program has room for.
+    pub fn is_capacity(&self) -> bool {
+        matches!(self, Self::Stack(Error::Capacity(_)))
+    }
+}
+
 impl std::fmt::Display for Failure {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         match self {

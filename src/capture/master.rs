@@ -1,15 +1,16 @@
 //! The way to OP: who is there, what is exchanged, the drive's own limits, the clocks, cyclic data.
 
 use super::clock;
-use super::found::{ASSIGNED_INPUTS, ASSIGNED_OUTPUTS, Found, entries, found};
+use super::found::{ASSIGNED_INPUTS, ASSIGNED_OUTPUTS, Found, found};
 use super::line::{Failure, Line};
+use super::mapping;
 use super::own_limits;
-use super::rig::{Identity, ProcessData, Rig};
+use super::pulses;
+use super::rig::{ProcessData, Rig};
 use super::watchdog;
 use super::wire::Wire;
 use ethercrab::subdevice_group::{DcConfiguration, HasDc, NoDc, Op, PreOp, PreOpPdi};
-use ethercrab::{AlStatusCode, Command, DcSync, DefaultLock, MainDevice, SubDevice, SubDeviceGroup, SubDeviceRef};
-use std::ops::Deref;
+use ethercrab::{AlStatusCode, Command, DcSync, DefaultLock, MainDevice, SubDeviceGroup, SubDeviceRef};
 use std::time::Duration;
 
 /// Devices on a bus, a power of two as the stack wants it.
@@ -103,7 +104,7 @@ pub fn prepare<W: Wire>(
 ) -> Result<Findings, NotStarted> {
     let mut report = Vec::new();
     let devices: Vec<_> = group.iter(main).collect();
-    for identity in [&rig.drive.identity, &rig.sensor.identity] {
+    for (identity, _) in rig.devices() {
         let Some(device) = devices.get(identity.place) else {
             let (place, count) = (identity.place, devices.len());
             return NotStarted::of(format!("`{}` should be device {place}, and there are {count}", identity.name));
@@ -114,10 +115,16 @@ pub fn prepare<W: Wire>(
         }
         report.push(format!("{}: {}", identity.name, described(&found)));
     }
-    let (drive, sensor) = (&devices[rig.drive.identity.place], &devices[rig.sensor.identity.place]);
-    map(line, drive, &rig.drive.identity, ASSIGNED_OUTPUTS, &rig.drive.outputs, &mut report)?;
-    map(line, drive, &rig.drive.identity, ASSIGNED_INPUTS, &rig.drive.inputs, &mut report)?;
-    map(line, sensor, &rig.sensor.identity, ASSIGNED_INPUTS, &rig.sensor.inputs, &mut report)?;
+    let drive = &devices[rig.drive.identity.place];
+    for (identity, setup) in rig.devices() {
+        mapping::start_up(line, &devices[identity.place], identity, setup, &mut report)?;
+    }
+    mapping::map(line, drive, &rig.drive.identity, ASSIGNED_OUTPUTS, &rig.drive.outputs, &mut report)?;
+    mapping::map(line, drive, &rig.drive.identity, ASSIGNED_INPUTS, &rig.drive.inputs, &mut report)?;
+    if !rig.sensor.is_in_drive {
+        let (device, identity) = (&devices[rig.sensor.identity.place], &rig.sensor.identity);
+        mapping::map(line, device, identity, ASSIGNED_INPUTS, &rig.sensor.inputs, &mut report)?;
+    }
     let holds = own_limits::set_all(line, drive, rig, &mut report)?;
     Ok(Findings { report, unwatched: None, holds })
 }
@@ -125,59 +132,6 @@ pub fn prepare<W: Wire>(
 fn described(found: &Found) -> String {
     let clock = if found.has_clock { "with a clock" } else { "without a clock" };
     format!("`{}`, serial {:#010x}, revision {:#010x}, {clock}", found.name, found.serial, found.revision)
-}
-
-/// Maps `wanted` to the device's process data, if it is not so mapped already, and reads it back.
-fn map<W: Wire, S: Deref<Target = SubDevice>>(
-    line: &mut Line<'_, W>,
-    device: &SubDeviceRef<'_, S>,
-    identity: &Identity,
-    assigned: u16,
-    wanted: &ProcessData,
-    report: &mut Vec<String>,
-) -> Result<(), NotStarted> {
-    let (name, pdo) = (&identity.name, wanted.pdo);
-    if !super::found::has_objects(line, device) {
-        let what =
-            "has no object dictionary: its process data are taken to be as the rig says, and their length is checked";
-        report.push(format!("`{name}` {what}"));
-        return Ok(());
-    }
-    let words: Vec<u32> = wanted.entries.iter().map(|entry| entry.mapping()).collect();
-    let is_so = |line: &mut Line<'_, W>| {
-        let has_pdo = super::found::mapped(line, device, assigned).iter().map(|data| data.pdo).eq([pdo]);
-        let mapped = entries(line, device, pdo).unwrap_or_default();
-        has_pdo && mapped.iter().map(|entry| entry.mapping()).eq(words.iter().copied())
-    };
-    if is_so(line) {
-        return Ok(());
-    }
-    let written = [
-        line.run(device.sdo_write(assigned, 0u8, 0u8)),
-        line.run(device.sdo_write_array(pdo, &words)),
-        line.run(device.sdo_write_array(assigned, [pdo])),
-    ];
-    if is_so(line) {
-        return Ok(());
-    }
-    // Of a device whose list is as it is, the first PDO is read, if it is the rig's.
-    let all = super::found::mapped(line, device, assigned);
-    if assigned == ASSIGNED_INPUTS
-        && let [first, _, ..] = &all[..]
-        && first.pdo == pdo
-        && first.entries.iter().map(|entry| entry.mapping()).eq(words)
-    {
-        report.push(format!("`{name}` sends {} PDOs more behind {pdo:#06x}, which are left alone", all.len() - 1));
-        return Ok(());
-    }
-    let why = written.into_iter().find_map(Result::err).map_or(String::new(), |failure| format!(" ({failure})"));
-    let found = entries(line, device, pdo).unwrap_or_default();
-    let found: Vec<String> = found.iter().map(|entry| format!("{:#010x}", entry.mapping())).collect();
-    let found = if found.is_empty() { "nothing".to_string() } else { found.join(", ") };
-    NotStarted::of(format!(
-        "`{name}` does not take the process data that the rig maps to {pdo:#06x}{why}: it has {found}; \
-         correct the entries in the rig: `tautline rig scan` shows the device's own"
-    ))
 }
 
 /// The bus exchanging data in OP.
@@ -199,8 +153,8 @@ pub fn with_clocks<W: Wire>(
     findings: &mut Findings,
 ) -> Result<Group<PreOpPdi, HasDc>, NotStarted> {
     let period = Duration::from_micros(rig.bus.cycle_us.into());
-    for mut device in group.iter_mut(main) {
-        if device.dc_support().any() {
+    for (place, mut device) in group.iter_mut(main).enumerate() {
+        if device.dc_support().any() && pulses::of(rig, place).is_none_or(|pulses| pulses.activate != 0) {
             device.set_dc_sync(DcSync::Sync0);
         }
     }
@@ -211,8 +165,11 @@ pub fn with_clocks<W: Wire>(
         line.wire.sleep(next_ns);
     }
     let clocks = DcConfiguration { start_delay: CLOCK_START, sync0_period: period, sync0_shift: period / 2 };
-    line.run(group.configure_dc_sync(main, clocks))
-        .map_err(while_doing("setting the clocks' pulses (a bus without clocks takes `clocks = false`)"))
+    let group = line
+        .run(group.configure_dc_sync(main, clocks))
+        .map_err(while_doing("setting the clocks' pulses (a bus without clocks takes `clocks = false`)"))?;
+    pulses::set_all(line, main, &group, rig, &mut findings.report)?;
+    Ok(group)
 }
 
 /// Lays out the process data, and sets the watchdogs of what is sent.
@@ -273,6 +230,9 @@ fn check_lengths<C>(main: &MainDevice<'_>, group: &Group<Op, C>, rig: &Rig) -> R
         let Ok(device) = group.subdevice(main, identity.place) else {
             return NotStarted::of(format!("`{}` is gone", identity.name));
         };
+        if sensor.is_in_drive && outputs.is_none() {
+            continue;
+        }
         let (found_in, found_out) = (device.inputs_raw().len(), device.outputs_raw().len());
         let wanted_out = outputs.map_or(found_out, ProcessData::bytes);
         if found_in < inputs.bytes() || found_out < wanted_out {

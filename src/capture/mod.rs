@@ -10,6 +10,7 @@
 //! | `rig`, `plan` | what is on the bus and what is to be recorded |
 //! | `wire`, `socket`, `lock`, `in_process`, `clock`, `line` | frames and time, real or virtual, and the EtherCAT stack on them |
 //! | `found`, `master`, `own_limits`, `watchdog` | who is there; the way to OP; what drive and bus interfaces watch over |
+//! | `mapping`, `pulses` | what is written to a device before it exchanges data; its clock |
 //! | `mailbox`, `managers` | messages that nobody asked for; where process data stand in a device |
 //! | `drive`, `sensor` | what the words on the wire mean |
 //! | `safety` | the machine that decides what the drive is told: every state, every transition |
@@ -39,16 +40,18 @@ pub mod line;
 mod lock;
 mod mailbox;
 mod managers;
+mod mapping;
 pub mod master;
 pub mod operator;
 mod origin;
 mod own_limits;
 pub mod plan;
+mod pulses;
 pub mod ramp;
 pub mod realtime;
 pub mod recorder;
 pub mod rig;
-mod run;
+pub mod run;
 pub mod safety;
 pub mod sensor;
 pub mod session;

@@ -1,6 +1,7 @@
 //! What the drive itself watches over: it is read, set and read back before there is torque, and must be as it should.
 
-use super::drive::{brakes, holds};
+use super::drive::{Mode, brakes, holds};
+use super::limits::SPEED_ROOM;
 use super::line::Line;
 use super::master::{NotStarted, while_doing};
 use super::rig::{Drive, Rig};
@@ -45,6 +46,9 @@ pub(super) fn set_all<W: Wire, S: Deref<Target = SubDevice>>(
     report.push(format!("quick stop: option {}, {ramp}; fault reaction: option {}", told(option), told(reaction)));
     report.extend(interpolate(line, device, drive, rig.bus.cycle_us));
     report.push(range(line, device, rig)?);
+    if drive.mode == Mode::Torque {
+        report.push(speed(line, device, rig)?);
+    }
     allow(line, device, drive, report)?;
     Ok(option.is_some_and(holds))
 }
@@ -130,6 +134,32 @@ fn range<W: Wire, S: Deref<Target = SubDevice>>(
         }
     }
     Ok(format!("drive's limits of position, read back: {low} to {high} counts"))
+}
+
+/// Sets the drive's own limit of speed (0x607F, which bounds torque mode in drives that have it) to what the rig allows a measurement,
+/// and reads it back. In words.
+///
+/// Errors: it has one, and does not take it.
+fn speed<W: Wire, S: Deref<Target = SubDevice>>(
+    line: &mut Line<'_, W>,
+    device: &SubDeviceRef<'_, S>,
+    rig: &Rig,
+) -> Result<String, NotStarted> {
+    let drive = &rig.drive;
+    let index = drive.object(0x607F);
+    if drive.without.contains(&0x607F) || line.run(device.sdo_read::<u32>(index, 0u8)).is_err() {
+        return Ok(
+            "THE DRIVE HAS NO LIMIT OF SPEED of its own (0x607F): in torque mode only software keeps it".to_string()
+        );
+    }
+    let counts_s = (SPEED_ROOM * rig.limits.speed_rad_s * drive.counts_per_rad).round().min(f64::from(u32::MAX)) as u32;
+    let setting = format!("`{}` does not take a limit of speed ({index:#06x}) of {counts_s}", drive.identity.name);
+    line.run(device.sdo_write(index, 0u8, counts_s)).map_err(while_doing(&setting))?;
+    let found = line.run(device.sdo_read::<u32>(index, 0u8)).map_err(while_doing(&setting))?;
+    if found != counts_s {
+        return NotStarted::of(format!("{setting}: it reads back {found}"));
+    }
+    Ok(format!("drive's limit of speed, read back: {counts_s} counts/s"))
 }
 
 /// What the drive says under `index`; nothing where the rig says that it has no such object, which is then reported.

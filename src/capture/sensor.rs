@@ -95,7 +95,7 @@ impl SensorReader {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::capture::rig::{Entry, Identity, Kind, ProcessData};
+    use crate::capture::rig::{Entry, Identity, Kind, ProcessData, Setup};
 
     fn reader(stale_by: StaleBy) -> SensorReader {
         let entry = |role: &str, kind| Entry { role: Some(role.to_string()), index: 0x6000, sub: 1, kind };
@@ -110,12 +110,14 @@ mod tests {
                 serial: None,
                 alias: None,
             },
+            is_in_drive: false,
+            setup: Setup::default(),
             nm_per_count: 1e-3,
             zero_counts: 100.0,
             saturated_counts: 32_767.0,
             stale_by,
             stale_cycles: 3,
-            inputs: ProcessData { pdo: 0x1A00, entries },
+            inputs: ProcessData::one(0x1A00, entries),
         })
     }
 

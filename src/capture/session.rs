@@ -13,6 +13,7 @@ use super::realtime::Granted;
 use super::recorder::Recorder;
 use super::rig::Rig;
 use super::run::Run;
+use super::run::jog::Jogger;
 use super::wire::Wire;
 use crate::log::TrialEntry;
 use ethercrab::MainDevice;
@@ -67,6 +68,8 @@ pub struct Looked {
     pub mean_counts: f64,
     /// Their standard deviation.
     pub sd_counts: f64,
+    /// Between the lowest and the highest position meanwhile, rad.
+    pub spread_rad: f64,
 }
 
 /// How it went.
@@ -145,13 +148,35 @@ pub fn capture<W: Wire>(
     folder: Option<Folder>,
     live: &Arc<Mutex<Live>>,
 ) -> Result<Outcome, NotStarted> {
+    session(wire, task, Deed::Trials, folder, live)
+}
+
+/// Moves the joint of `task` over `wire` as `jogger` asks for, telling `live`. Nothing is recorded.
+///
+/// Errors: the bus does not start.
+pub fn jog<W: Wire>(
+    wire: W,
+    task: &Task<'_>,
+    jogger: &dyn Jogger,
+    live: &Arc<Mutex<Live>>,
+) -> Result<Outcome, NotStarted> {
+    session(wire, task, Deed::Jog(jogger), None, live)
+}
+
+fn session<W: Wire>(
+    wire: W,
+    task: &Task<'_>,
+    deed: Deed<'_>,
+    folder: Option<Folder>,
+    live: &Arc<Mutex<Live>>,
+) -> Result<Outcome, NotStarted> {
     let done = folder.as_ref().map_or(Vec::new(), |folder| folder.trials().to_vec());
     let origin = folder.as_ref().map(|folder| folder.origin().clone());
     let waits = !wire.is_real_time();
     let mut recorder = folder.map_or_else(Recorder::none, |folder| Recorder::new(folder, waits));
     let granted = wire.is_real_time().then(Granted::ask);
     let outcome = with_line(wire, |line, main| {
-        let run = || Session { task, done, origin, recorder: &mut recorder, live }.run(line, main);
+        let run = || Session { task, deed, done, origin, recorder: &mut recorder, live }.run(line, main);
         catch_unwind(AssertUnwindSafe(run)).unwrap_or_else(|panic| {
             line.drop_out();
             Err(NotStarted(format!("something panicked: {}; the devices were told to leave OP", words(&*panic))))
@@ -169,8 +194,18 @@ pub fn capture<W: Wire>(
     outcome.map(|outcome| Outcome { unwritten, ..outcome })
 }
 
+/// What is done with the joint.
+#[derive(Debug, Clone, Copy)]
+enum Deed<'a> {
+    /// The trials of the plan, or a look where it is not armed.
+    Trials,
+    /// What someone at the keyboard asks for.
+    Jog(&'a dyn Jogger),
+}
+
 struct Session<'a> {
     task: &'a Task<'a>,
+    deed: Deed<'a>,
     done: Vec<TrialEntry>,
     origin: Option<Origin>,
     recorder: &'a mut Recorder,
@@ -217,11 +252,15 @@ impl Session<'_> {
         exchange: Exchange<C>,
         findings: Findings,
     ) -> Outcome {
-        let Self { task, done, origin, recorder, live } = self;
+        let Self { task, deed, done, origin, recorder, live } = self;
         let began_s = origin.map_or(0.0, |origin| origin.elapsed().0);
         let cycle = Cycle::new(line, main, exchange, task.rig, recorder, task.interrupted, began_s);
         let mut run = Run::new(cycle, task, live, findings);
-        run.guarded(|run| if task.armed { run.trials(&done) } else { run.look() });
+        run.guarded(|run| match deed {
+            _ if !task.armed => run.look(),
+            Deed::Trials => run.trials(&done),
+            Deed::Jog(jogger) => run.jog(jogger),
+        });
         run.guarded(Run::close);
         run.guarded(Run::release);
         let (complete, looked, before) = (run.complete, run.looked, done.len());

@@ -1,6 +1,7 @@
 //! A capture from the software bus, in virtual time: whole, under every fault, broken off and gone on with.
 
 mod commands;
+mod devices;
 mod faults;
 mod noise;
 mod recording;

@@ -117,4 +117,5 @@ const SAMPLE: Sample = Sample {
     sensor_status: 0,
     sensor_counts: 0.0,
     drive_torque_nm: 0.0,
+    extras: [None; 2],
 };

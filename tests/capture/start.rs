@@ -79,7 +79,7 @@ fn devices_that_are_not_the_rigs_are_refused_by_name() {
 #[test]
 fn process_data_that_a_device_does_not_have_are_refused() {
     let mut rig = rig();
-    rig.sensor.inputs.entries[1].kind = Kind::Signed(32);
+    rig.sensor.inputs.pdos[0].entries[1].kind = Kind::Signed(32);
     let why = refused(&shared(), 0, &rig);
     assert!(why.contains("`torque terminal`") && why.contains("0x1a00") && why.contains("rig scan"), "{why}");
 }
@@ -199,8 +199,9 @@ fn a_terminal_without_a_mailbox_serves_too() {
     assert_eq!((outcome.cause, outcome.complete), (None, 2));
     assert!(outcome.report.iter().any(|line| line.contains("has no object dictionary")), "{:?}", outcome.report);
     let mut longer = rig();
-    longer.sensor.inputs.entries.push(longer.sensor.inputs.entries[1].clone());
-    longer.sensor.inputs.entries[2].role = None;
+    let entries = &mut longer.sensor.inputs.pdos[0].entries;
+    entries.push(entries[1].clone());
+    entries[2].role = None;
     let bus = Rc::new(RefCell::new(with_terminal(Terminal { mailbox: false, ..Terminal::default() })));
     let why = refused(&bus, 0, &longer);
     assert!(why.contains("`torque terminal` exchanges 4 bytes in"), "{why}");
@@ -215,7 +216,7 @@ fn of_a_terminal_that_always_sends_more_the_first_is_read() {
     assert!(outcome.report.iter().any(|line| line == told), "{:?}", outcome.report);
     let bus = Rc::new(RefCell::new(with_terminal(Terminal { two_channels: true, ..Terminal::default() })));
     let mut other = rig();
-    other.sensor.inputs.entries.reverse();
+    other.sensor.inputs.pdos[0].entries.reverse();
     assert!(refused(&bus, 0, &other).contains("does not take the process data"));
 }
 
@@ -223,7 +224,7 @@ fn of_a_terminal_that_always_sends_more_the_first_is_read() {
 fn a_value_that_is_no_number_stops_the_joint() {
     let mut rig = rig();
     let sensor = &mut rig.sensor;
-    (sensor.identity.product, sensor.inputs.entries[1].kind) = (0x302, Kind::Real);
+    (sensor.identity.product, sensor.inputs.pdos[0].entries[1].kind) = (0x302, Kind::Real);
     (sensor.nm_per_count, sensor.saturated_counts) = (1.0, 4.9);
     let float = Terminal { float: true, ..Terminal::default() };
     let outcome = run(with_terminal(float), &rig, &plan(SWEEP), None).outcome;

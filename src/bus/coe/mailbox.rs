@@ -37,6 +37,8 @@ pub struct Mailbox {
     /// The last that went out, should it get lost.
     last: Vec<u8>,
     counter: u8,
+    /// Counter of the last request; 0 before there was one.
+    asked_counter: u8,
 }
 
 impl Mailbox {
@@ -46,9 +48,16 @@ impl Mailbox {
     }
 
     /// The master filled its mailbox at `now_ns`.
-    pub fn take(&mut self, memory: &Memory, now_ns: u64) {
+    pub fn take(&mut self, memory: &mut Memory, now_ns: u64) {
         let manager = memory.sync_manager(OUT);
         let bytes = memory.bytes(manager.start, usize::from(manager.length)).to_vec();
+        // Bits 4 to 6 of the fifth byte count requests from 1 to 7; one that comes again was executed (ETG.1000.4, 5.6).
+        let counter = bytes.get(5).map_or(0, |byte| byte >> 4 & 7);
+        if counter != 0 && counter == self.asked_counter {
+            memory.set_full(OUT, false);
+            return;
+        }
+        self.asked_counter = counter;
         self.asked = Some((now_ns + ANSWERS_AFTER_NS, bytes));
     }
 

@@ -247,10 +247,19 @@ impl Drive {
                 let speed_rad_s = self.defects.runaway * objects.signed(0x60FF, 0) as f64 / COUNTS_PER_RAD;
                 self.run(joint, moment, speed_rad_s);
             }
-            Power::Enabled => joint.motor.law = Law::Torque(objects.signed(0x6071, 0) as f64 * NM_PER_MILLE),
+            Power::Enabled => joint.motor.law = Law::Torque(self.torque_nm(objects, joint)),
             Power::QuickStop | Power::FaultReaction => self.stop(objects, joint, moment),
             _ => {}
         }
+    }
+
+    /// The target torque; none that drives a motor on beyond the drive's own limit of speed (0x607F).
+    fn torque_nm(&self, objects: &Dictionary, joint: &Joint) -> f64 {
+        let torque_nm = objects.signed(0x6071, 0) as f64 * NM_PER_MILLE;
+        let speed_rad_s = if self.defects.frozen_encoder { 0.0 } else { joint.velocity_rad_s() };
+        let fastest_rad_s = objects.unsigned(0x607F, 0) as f64 / COUNTS_PER_RAD;
+        let drives_on = torque_nm * speed_rad_s > 0.0 && speed_rad_s.abs() > fastest_rad_s;
+        if drives_on { 0.0 } else { torque_nm }
     }
 
     /// To the target, evenly over the period in which the next is due. One that stays away is bridged at the same speed; then

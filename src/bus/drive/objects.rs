@@ -40,6 +40,7 @@ pub fn dictionary() -> Dictionary {
     d.number((0x6076, 0), Read, 4, RATED_TORQUE_MNM).number((0x6077, 0), Read, 2, 0);
     d.within((0x607A, 0), 4, 0, whole).within((0x60FF, 0), 4, 0, whole);
     d.number((0x607D, 0), Read, 1, 2).within((0x607D, 1), 4, rad(-0.7), whole).within((0x607D, 2), 4, rad(2.8), whole);
+    d.within((0x607F, 0), 4, rad(10.0), (1, i64::from(u32::MAX)));
     d.within((0x6084, 0), 4, rad(5.0), (1, i64::from(u32::MAX)));
     d.within((0x6085, 0), 4, rad(20.0), (1, i64::from(u32::MAX)));
     d.number((0x60C2, 0), Read, 1, 2).within((0x60C2, 1), 1, 1, (1, 255)).within((0x60C2, 2), 1, -3, (-6, 0));

@@ -73,6 +73,8 @@ struct Places {
     status_word: Option<Place>,
     position: Option<Place>,
     torque: Option<Place>,
+    velocity: Option<Place>,
+    current: Option<Place>,
     mode_display: Option<Place>,
     error_code: Option<Place>,
     counter: Option<Place>,
@@ -89,6 +91,10 @@ pub struct Now {
     pub status_word: u16,
     /// The drive's own torque, N m at the winch; 0 where it is not mapped.
     pub drive_torque_nm: f64,
+    /// The drive's own speed, rad/s of the joint (counts/s at its object 0x606C), where it is mapped.
+    pub drive_velocity_rad_s: Option<f64>,
+    /// The drive's current, per mille of rated, where it is mapped.
+    pub drive_current_per_mille: Option<f64>,
 }
 
 /// One answer of the bus, as its bytes.
@@ -119,6 +125,8 @@ impl Axis {
                 status_word: input("status_word"),
                 position: input("position"),
                 torque: input("torque"),
+                velocity: input("velocity"),
+                current: input("current"),
                 mode_display: input("mode"),
                 error_code: input("error_code"),
                 counter: input("counter"),

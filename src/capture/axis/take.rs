@@ -51,7 +51,10 @@ impl Axis {
         }
         let drive_torque = drive(self.places.torque).unwrap_or(0.0);
         let drive_torque_nm = drive_torque * 1e-3 * self.rig.drive.rated_torque_nm;
-        Now { position_rad, sensor, status_word, drive_torque_nm }
+        let drive_velocity_rad_s =
+            drive(self.places.velocity).map(|counts| self.rig.drive.sign * counts / self.rig.drive.counts_per_rad);
+        let drive_current_per_mille = drive(self.places.current);
+        Now { position_rad, sensor, status_word, drive_torque_nm, drive_velocity_rad_s, drive_current_per_mille }
     }
 
     /// What the drive says of itself in an answer of this cycle: `status_word`, where nothing else of the answer is of use.

@@ -289,6 +289,7 @@ impl<'a, 's, W: Wire, C> Cycle<'a, 's, W, C> {
             sensor_status: now.sensor.status,
             sensor_counts: now.sensor.counts,
             drive_torque_nm: now.drive_torque_nm,
+            extras: [now.drive_velocity_rad_s, now.drive_current_per_mille],
         });
     }
 

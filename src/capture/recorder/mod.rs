@@ -22,8 +22,11 @@ use writer::Writer;
 
 /// Rows that may wait for the disk: 8 s at 1 kHz, longer than a disk is ever away. They are made room for beforehand.
 const WAITING: usize = 8192;
-/// Header of a log, as `Sample::write` fills it.
+/// Header of a log, as `Sample::write` fills it; behind it come those of `EXTRAS` that the rig maps.
 pub const HEADER: &str = "time_s,cycle,state,working_counter,position_rad,torque_nm,command_rad,bus_time_s,status_word,sensor_status,sensor_counts,drive_torque_nm";
+
+/// What the drive may tell besides: the role of its input, and the column.
+pub const EXTRAS: [(&str, &str); 2] = [("velocity", "drive_velocity_rad_s"), ("current", "drive_current_per_mille")];
 
 /// One cycle as recorded. For a prismatic joint `_rad` is m and `_nm` is N.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -52,6 +55,8 @@ pub struct Sample {
     pub sensor_counts: f64,
     /// The drive's own torque, N m at the winch; 0 where it is not mapped.
     pub drive_torque_nm: f64,
+    /// What it tells besides, as `EXTRAS` lists it; no column where it is not mapped.
+    pub extras: [Option<f64>; EXTRAS.len()],
 }
 
 impl Sample {
@@ -59,11 +64,13 @@ impl Sample {
     fn write(&self, out: &mut Vec<u8>) -> io::Result<()> {
         let Self { time_s, cycle, state, working_counter, position_rad, torque_nm, command_rad, bus_time_s, .. } = self;
         let Self { status_word, sensor_status, sensor_counts, drive_torque_nm, .. } = self;
-        writeln!(
+        write!(
             out,
             "{time_s:.6},{cycle},{state},{working_counter},{position_rad:.8},{torque_nm:.6},{command_rad:.8},\
              {bus_time_s:.6},{status_word},{sensor_status},{sensor_counts},{drive_torque_nm:.4}"
-        )
+        )?;
+        self.extras.iter().flatten().try_for_each(|extra| write!(out, ",{extra:.6}"))?;
+        writeln!(out)
     }
 }
 

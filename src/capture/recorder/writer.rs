@@ -80,7 +80,8 @@ impl Writer {
 
     fn open(&self, file: &str) -> io::Result<File> {
         let mut log = File::create(self.folder.path.join(file))?;
-        writeln!(log, "{HEADER}")?;
+        let extras: String = self.folder.extras().map(|column| format!(",{column}")).collect();
+        writeln!(log, "{HEADER}{extras}")?;
         log.sync_data()?;
         Ok(log)
     }

@@ -1,10 +1,13 @@
 //! `rig.toml`: which devices are on the bus, what their process data mean, what the joint may do.
 
+pub mod preset;
 mod process_data;
 mod read;
+mod setup;
 mod start;
 
-pub use process_data::{Entry, Kind, Place, ProcessData};
+pub use process_data::{Entry, Kind, Pdo, Place, ProcessData};
+pub use setup::{Pulses, Setup, Startup};
 pub use start::starting_rig;
 
 use super::drive::Mode;
@@ -20,8 +23,20 @@ use std::path::Path;
 pub(super) const FORMAT: &str = "rig/1";
 /// Roles of a drive's outputs; the control word and the target of its mode are needed.
 pub const DRIVE_OUTPUTS: [&str; 5] = ["control_word", "target_position", "target_velocity", "target_torque", "mode"];
-/// Roles of a drive's inputs; the first two are needed. `counter` is anything that the drive changes every cycle.
-pub const DRIVE_INPUTS: [&str; 7] = ["status_word", "position", "velocity", "torque", "mode", "error_code", "counter"];
+/// Roles of a drive's inputs; the first two are needed. `counter` is anything that the drive changes every cycle, `sensor` and
+/// `sensor_status` a torque sensor that is wired to the drive.
+pub const DRIVE_INPUTS: [&str; 10] = [
+    "status_word",
+    "position",
+    "velocity",
+    "torque",
+    "current",
+    "mode",
+    "error_code",
+    "counter",
+    "sensor",
+    "sensor_status",
+];
 /// Roles of a sensor's inputs: its torque is needed; `status` holds the four bits beside it, as EL3xxx terminals have them.
 pub const SENSOR_INPUTS: [&str; 6] = ["torque", "status", "underrange", "overrange", "error", "toggle"];
 
@@ -95,6 +110,8 @@ pub struct Identity {
 pub struct Drive {
     /// Who it is.
     pub identity: Identity,
+    /// How it is set up.
+    pub setup: Setup,
     /// Which of its axes: their objects are `AXIS_OBJECTS` apart (CiA 402-2).
     pub axis: u16,
     /// Objects that it is known not to have: what they would set or tell is unknown.
@@ -134,11 +151,15 @@ pub struct Gains {
     pub damping_nm_s_rad: f64,
 }
 
-/// The torque sensor's terminal.
+/// Where the torque comes from: a terminal with a sensor, or the drive.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Sensor {
-    /// Who it is.
+    /// Who it is: the drive's own, where the torque comes from there.
     pub identity: Identity,
+    /// Whether the torque comes from the drive: its own (0x6077), or that of a sensor wired to it.
+    pub is_in_drive: bool,
+    /// How it is set up.
+    pub setup: Setup,
     /// Torque for a count, N m; negative where counts fall as the recorded torque grows.
     pub nm_per_count: f64,
     /// Counts without torque (`rig tare` sets it).
@@ -188,9 +209,15 @@ impl Drive {
 }
 
 impl Rig {
+    /// The devices that the rig names, each once, with how they are set up.
+    pub fn devices(&self) -> impl Iterator<Item = (&Identity, &Setup)> {
+        let sensor = (!self.sensor.is_in_drive).then_some((&self.sensor.identity, &self.sensor.setup));
+        std::iter::once((&self.drive.identity, &self.drive.setup)).chain(sensor)
+    }
+
     /// What the device at `place` is called, in quotes, if it is the rig's.
     pub fn name(&self, place: usize) -> Option<String> {
-        let known = [&self.drive.identity, &self.sensor.identity].into_iter().find(|identity| identity.place == place);
+        let known = self.devices().map(|(identity, _)| identity).find(|identity| identity.place == place);
         known.map(|identity| format!("`{}`", identity.name))
     }
 

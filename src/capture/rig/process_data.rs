@@ -35,6 +35,17 @@ impl Kind {
         ("bit7", Self::Bits(7)),
     ];
 
+    /// Those that objects of a dictionary have.
+    pub const OBJECTS: [(&'static str, Self); 7] = [
+        ("i8", Self::Signed(8)),
+        ("i16", Self::Signed(16)),
+        ("i32", Self::Signed(32)),
+        ("u8", Self::Unsigned(8)),
+        ("u16", Self::Unsigned(16)),
+        ("u32", Self::Unsigned(32)),
+        ("f32", Self::Real),
+    ];
+
     /// Its length in bits.
     pub fn bits(self) -> usize {
         match self {
@@ -75,18 +86,22 @@ impl Entry {
     }
 }
 
-/// The entries of one direction, in the order in which they stand.
+/// A PDO with its entries, in the order in which they stand.
 #[derive(Debug, Clone, PartialEq)]
-pub struct ProcessData {
-    /// The PDO that holds them.
-    pub pdo: u16,
-    /// The entries.
+pub struct Pdo {
+    /// Its index: 0x1600 and on to the device, 0x1A00 and on from it.
+    pub index: u16,
+    /// What it holds.
     pub entries: Vec<Entry>,
 }
 
-impl ProcessData {
-    /// Reads one direction, whose entries may play `roles`; those of `needed` must be there.
-    pub fn read(section: &Section<'_>, roles: &[&str], needed: &[&str]) -> Option<Self> {
+impl Pdo {
+    /// The mapping words of its entries.
+    pub fn mapping(&self) -> Vec<u32> {
+        self.entries.iter().map(Entry::mapping).collect()
+    }
+
+    fn read(section: &Section<'_>, roles: &[&str]) -> Option<Self> {
         let pdo = section.need("pdo").such_as("0x1A00", "the PDO's index").whole(0x1600, 0x1BFF);
         let list = section.need("entries").such_as("[]", "its entries, each { as, index, sub, type }");
         let entries = list.sections(|entry| {
@@ -105,27 +120,71 @@ impl ProcessData {
             }
             Some(Entry { role, index: u16::try_from(index?).ok()?, sub: u8::try_from(sub).ok()?, kind: kind? })
         });
-        let found = Self { pdo: u16::try_from(pdo?).ok()?, entries: entries? };
+        Some(Self { index: u16::try_from(pdo?).ok()?, entries: entries? })
+    }
+}
+
+/// What one direction of a device carries: the PDOs assigned to it, one behind the other.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct ProcessData {
+    /// In the order of the assignment (0x1C12, 0x1C13).
+    pub pdos: Vec<Pdo>,
+}
+
+impl ProcessData {
+    /// Reads one direction, whose entries may play `roles`; those of `needed` must be there. One PDO is written by its `pdo` and
+    /// `entries`, several as a list `pdos` of such.
+    pub fn read(section: &Section<'_>, roles: &[&str], needed: &[&str]) -> Option<Self> {
+        let (key, pdos) = match section.keys().any(|key| key == "pdos") {
+            true => ("pdos", section.need("pdos").sections(|pdo| Pdo::read(pdo, roles))?),
+            false => ("entries", vec![Pdo::read(section, roles)?]),
+        };
+        let found = Self { pdos };
         for role in roles {
-            let times = found.entries.iter().filter(|entry| entry.role.as_deref() == Some(*role)).count();
+            let times = found.entries().filter(|entry| entry.role.as_deref() == Some(*role)).count();
             if times > 1 {
-                section.reject("entries", format!("hold `{role}` {times} times"), "leave one");
+                section.reject(key, format!("hold `{role}` {times} times"), "leave one");
             } else if times == 0 && needed.contains(role) {
-                section.reject("entries", format!("lack `{role}`"), format!("add one with `as = \"{role}\"`"));
+                section.reject(key, format!("lack `{role}`"), format!("add one with `as = \"{role}\"`"));
             }
         }
         Some(found)
     }
 
+    /// What a single PDO carries.
+    pub fn one(index: u16, entries: Vec<Entry>) -> Self {
+        Self { pdos: vec![Pdo { index, entries }] }
+    }
+
+    /// All entries, in the order in which they stand.
+    pub fn entries(&self) -> impl Iterator<Item = &Entry> {
+        self.pdos.iter().flat_map(|pdo| &pdo.entries)
+    }
+
+    /// The indexes of its PDOs.
+    pub fn assignment(&self) -> Vec<u16> {
+        self.pdos.iter().map(|pdo| pdo.index).collect()
+    }
+
     /// Its length in whole bytes.
     pub fn bytes(&self) -> usize {
-        self.entries.iter().map(|entry| entry.kind.bits()).sum::<usize>().div_ceil(8)
+        self.entries().map(|entry| entry.kind.bits()).sum::<usize>().div_ceil(8)
+    }
+
+    /// The same bytes with other roles: what plays `from` plays `to`, nothing else plays any.
+    pub fn with_roles(&self, roles: &[(&str, &str)]) -> Self {
+        let mut other = self.clone();
+        for entry in other.pdos.iter_mut().flat_map(|pdo| &mut pdo.entries) {
+            let role = roles.iter().find(|(from, _)| entry.role.as_deref() == Some(*from));
+            entry.role = role.map(|(_, to)| to.to_string());
+        }
+        other
     }
 
     /// Where `role` stands.
     pub fn place(&self, role: &str) -> Option<Place> {
         let mut bit = 0;
-        for entry in &self.entries {
+        for entry in self.entries() {
             if entry.role.as_deref() == Some(role) {
                 return Some(Place { bit, kind: entry.kind });
             }
@@ -211,7 +270,7 @@ mod tests {
             ("d", Kind::Signed(32)),
             ("e", Kind::Unsigned(8)),
         ];
-        let data = ProcessData { pdo: 0x1A00, entries: kinds.iter().map(|(role, kind)| entry(role, *kind)).collect() };
+        let data = ProcessData::one(0x1A00, kinds.iter().map(|(role, kind)| entry(role, *kind)).collect());
         let mut bytes = vec![0u8; data.bytes()];
         let values = [("a", 5.0), ("b", -12345.0), ("c", 0.25), ("d", -2147483648.0), ("e", 200.0)];
         for (role, value) in values {
@@ -239,13 +298,25 @@ mod tests {
     #[test]
     fn gaps_are_left_alone() {
         let gap = Entry { role: None, index: 0, sub: 0, kind: Kind::Gap(40) };
-        let data = ProcessData { pdo: 0x1A00, entries: vec![gap, entry("a", Kind::Unsigned(8))] };
+        let data = ProcessData::one(0x1A00, vec![gap, entry("a", Kind::Unsigned(8))]);
         let mut bytes = [0x55u8; 6];
         data.place("a").unwrap().set(&mut bytes, 7.0);
         assert_eq!((bytes, data.bytes()), ([0x55, 0x55, 0x55, 0x55, 0x55, 7], 6));
         let within = Place { bit: 0, kind: Kind::Gap(40) };
         within.set(&mut bytes, 1.0);
         assert!(within.get(&bytes).is_nan() && bytes[0] == 0x55);
+    }
+
+    #[test]
+    fn several_pdos_stand_one_behind_the_other() {
+        let pdo = |index, role, kind| Pdo { index, entries: vec![entry(role, kind)] };
+        let data = ProcessData { pdos: vec![pdo(0x1A00, "a", Kind::Unsigned(16)), pdo(0x1A03, "b", Kind::Signed(32))] };
+        assert_eq!((data.bytes(), data.assignment()), (6, vec![0x1A00, 0x1A03]));
+        let mut bytes = [0u8; 6];
+        data.place("b").unwrap().set(&mut bytes, -2.0);
+        assert_eq!(bytes, [0, 0, 0xFE, 0xFF, 0xFF, 0xFF]);
+        let other = data.with_roles(&[("b", "torque")]);
+        assert_eq!((other.place("torque"), other.place("a")), (data.place("b"), None));
     }
 
     #[test]

@@ -3,6 +3,7 @@
 use super::StaleBy;
 use super::{
     Bus, DRIVE_INPUTS, DRIVE_OUTPUTS, Drive, FORMAT, Gains, Identity, Place, ProcessData, Rig, SENSOR_INPUTS, Sensor,
+    Setup,
 };
 use crate::capture::drive::Mode;
 use crate::capture::limits::Limits;
@@ -19,13 +20,15 @@ pub(super) fn rig(root: &Section<'_>) -> Option<Rig> {
     root.need("format").choice(&[(FORMAT, ())]);
     let bus = root.need("bus").such_as("[bus]", "a section with the interface").section(read_bus);
     let drive = root.need("drive").such_as("[drive]", "a section on the drive").section(read_drive);
-    let sensor = root.need("sensor").such_as("[sensor]", "a section on the sensor").section(read_sensor);
+    let sensor = root.need("sensor").such_as("[sensor]", "where the torque comes from");
+    let sensor = sensor.section(|section| read_sensor(section, drive.as_ref()));
     let limits = root.need("limits").such_as("[limits]", "what the joint may do").section(Limits::read);
     let joint = root.need("joint").such_as("[joint]", "as in campaign.toml");
     let joint = joint.section(|section| Joint::read(section, Joint::read_kind(section)));
     let dynamics = root.need("dynamics").such_as("[dynamics]", "as in campaign.toml").section(read_dynamics);
     let signal = root.need("signal").such_as("[signal]", "as in campaign.toml").section(Signal::read);
     if let (Some(drive), Some(sensor)) = (&drive, &sensor)
+        && !sensor.is_in_drive
         && drive.identity.place == sensor.identity.place
     {
         root.reject("sensor", "has the drive's place on the bus", "count the devices from 0: `tautline rig scan`");
@@ -141,6 +144,7 @@ fn read_identity(section: &Section<'_>) -> Option<Identity> {
 fn read_drive(section: &Section<'_>) -> Option<Drive> {
     let positive = |key, example, means| section.need(key).such_as(example, means).positive();
     let identity = read_identity(section);
+    let setup = Setup::read(section);
     let axis = section.may("axis").whole(0, 7).unwrap_or(0);
     let without = section.may("without").wholes(0x6000, 0x67FF).unwrap_or_default();
     let mode = section.may("mode").choice(&Mode::NAMES).unwrap_or(Mode::Position);
@@ -176,6 +180,7 @@ fn read_drive(section: &Section<'_>) -> Option<Drive> {
     }
     Some(Drive {
         identity: identity?,
+        setup,
         axis: u16::try_from(axis).ok()?,
         without: without.into_iter().filter_map(|index| u16::try_from(index).ok()).collect(),
         mode,
@@ -201,8 +206,50 @@ fn read_gains(section: &Section<'_>) -> Option<Gains> {
     })
 }
 
-fn read_sensor(section: &Section<'_>) -> Option<Sensor> {
+/// Names of `sensor.from`, with the role that the drive's entry plays.
+const IN_DRIVE: [(&str, &str); 2] = [("drive_torque", "torque"), ("drive_sensor", "sensor")];
+
+/// The torque of the drive itself, or of a sensor that is wired to it: its entries are among the drive's.
+fn read_sensor_in_drive(section: &Section<'_>, drive: &Drive) -> Option<Sensor> {
+    let role = section.need("from").choice(&IN_DRIVE)?;
+    let is_own = role == "torque";
+    // The drive's own torque is per mille of its rated torque, with the drive's sign.
+    let own_nm_per_count = drive.sign * drive.rated_torque_nm * 1e-3;
+    let nm_per_count = match is_own {
+        true => section.may("nm_per_count").number().or(Some(own_nm_per_count)),
+        false => section.need("nm_per_count").such_as("0.0001526", "torque for a count, N m").number(),
+    };
+    let zero_counts = section.may("zero_counts").number().unwrap_or(0.0);
+    let saturated_counts = section.may("saturated_counts").positive().unwrap_or(32_767.0);
+    let stale_by = section.may("stale_by").choice(&StaleBy::NAMES).unwrap_or(StaleBy::Nothing);
+    let stale_cycles = section.may("stale_cycles").whole(1, 10_000).unwrap_or(3);
+    let inputs = drive.inputs.with_roles(&[(role, "torque"), ("sensor_status", "status")]);
+    if inputs.place("torque").is_none() {
+        let cure = if is_own { "object 0x6077" } else { "the object that holds the sensor's value" };
+        let what = format!("takes the torque from the drive, whose inputs lack `{role}`");
+        section.reject("from", what, format!("map {cure} in [drive.inputs], with `as = \"{role}\"`"));
+    }
+    Some(Sensor {
+        identity: drive.identity.clone(),
+        is_in_drive: true,
+        setup: Setup::default(),
+        nm_per_count: nm_per_count?,
+        zero_counts,
+        saturated_counts,
+        stale_by,
+        stale_cycles: u32::try_from(stale_cycles).ok()?,
+        inputs,
+    })
+}
+
+fn read_sensor(section: &Section<'_>, drive: Option<&Drive>) -> Option<Sensor> {
+    if section.keys().any(|key| key == "from") {
+        // What is wrong with the drive is reported there.
+        section.keys().filter(|_| drive.is_none()).for_each(|key| section.may(key).ignore());
+        return read_sensor_in_drive(section, drive?);
+    }
     let identity = read_identity(section);
+    let setup = Setup::read(section);
     let nm_per_count = section.need("nm_per_count").such_as("0.0001526", "torque for a count, N m").number();
     let zero_counts = section.need("zero_counts").such_as("0", "counts without torque: `tautline rig tare`").number();
     let saturated_counts = section.may("saturated_counts").positive().unwrap_or(32_767.0);
@@ -221,6 +268,8 @@ fn read_sensor(section: &Section<'_>) -> Option<Sensor> {
     }
     Some(Sensor {
         identity: identity?,
+        is_in_drive: false,
+        setup,
         nm_per_count: nm_per_count?,
         zero_counts: zero_counts?,
         saturated_counts,

@@ -1,18 +1,17 @@
 //! A rig to fill in, from what is on the bus.
 
-use super::{Entry, Kind, ProcessData};
+use super::preset::Preset;
+use super::{Entry, Kind, Pdo, ProcessData};
 use crate::capture::found::Found;
 
-/// The text of a rig of the first drive among `found` and the first other device that sends something. What no device can tell
-/// stands there as a comment with an example: until it is filled in the rig is refused, with each number that is missing.
+/// The text of a rig of the first drive among `found` and the first other device that sends something; of a drive alone the torque is its
+/// own. What no device can tell stands there as a comment with an example: until it is filled in the rig is refused, with each number
+/// that is missing.
 pub fn starting_rig(interface: &str, found: &[Found]) -> Option<String> {
-    let has = |data: &&ProcessData, role: &str| data.place(role).is_some();
-    let drive = found.iter().find(|device| device.outputs.iter().any(|data| has(&data, "control_word")))?;
-    let sensor = found.iter().find(|device| device.place != drive.place && !device.inputs.is_empty())?;
-    let outputs = drive.outputs.iter().find(|data| has(data, "control_word"))?;
-    let inputs = drive.inputs.iter().find(|data| has(data, "status_word"))?;
-    let terminal = as_terminal(sensor.inputs.first()?);
-    let has_toggle = ["toggle", "status"].iter().any(|role| has(&&terminal, role));
+    let drive = found.iter().find(|device| device.outputs.place("control_word").is_some())?;
+    let sensor = found.iter().find(|device| device.place != drive.place && !device.inputs.pdos.is_empty());
+    let (outputs, inputs) = (once(&drive.outputs), once(&drive.inputs));
+    let preset = Preset::of(drive.vendor, drive.product).map_or(String::new(), |preset| preset.comment());
     Some(format!(
         "\
 # Written by `tautline rig scan`: the devices are as they report themselves. FILL IN what no device can tell: take the `#` off
@@ -27,26 +26,66 @@ clocks = {clocks}
 
 [drive]
 {drive_identity}mode = \"csp\"
-{DRIVE}
-[drive.outputs]
-{outputs}
-[drive.inputs]
-{inputs}
-[sensor]
-{sensor_identity}{SENSOR}stale_by = \"{stale_by}\"            # \"toggle\", \"value\" where there is no toggle bit, or \"nothing\"
-stale_cycles = 3
-
-[sensor.inputs]                 # the entry of the torque takes `as = \"torque\"`, and a signed type such as \"i16\"
-{terminal}
+{preset}{DRIVE}
+{outputs}{inputs}
+{sensor}
 {JOINT}",
         clocks = drive.has_clock,
         drive_identity = identity(drive, "winch drive"),
-        outputs = process_data(outputs),
-        inputs = process_data(inputs),
-        sensor_identity = identity(sensor, "torque terminal"),
-        stale_by = if has_toggle { "toggle" } else { "nothing" },
-        terminal = process_data(&terminal),
+        outputs = process_data("drive.outputs", &outputs),
+        inputs = process_data("drive.inputs", &inputs),
+        sensor = sensor.map_or_else(|| sensor_in_drive(&inputs), sensor_of),
     ))
+}
+
+/// The section of a sensor's terminal.
+fn sensor_of(found: &Found) -> String {
+    let terminal = as_terminal(&found.inputs);
+    let has_toggle = ["toggle", "status"].iter().any(|role| terminal.place(role).is_some());
+    let preset = Preset::of(found.vendor, found.product).map_or(String::new(), |preset| preset.comment());
+    format!(
+        "[sensor]
+{identity}{preset}{SENSOR}stale_by = \"{stale_by}\"            # \"toggle\", \"value\" where there is no toggle bit, or \"nothing\"
+stale_cycles = 3
+
+# The entry of the torque takes `as = \"torque\"`, and a signed type such as \"i16\".
+{data}",
+        identity = identity(found, "torque terminal"),
+        stale_by = if has_toggle { "toggle" } else { "nothing" },
+        data = process_data("sensor.inputs", &terminal),
+    )
+}
+
+/// The section of a drive without another device that sends anything.
+fn sensor_in_drive(inputs: &ProcessData) -> String {
+    let missing = match inputs.place("torque") {
+        Some(_) => "",
+        None => {
+            "# The drive does not send its torque yet: add { as = \"torque\", index = 0x6077, type = \"i16\" } to [drive.inputs].\n"
+        }
+    };
+    format!(
+        "# No other device sends anything: the torque is the drive's own (0x6077), with all that is between its motor and the winch.
+{missing}[sensor]
+from = \"drive_torque\"          # or \"drive_sensor\", of an entry with `as = \"sensor\"`
+"
+    )
+}
+
+/// Of a drive with several axes only the first one's objects play a role.
+fn once(data: &ProcessData) -> ProcessData {
+    let mut seen: Vec<String> = Vec::new();
+    let mut data = data.clone();
+    for entry in data.pdos.iter_mut().flat_map(|pdo| &mut pdo.entries) {
+        match entry.role.take().filter(|role| !seen.contains(role)) {
+            Some(role) => {
+                seen.push(role.clone());
+                entry.role = Some(role);
+            }
+            None => entry.role = None,
+        }
+    }
+    data
 }
 
 /// What is to be filled in of the drive.
@@ -106,7 +145,7 @@ fn identity(found: &Found, name: &str) -> String {
     )
 }
 
-fn process_data(data: &ProcessData) -> String {
+fn process_data(name: &str, data: &ProcessData) -> String {
     let entry = |entry: &Entry| {
         let Entry { role, index, sub, kind } = entry;
         let role = role.as_ref().map_or(String::new(), |role| format!("as = \"{role}\", "));
@@ -117,20 +156,26 @@ fn process_data(data: &ProcessData) -> String {
         };
         format!("    {{ {role}index = {index:#06x}, {sub}{kind} }},\n")
     };
-    let entries: String = data.entries.iter().map(entry).collect();
-    format!("pdo = {:#06x}\nentries = [\n{entries}]\n", data.pdo)
+    let one = |pdo: &Pdo| {
+        let entries: String = pdo.entries.iter().map(entry).collect();
+        format!("pdo = {:#06x}\nentries = [\n{entries}]\n", pdo.index)
+    };
+    match &data.pdos[..] {
+        [single] => format!("[{name}]\n{}\n", one(single)),
+        several => several.iter().map(|pdo| format!("[[{name}.pdos]]\n{}\n", one(pdo))).collect(),
+    }
 }
 
 /// The roles that entries of an analog terminal have by their place in object 0x6000, as EL3xxx terminals have them.
 fn as_terminal(data: &ProcessData) -> ProcessData {
     let mut data = data.clone();
-    for entry in &mut data.entries {
+    for entry in data.pdos.iter_mut().flat_map(|pdo| &mut pdo.entries) {
         let (role, kind) = match (entry.index, entry.sub, entry.kind.bits()) {
             (0x6000, 1, 16) => ("status", Kind::Unsigned(16)),
             (0x6000, 1, 1) => ("underrange", Kind::Bits(1)),
             (0x6000, 2, 1) => ("overrange", Kind::Bits(1)),
             (0x6000, 7, 1) => ("error", Kind::Bits(1)),
-            (0x6000, 0x10, 1) => ("toggle", Kind::Bits(1)),
+            (0x6000, 0x10, 1) | (0x1800, 0x09, 1) => ("toggle", Kind::Bits(1)),
             (0x6000, 0x11, bits @ (16 | 32)) => ("torque", Kind::Signed(bits as u8)),
             _ => continue,
         };
@@ -152,11 +197,18 @@ mod tests {
         let known = include_str!("../../../data/rigs/demo/rig.toml");
         let entries =
             vec![entry(Some("torque"), Kind::Signed(16)), entry(None, Kind::Gap(64)), entry(None, Kind::Bits(3))];
-        let data = ProcessData { pdo: 0x1A00, entries };
+        let two = |first: &Entry| ProcessData {
+            pdos: vec![
+                Pdo { index: 0x1A00, entries: vec![first.clone()] },
+                Pdo { index: 0x1A01, entries: entries[1..].to_vec() },
+            ],
+        };
         let (before, _) = known.split_once("[sensor.inputs]").unwrap();
         let (_, after) = known.split_once("[limits]").unwrap();
         let before = before.replace("stale_by = \"toggle\"", "stale_by = \"nothing\"");
-        let text = format!("{before}[sensor.inputs]\n{}\n[limits]{after}", process_data(&data));
-        assert_eq!(Rig::parse("rig.toml".as_ref(), &text).unwrap().sensor.inputs, data);
+        for data in [ProcessData::one(0x1A00, entries.clone()), two(&entries[0])] {
+            let text = format!("{before}{}\n[limits]{after}", process_data("sensor.inputs", &data));
+            assert_eq!(Rig::parse("rig.toml".as_ref(), &text).unwrap().sensor.inputs, data);
+        }
     }
 }

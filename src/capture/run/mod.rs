@@ -2,6 +2,7 @@
 
 mod first;
 mod follow;
+pub mod jog;
 mod release;
 
 use super::cause::Cause;
@@ -76,7 +77,7 @@ impl<'a, 's, W: Wire, C> Run<'a, 's, W, C> {
     pub fn look(&mut self) {
         let cycles = (LOOK_S / self.task.rig.bus.period_s()) as usize;
         self.shown.name = "looking".to_string();
-        let mut counts = Vec::with_capacity(cycles);
+        let (mut counts, mut seen_rad) = (Vec::with_capacity(cycles), (f64::MAX, f64::MIN));
         for _ in 0..cycles {
             if self.task.interrupted.load(Ordering::Relaxed) {
                 break;
@@ -84,13 +85,17 @@ impl<'a, 's, W: Wire, C> Run<'a, 's, W, C> {
             let missed = self.cycle.counts.missed;
             self.turn(Request::Watch, None);
             let fresh = self.cycle.now.as_ref().filter(|_| self.cycle.counts.missed == missed);
-            counts.extend(fresh.map(|now| now.sensor.counts));
+            if let Some(now) = fresh {
+                counts.push(now.sensor.counts);
+                seen_rad = (seen_rad.0.min(now.position_rad), seen_rad.1.max(now.position_rad));
+            }
         }
         let samples = counts.len().max(1) as f64;
         let mean_counts = counts.iter().sum::<f64>() / samples;
         let sd_counts = (counts.iter().map(|x| (x - mean_counts).powi(2)).sum::<f64>() / samples).sqrt();
         self.judge_cycle(u32::try_from(cycles).unwrap_or(u32::MAX));
-        self.looked = Looked { samples: u32::try_from(counts.len()).unwrap_or(u32::MAX), mean_counts, sd_counts };
+        let samples = u32::try_from(counts.len()).unwrap_or(u32::MAX);
+        self.looked = Looked { samples, mean_counts, sd_counts, spread_rad: (seen_rad.1 - seen_rad.0).max(0.0) };
     }
 
     /// Whether this computer keeps the cycle, as seen over `cycles` without torque.

@@ -153,7 +153,7 @@ fn played(case: &Case, at: u64) -> Result<Row> {
     let (rig, mut bus) = (rig_of(case.mode)?, demo_bus(1)?);
     case.faults.iter().for_each(|fault| bus.inject(*fault, When::Cycle(at)));
     let (mut began, mut off_ns, mut speed_rad_s, mut travel_rad) = (None, None, 0.0f64, 0.0f64);
-    let mut commanded_ns = None;
+    let (mut commanded_ns, allowed) = (None, Allowed::of(&rig, &case.faults));
     let mut position_rad = (f64::MAX, f64::MIN);
     let outcome = captured(&rig, bus, &mut |now_ns, bus| {
         let truth = bus.truth();
@@ -165,8 +165,13 @@ fn played(case: &Case, at: u64) -> Result<Row> {
         travel_rad = travel_rad.max((truth.position_rad - from_rad).abs());
         position_rad = (position_rad.0.min(truth.position_rad), position_rad.1.max(truth.position_rad));
         let word = bus.devices()[0].object(0x6040, 0).and_then(|word| word.first_chunk::<2>());
+        let was_commanded = commanded_ns.is_some();
         if commanded_ns.is_none() && word.is_some_and(|word| u16::from_le_bytes(*word) != Control::Enable.word()) {
             commanded_ns = Some(now_ns - began_ns);
+        }
+        if allowed.from_command && !was_commanded {
+            began = Some((began_ns, truth.position_rad));
+            travel_rad = 0.0;
         }
         let has_torque = Condition::of(bus.drive_status().unwrap_or(0)).has_torque();
         off_ns = (!has_torque).then(|| now_ns - began_ns);
@@ -181,7 +186,7 @@ fn played(case: &Case, at: u64) -> Result<Row> {
         travel_rad,
         commanded_ms: commanded_ns.map(|ns| ns as f64 * 1e-6),
         position_rad,
-        allowed: Allowed::of(&rig, &case.faults),
+        allowed,
         warning,
         wrong: None,
     };
@@ -192,7 +197,7 @@ fn played(case: &Case, at: u64) -> Result<Row> {
 impl Row {
     /// What is wrong: faster, farther or elsewhere than is allowed, or silent.
     fn judged(&self, has_cause: bool) -> Option<&'static str> {
-        let Allowed { speed_rad_s, travel_rad, range_rad } = &self.allowed;
+        let Allowed { speed_rad_s, travel_rad, range_rad, .. } = &self.allowed;
         if !has_cause {
             Some("silent")
         } else if self.off_ms.is_none() && self.warning.is_none() {

@@ -3,8 +3,11 @@
 mod check;
 mod emulate;
 mod faults;
+mod jog;
+mod preset;
 mod scan;
 mod tare;
+mod zero;
 
 use super::outcome::Talk;
 use crate::problem::Result;
@@ -15,8 +18,10 @@ use std::process::ExitCode;
   tautline rig scan --interface eth1 -o rig.toml     lists the bus, writes a rig to fill in
   tautline rig check --rig rig.toml                  verifies everything without enabling the drive
   tautline rig tare --rig rig.toml                   zeroes the torque sensor
+  tautline rig zero --rig rig.toml --at-rad 0        zeroes the joint, in a pose that you know
+  tautline rig jog --rig rig.toml                    moves the joint while a key is held
 
-`demo` serves as interface and as rig. None of these gives the drive torque.")]
+`demo` serves as interface and as rig. Of these only `jog` gives the drive torque, after asking.")]
 pub struct Arguments {
     #[command(subcommand)]
     command: Command,
@@ -30,6 +35,12 @@ enum Command {
     Check(check::Arguments),
     /// Set the torque sensor's zero to what it reads now
     Tare(tare::Arguments),
+    /// Set the joint's zero from a pose whose angle you know
+    Zero(zero::Arguments),
+    /// Move the joint slowly while a key is held
+    Jog(jog::Arguments),
+    /// List what is known of common drives and terminals, or print a section of a rig for one
+    Preset(preset::Arguments),
     /// Be the demo's devices on a network interface
     Emulate(emulate::Arguments),
     /// Play every fault of the software bus to a capture, in virtual time, and tell what became of the joint
@@ -42,6 +53,9 @@ pub fn run(arguments: &Arguments, talk: &Talk) -> Result<ExitCode> {
         Command::Scan(arguments) => scan::run(arguments, talk),
         Command::Check(arguments) => check::run(arguments, talk),
         Command::Tare(arguments) => tare::run(arguments, talk),
+        Command::Zero(arguments) => zero::run(arguments, talk),
+        Command::Jog(arguments) => jog::run(arguments, talk),
+        Command::Preset(arguments) => preset::run(arguments, talk),
         Command::Emulate(arguments) => emulate::run(arguments),
         Command::Faults(arguments) => faults::run(arguments, talk),
     }

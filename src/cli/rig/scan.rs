@@ -2,7 +2,7 @@
 
 use crate::capture::found::{Found, scan};
 use crate::capture::line::with_line;
-use crate::capture::rig::{ProcessData, starting_rig};
+use crate::capture::rig::{Pdo, ProcessData, starting_rig};
 use crate::cli::outcome::Talk;
 use crate::cli::wire;
 use crate::problem::{Problem, Result};
@@ -16,7 +16,7 @@ pub struct Arguments {
     /// The network interface, or `demo`
     #[arg(long)]
     interface: String,
-    /// Write a rig.toml to fill in, from the first drive and the first device that only sends
+    /// Write a rig.toml to fill in, from the first drive and the first other device that sends something
     #[arg(short, long)]
     output: Option<PathBuf>,
 }
@@ -25,7 +25,11 @@ pub fn run(arguments: &Arguments, talk: &Talk) -> Result<ExitCode> {
     let wire = wire::open(&arguments.interface, false, 1)?;
     let found = with_line(wire, scan).or_else(|failure| {
         let what = format!("the devices cannot be brought to PRE-OP: {failure}");
-        Problem::error(&arguments.interface, what, "check cables and power of the devices").alone()
+        let cure = match failure.is_capacity() {
+            true => "take devices off the bus, or divide it",
+            false => "check cables and power of the devices",
+        };
+        Problem::error(&arguments.interface, what, cure).alone()
     })?;
     if found.is_empty() {
         let cure = "check the cable, the devices' power, and that this is the interface they hang on";
@@ -43,7 +47,7 @@ pub fn run(arguments: &Arguments, talk: &Talk) -> Result<ExitCode> {
 
 fn write_rig(file: &PathBuf, interface: &str, found: &[Found]) -> Result<()> {
     let Some(text) = starting_rig(interface, found) else {
-        let what = "no drive with a control word, or no device beside it that sends something, is on the bus";
+        let what = "no device on the bus takes a control word (0x6040) in its process data";
         return Problem::error(interface, what, "leave out -o; write the rig from data/rigs/demo/rig.toml").alone();
     };
     let mut new = match std::fs::File::create_new(file) {
@@ -57,17 +61,18 @@ fn write_rig(file: &PathBuf, interface: &str, found: &[Found]) -> Result<()> {
 }
 
 fn to_json(device: &Found) -> Value {
-    let data = |data: &ProcessData| {
-        let entries = data.entries.iter().map(
+    let pdo = |pdo: &Pdo| {
+        let entries = pdo.entries.iter().map(
             |entry| json!({ "index": entry.index, "sub": entry.sub, "bits": entry.kind.bits(), "as": entry.role }),
         );
-        json!({ "pdo": data.pdo, "entries": entries.collect::<Vec<_>>() })
+        json!({ "pdo": pdo.index, "entries": entries.collect::<Vec<_>>() })
     };
+    let data = |data: &ProcessData| data.pdos.iter().map(pdo).collect::<Vec<_>>();
     json!({
         "place": device.place, "name": device.name, "vendor": device.vendor, "product": device.product,
         "revision": device.revision, "serial": device.serial, "alias": device.alias, "clock": device.has_clock,
-        "outputs": device.outputs.iter().map(data).collect::<Vec<_>>(),
-        "inputs": device.inputs.iter().map(data).collect::<Vec<_>>(),
+        "outputs": data(&device.outputs),
+        "inputs": data(&device.inputs),
     })
 }
 
@@ -80,9 +85,9 @@ fn write_device(out: &mut impl Write, device: &Found) -> io::Result<()> {
         if *has_clock { ", with a clock" } else { "" }
     )?;
     for (direction, all) in [("takes", outputs), ("sends", inputs)] {
-        for data in all {
-            writeln!(out, "   {direction} {:#06x}", data.pdo)?;
-            for entry in &data.entries {
+        for pdo in &all.pdos {
+            writeln!(out, "   {direction} {:#06x}", pdo.index)?;
+            for entry in &pdo.entries {
                 let role = entry.role.as_deref().unwrap_or("");
                 writeln!(out, "      {:#06x}:{:02x} {:>2} bit  {role}", entry.index, entry.sub, entry.kind.bits())?;
             }

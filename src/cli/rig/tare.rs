@@ -43,7 +43,7 @@ pub fn run(arguments: &Arguments, talk: &Talk) -> Result<ExitCode> {
     // Adding 0 takes the sign off a zero.
     let (before, zero) = (sensor.zero_counts, looked.mean_counts.round() + 0.0);
     if !described.is_demo {
-        rewrite(file, &described.text, zero)?;
+        rewrite(file, &described.text, "[sensor]", zero)?;
     }
     let shift_nm = (zero - before) * sensor.nm_per_count;
     talk.result(
@@ -59,10 +59,10 @@ pub fn run(arguments: &Arguments, talk: &Talk) -> Result<ExitCode> {
     Ok(ExitCode::SUCCESS)
 }
 
-/// Puts `zero` in place of `zero_counts` of `[sensor]`, and leaves all else of the file as it stands.
+/// Puts `zero` in place of `zero_counts` of `place` (`[sensor]`), and leaves all else of the file as it stands.
 ///
 /// Errors: the line is not found, or the file cannot be written.
-fn rewrite(file: &Path, text: &str, zero: f64) -> Result<()> {
+pub(super) fn rewrite(file: &Path, text: &str, place: &str, zero: f64) -> Result<()> {
     let mut section = "";
     let mut found = false;
     let lines = text.lines().map(|line| {
@@ -71,7 +71,7 @@ fn rewrite(file: &Path, text: &str, zero: f64) -> Result<()> {
             section = bare.split(['#', ' ']).next().unwrap_or_default();
         }
         match bare.strip_prefix("zero_counts").map(str::trim_start).and_then(|rest| rest.strip_prefix('=')) {
-            Some(rest) if section == "[sensor]" => {
+            Some(rest) if section == place => {
                 found = true;
                 let comment = rest.find('#').map_or(String::new(), |at| format!("   {}", &rest[at..]));
                 format!("zero_counts = {zero}{comment}")
@@ -81,7 +81,7 @@ fn rewrite(file: &Path, text: &str, zero: f64) -> Result<()> {
     });
     let text = lines.collect::<Vec<_>>().join("\n") + "\n";
     if !found {
-        let what = "has no line `zero_counts = ...` under [sensor]";
+        let what = format!("has no line `zero_counts = ...` under {place}");
         return Problem::error(file, what, format!("write `zero_counts = {zero}` there")).alone();
     }
     let folder = file.parent().filter(|parent| !parent.as_os_str().is_empty()).unwrap_or(Path::new("."));

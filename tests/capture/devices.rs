@@ -1,0 +1,190 @@
+//! Devices as they are: several PDOs, a drive alone, objects to be written first, clocks of their own; and a joint moved by hand.
+
+use super::{RIG, SWEEP, demo, plan, rig, run, traced, truth};
+use std::path::Path;
+use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
+use tautline::bus::{Bus, Fault, Joint, When, drive};
+use tautline::capture::drive::Condition;
+use tautline::capture::found::scan;
+use tautline::capture::in_process::InProcess;
+use tautline::capture::line::with_line;
+use tautline::capture::operator::Agrees;
+use tautline::capture::plan::Plan;
+use tautline::capture::rig::{Rig, starting_rig};
+use tautline::capture::run::jog::{Jog, Jogger};
+use tautline::capture::session::{Task, Torque, jog};
+
+/// The demo's rig with other text in place of some.
+fn rig_with(changes: &[(&str, &str)]) -> Rig {
+    let text = changes.iter().fold(RIG.to_string(), |text, (before, after)| {
+        assert!(text.contains(before), "{before}");
+        text.replace(before, after)
+    });
+    Rig::parse(Path::new("rig.toml"), &text).unwrap_or_else(|why| panic!("{why}\n{text}"))
+}
+
+/// The text of the demo's rig with another section in place of its own from `[name]` to the next blank line.
+fn with_section(text: &str, name: &str, section: &str) -> String {
+    let at = text.find(&format!("[{name}]")).unwrap();
+    let end = text[at..].find("\n\n").unwrap() + at;
+    format!("{}{section}{}", &text[..at], &text[end..])
+}
+
+const OUTPUTS: &str = "[drive.outputs]
+pdos = [
+    { pdo = 0x1600, entries = [{ as = \"mode\", index = 0x6060, type = \"i8\" }, { as = \"target_torque\", index = 0x6071, type = \"i16\" }] },
+    { pdo = 0x1601, entries = [
+        { as = \"control_word\", index = 0x6040, type = \"u16\" },
+        { as = \"target_position\", index = 0x607A, type = \"i32\" },
+    ] },
+]
+";
+const INPUTS: &str = "[drive.inputs]
+pdos = [
+    { pdo = 0x1A01, entries = [
+        { as = \"status_word\", index = 0x6041, type = \"u16\" },
+        { as = \"position\", index = 0x6064, type = \"i32\" },
+    ] },
+    { pdo = 0x1A00, entries = [
+        { as = \"velocity\", index = 0x606C, type = \"i32\" },
+        { as = \"torque\", index = 0x6077, type = \"i16\" },
+        { as = \"mode\", index = 0x6061, type = \"i8\" },
+    ] },
+]
+";
+
+/// D3: several PDOs each way, one of them as the maker has fixed it.
+#[test]
+fn several_pdos_are_mapped_and_read() {
+    let text = with_section(&with_section(RIG, "drive.outputs", OUTPUTS), "drive.inputs", INPUTS);
+    let several = Rig::parse(Path::new("rig.toml"), &text).unwrap();
+    let watched = run(demo(), &several, &plan(SWEEP), None);
+    assert_eq!((watched.outcome.cause, watched.outcome.complete), (None, 2));
+    // What a device has fixed otherwise is refused, with what it has.
+    let wrong = text.replace("index = 0x6041, type = \"u16\"", "index = 0x6041, type = \"u32\"");
+    assert_ne!(wrong, text);
+    let wrong = Rig::parse(Path::new("rig.toml"), &wrong).unwrap();
+    let refused = std::panic::catch_unwind(|| run(demo(), &wrong, &plan(SWEEP), None).outcome);
+    assert!(refused.is_err());
+}
+
+/// D4: a drive alone: the torque is its own.
+#[test]
+fn a_drive_alone_serves() {
+    let alone = || Bus::new(vec![drive(0)]).with_joint(Joint::new(truth(), 0.0, 0.005, 1));
+    let at = RIG.find("[sensor]").unwrap();
+    let end = RIG.find("[limits]").unwrap();
+    let text = format!("{}[sensor]\nfrom = \"drive_torque\"\n\n{}", &RIG[..at], &RIG[end..]);
+    let rig = Rig::parse(Path::new("rig.toml"), &text).unwrap();
+    assert_eq!(rig.sensor.nm_per_count, 0.002);
+    let outcome = traced(alone(), &rig, &plan(SWEEP), &Agrees, &mut |_, _| ());
+    assert_eq!((outcome.cause, outcome.complete), (None, 2));
+    // And a scan writes a rig for it, in which what no device can tell is missing.
+    let mut bus = alone();
+    let wire = InProcess::new(move |now_ns: u64, frame: &[u8]| {
+        bus.send(now_ns, frame).into_iter().map(|reply| (reply.at_ns, reply.frame)).collect()
+    });
+    let found = with_line(wire, scan).unwrap();
+    let text = starting_rig("eth1", &found).unwrap();
+    let filled: Vec<&str> =
+        text.lines().map(|line| line.strip_prefix("# ").filter(|l| l.contains(" = ")).unwrap_or(line)).collect();
+    let read = Rig::parse("rig.toml".as_ref(), &filled.join("\n")).unwrap_or_else(|why| panic!("{why}\n{text}"));
+    assert!(read.sensor.is_in_drive && read.sensor.inputs.place("torque").is_some(), "{text}");
+}
+
+/// Objects are written in PRE-OP and read back; what is not taken is refused by name.
+#[test]
+fn startup_objects_are_written_and_read_back() {
+    let startup = |value: &str| {
+        let line = format!("mode = \"csp\"\nstartup = [{{ index = 0x6085, type = \"u32\", value = {value} }}]");
+        rig_with(&[("mode = \"csp\"", line.as_str())])
+    };
+    let mut ramp = 0;
+    let outcome = traced(demo(), &startup("5000000"), &plan(SWEEP), &Agrees, &mut |_, bus| {
+        ramp = u32::from_le_bytes(bus.devices()[0].object(0x6085, 0).unwrap().try_into().unwrap());
+    });
+    assert_eq!((outcome.complete, ramp), (2, 5_000_000));
+    assert!(
+        outcome.report.iter().any(|line| line.contains("0x6085:00 set to 5000000, read back")),
+        "{:?}",
+        outcome.report
+    );
+    let refused = Rig::parse(
+        Path::new("rig.toml"),
+        &RIG.replace("mode = \"csp\"", "mode = \"csp\"\nstartup = [{ index = 0x6085, type = \"u16\", value = 70000 }]"),
+    );
+    assert!(refused.unwrap_err().to_string().contains("which the type cannot hold"));
+}
+
+/// Clocks of devices that want their pulses later, or none.
+#[test]
+fn clocks_pulse_as_each_device_wants() {
+    for clock in ["{ sync0_shift_us = 100 }", "{ assign_activate = 0x0700, sync1_us = 250 }", "{ assign_activate = 0 }"]
+    {
+        let line = format!("name = \"torque terminal\"\nclock = {clock}");
+        let rig = rig_with(&[("name = \"torque terminal\"", line.as_str())]);
+        let outcome = traced(demo(), &rig, &plan(SWEEP), &Agrees, &mut |_, _| ());
+        assert_eq!((outcome.cause, outcome.complete), (None, 2), "{clock}");
+        assert!(
+            outcome.report.iter().any(|line| line.contains("`torque terminal`") && line.contains("clock")),
+            "{clock}"
+        );
+    }
+}
+
+/// D7: a drive that works by its clock gives up when outputs stay away, before its watchdog expires.
+#[test]
+fn a_clocked_drive_gives_up_in_a_long_gap() {
+    let rig = rig_with(&[
+        ("missed_cycles_max = 1 ", "watchdog_ms = 200\nmissed_cycles_max = 90 "),
+        ("lowpass_hz = 5.0", "lowpass_hz = 1.0"),
+        ("stale_cycles = 3", "stale_cycles = 100"),
+        ("torque_step_nm = 0.3", "torque_step_nm = 5.0"),
+    ]);
+    let mut bus = demo();
+    bus.inject(Fault::Unsent { frames: 70 }, When::Cycle(5000));
+    let (mut state, mut code) = (0, 0);
+    let outcome = traced(bus, &rig, &plan(SWEEP), &Agrees, &mut |_, bus| {
+        if state == 0 && bus.cycles() > 5000 && bus.devices()[0].al_status() != 8 {
+            (state, code) = (bus.devices()[0].al_status(), bus.devices()[0].al_code());
+        }
+    });
+    assert_eq!((state, code), (0x14, 0x1A));
+    assert!(outcome.cause.is_some_and(|cause| matches!(cause.name(), "device_state" | "working_counter")));
+}
+
+/// Up for a while, then down, then the end.
+#[derive(Debug)]
+struct UpAndDown;
+
+impl Jogger for UpAndDown {
+    fn wanted(&self, time_s: f64) -> Jog {
+        match time_s {
+            t if t < 2.0 => Jog::Up,
+            t if t < 2.5 => Jog::Rest,
+            t if t < 4.0 => Jog::Down,
+            _ => Jog::End,
+        }
+    }
+}
+
+#[test]
+fn a_jog_is_slow_and_small_and_ends_without_torque() {
+    let (rig, interrupted, mut bus) = (rig(), AtomicBool::new(false), demo());
+    let plan = Plan { trials: Vec::new(), rest_s: 0.0 };
+    let (mut fastest, mut highest, mut last) = (0.0f64, f64::MIN, Condition::Unknown);
+    let wire = InProcess::new(|now_ns: u64, frame: &[u8]| {
+        let replies = bus.send(now_ns, frame).into_iter().map(|reply| (reply.at_ns, reply.frame)).collect();
+        let truth = bus.truth();
+        (fastest, highest) = (fastest.max(truth.velocity_rad_s.abs()), highest.max(truth.position_rad));
+        last = Condition::of(bus.drive_status().unwrap_or(0));
+        replies
+    });
+    let task = Task { rig: &rig, plan: &plan, armed: true, interrupted: &interrupted, operator: &Agrees };
+    let outcome = jog(wire, &task, &UpAndDown, &Arc::default()).unwrap();
+    assert_eq!((outcome.cause, outcome.torque), (None, Torque::Off));
+    assert!(!last.has_torque() && fastest < 0.2 && (0.05..0.1).contains(&highest), "{fastest} rad/s, {highest} rad");
+    assert!(outcome.report.iter().any(|line| line.starts_with("moved between")), "{:?}", outcome.report);
+    assert!(outcome.report.iter().any(|line| line.contains("signs of drive and sensor fit")), "{:?}", outcome.report);
+}
