@@ -47,8 +47,9 @@ def inside(options: argparse.Namespace) -> None:
         emulator.kill()
 
 
-def capture(options: argparse.Namespace, folder: Path) -> None:
-    # An ordinary machine sleeps through many cycles; a rig on a real-time kernel keeps the limits of the demo's.
+def relaxed_rig() -> str:
+    """The demo's rig on the interface `ec0`, with the limits of an ordinary machine, which sleeps through many cycles; a rig on a
+    real-time kernel keeps those of the demo's."""
     rig = (ROOT / "data/rigs/demo/rig.toml").read_text()
     for before, after in [
         ('interface = "demo"', 'interface = "ec0"'),
@@ -64,7 +65,11 @@ def capture(options: argparse.Namespace, folder: Path) -> None:
     ]:
         assert before in rig
         rig = rig.replace(before, after)
-    (folder / "rig.toml").write_text(rig)
+    return rig
+
+
+def capture(options: argparse.Namespace, folder: Path) -> None:
+    (folder / "rig.toml").write_text(relaxed_rig())
     (folder / "plan.toml").write_text(SHORT if options.short else LONG)
     command = [options.binary, "capture", "--rig", folder / "rig.toml", "--plan", folder / "plan.toml"]
     command += ["-o", folder / "out", "--arm", "--json"]

@@ -145,7 +145,8 @@ fn general(information: &Information<'_>) -> Vec<u8> {
     let mut general = vec![0; 32];
     general[..4].copy_from_slice(&[2, 0, 1, 3]); // group, picture, order number, name
     if information.mailbox.is_some() {
-        general[5] = 0x01 | 0x04 | 0x08; // SDO; PDO assignment and configuration may be changed
+        // SDO and SDO information; PDO assignment and configuration may be changed; complete access.
+        general[5] = 0x01 | 0x02 | 0x04 | 0x08 | 0x20;
     }
     general[16] = 0x11; // ports 0 and 1 are MII
     general

@@ -113,6 +113,74 @@ pub enum Fault {
     },
 }
 
+impl Fault {
+    /// Faults by the names that a command line gives them; what follows a colon is their number.
+    pub const NAMES: [&'static str; 24] = [
+        "late:FRAMES",
+        "lost:FRAMES",
+        "unsent:FRAMES",
+        "corrupted:FRAMES",
+        "short:FRAMES",
+        "safe-op:DEVICE",
+        "gone:DEVICE",
+        "second-master",
+        "emergency:CODE",
+        "watchdog",
+        "watchdog-off",
+        "drive-fault:CODE",
+        "quick-stop",
+        "inhibit",
+        "internal-limit",
+        "blocked",
+        "cable-break",
+        "encoder-jump:RAD",
+        "frozen-encoder",
+        "frozen-inputs",
+        "ignored-control",
+        "ignored-quick-stop",
+        "stale-sensor",
+        "saturated-sensor",
+    ];
+
+    /// The fault of that name; nothing where there is none, or its number is missing or too large.
+    pub fn named(text: &str) -> Option<Self> {
+        let (name, number) = text.split_once(':').unwrap_or((text, ""));
+        let whole = || number.parse::<u32>().ok();
+        let code = || match number.strip_prefix("0x") {
+            Some(hex) => u16::from_str_radix(hex, 16).ok(),
+            None => number.parse().ok(),
+        };
+        let device = || number.parse::<usize>().ok();
+        Some(match name {
+            "late" => Self::Late { frames: whole()?, by_ns: 3_000_000 },
+            "lost" => Self::Lost { frames: whole()? },
+            "unsent" => Self::Unsent { frames: whole()? },
+            "corrupted" => Self::Corrupted { frames: whole()? },
+            "short" => Self::WorkingCounterShort { device: 0, frames: whole()? },
+            "safe-op" => Self::SafeOp { device: device()?, code: 0x001A },
+            "gone" => Self::Gone { device: device()? },
+            "second-master" => Self::SecondMaster,
+            "emergency" => Self::Emergency { device: 0, code: code()? },
+            "watchdog" => Self::Watchdog { device: 0 },
+            "watchdog-off" => Self::WatchdogOff { device: 0 },
+            "drive-fault" => Self::Drive { code: code()? },
+            "quick-stop" => Self::QuickStop,
+            "inhibit" => Self::Inhibit,
+            "internal-limit" => Self::InternalLimit,
+            "blocked" => Self::Blocked,
+            "cable-break" => Self::CableBreak,
+            "encoder-jump" => Self::EncoderJump { by_rad: number.parse().ok().filter(|rad: &f64| rad.is_finite())? },
+            "frozen-encoder" => Self::FrozenEncoder,
+            "frozen-inputs" => Self::FrozenInputs { device: 0 },
+            "ignored-control" => Self::IgnoredControl,
+            "ignored-quick-stop" => Self::IgnoredQuickStop,
+            "stale-sensor" => Self::StaleSensor,
+            "saturated-sensor" => Self::SaturatedSensor,
+            _ => return None,
+        })
+    }
+}
+
 /// When a fault strikes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum When {
@@ -125,5 +193,21 @@ pub enum When {
 impl From<u64> for When {
     fn from(at_ns: u64) -> Self {
         Self::Time(at_ns)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_name_is_a_fault() {
+        for name in Fault::NAMES {
+            let (word, number) = name.split_once(':').unwrap_or((name, ""));
+            let text = if number.is_empty() { word.to_string() } else { format!("{word}:1") };
+            assert!(Fault::named(&text).is_some(), "{text}");
+            assert!(number.is_empty() || Fault::named(word).is_none(), "{word}");
+        }
+        assert_eq!(Fault::named("drive-fault:0x2310"), Some(Fault::Drive { code: 0x2310 }));
     }
 }

@@ -5,6 +5,7 @@
 //! | `campaign.toml` | the campaign, replaced as one at the beginning and end of every trial |
 //! | `rig.toml`, `plan.toml` | copies of what it was captured by |
 //! | `capture.log` | what happened when |
+//! | `evidence.jsonl` | of each trial: late and missed cycles, the devices' clocks, port error counters, emergency messages |
 //! | `*.csv` | the trials |
 
 use super::origin::{Origin, today_s};
@@ -25,6 +26,8 @@ const UNKNOWN: &str = "its end was not recorded: killed, without power, or witho
 const CAMPAIGN: &str = "campaign.toml";
 /// What happened when.
 const NOTES: &str = "capture.log";
+/// What the bus told of itself, a line for each trial.
+const EVIDENCE: &str = "evidence.jsonl";
 
 /// A campaign's folder, being filled.
 #[derive(Debug)]
@@ -145,6 +148,12 @@ impl Folder {
         entry.capture = Some(captured);
         self.write()?;
         self.note(&line)
+    }
+
+    /// A line of `evidence.jsonl`.
+    pub(super) fn evidence(&mut self, line: &str) -> io::Result<()> {
+        let mut file = OpenOptions::new().create(true).append(true).open(self.path.join(EVIDENCE))?;
+        writeln!(file, "{line}")
     }
 
     /// A line of `capture.log`, with the time of day in s since 1970 (UTC). It is not waited for: rows may be coming.

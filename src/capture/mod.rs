@@ -20,6 +20,7 @@
 //! | `operator`, `briefing` | who is asked before there is torque, and what is shown first |
 //! | `run`, `tried`, `session` | the trials one after the other, after a first small motion; a whole capture |
 //! | `folder`, `origin`, `recorder` | samples to the disk as they come; by which clock |
+//! | `evidence` | what the bus told of itself during each trial |
 //! | `realtime` | what the operating system grants |
 
 pub mod axis;
@@ -29,6 +30,7 @@ pub mod cause;
 mod clock;
 pub mod cycle;
 pub mod drive;
+mod evidence;
 pub mod folder;
 mod follow;
 pub mod found;

@@ -263,6 +263,7 @@ impl Session<'_> {
         });
         run.guarded(Run::close);
         run.guarded(Run::release);
+        run.guarded(Run::testify);
         let (complete, looked, before) = (run.complete, run.looked, done.len());
         let broken_before = done.iter().filter(|trial| trial.is_incomplete()).count();
         let (cycles, counts, now) = (run.cycle.number(), run.counts(), run.cycle.now.clone());

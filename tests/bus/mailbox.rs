@@ -10,7 +10,8 @@ impl Master {
     /// Puts a message into the drive's mailbox; whether it was taken.
     fn post(&mut self, kind: u8, body: &[u8]) -> bool {
         let mut message = (body.len() as u16).to_le_bytes().to_vec();
-        message.extend([0, 0, 0, kind | 0x10]);
+        self.counter = self.counter % 7 + 1;
+        message.extend([0, 0, 0, kind | self.counter << 4]);
         message.extend(body);
         message.resize(128, 0);
         self.one(FPWR, place(DRIVE, 0x1000), &message).1 == 1
@@ -130,7 +131,77 @@ fn what_cannot_be_is_refused_with_its_code() {
     assert_eq!(master.set(0x6060, 0, &[1]), 0x0609_0032, "no profile position mode");
     assert_eq!(master.set(0x605A, 0, &8i16.to_le_bytes()), 0x0609_0031);
     assert_eq!(master.set(0x605A, 0, &(-1i16).to_le_bytes()), 0);
-    assert_eq!(abort(&master.sdo(&[0x50, 0x18, 0x10, 0, 0, 0, 0, 0])), 0x0601_0000, "no complete access");
+    assert_eq!(abort(&master.sdo(&[0x50, 0x41, 0x60, 0, 0, 0, 0, 0])), 0x0601_0000, "a number is no list");
+}
+
+#[test]
+fn objects_go_up_and_down_as_a_whole() {
+    let mut master = Master::new();
+    master.reach_pre_op();
+    let identity = master.sdo(&[0x50, 0x18, 0x10, 0, 0, 0, 0, 0]);
+    let whole: Vec<u8> = [&[4u8, 0][..], &[0xABC, 0x402, 1, 42u32].map(u32::to_le_bytes).concat()].concat();
+    assert_eq!((identity[0], &identity[8..]), (0x41, &whole[..]));
+    assert_eq!(master.sdo(&[0x50, 0x18, 0x10, 1, 0, 0, 0, 0])[8..], whole[2..]);
+    // An assignment, in one message.
+    let mut request = vec![0x31, 0x13, 0x1C, 0, 4, 0, 0, 0];
+    request.extend([1, 0, 0x01, 0x1A]);
+    assert_eq!(master.sdo(&request)[0], 0x60);
+    assert_eq!(master.upload(0x1C13, 1)[4..6], [0x01, 0x1A]);
+    // What cannot be leaves everything as it was.
+    request.truncate(8);
+    request.extend([1, 0, 0x01, 0x16]);
+    assert_eq!(abort(&master.sdo(&request)), 0x0604_0041);
+    assert_eq!((master.upload(0x1C13, 0)[4], master.upload(0x1C13, 1)[4..6].to_vec()), (1, vec![0x01, 0x1A]));
+}
+
+#[test]
+fn the_dictionary_tells_what_it_holds() {
+    let mut master = Master::new();
+    master.reach_pre_op();
+    let mut ask = |request: &[u8]| {
+        let mut body = vec![0, 0x80];
+        body.extend(request);
+        assert!(master.post(3, &body));
+        let mut parts = Vec::new();
+        for _ in 0..40 {
+            master.wait(MS / 10);
+            if let Some((3, body)) = master.fetch() {
+                assert_eq!(body[1] >> 4, 8);
+                parts.push(body[2..].to_vec());
+                if parts.last().unwrap()[0] & 0x80 == 0 {
+                    break;
+                }
+            }
+        }
+        parts
+    };
+    let parts = ask(&[1, 0, 0, 0, 1, 0]);
+    assert!(parts.len() > 1 && parts[0][2] as usize == parts.len() - 1, "in fragments");
+    let bytes: Vec<u8> = parts.iter().flat_map(|part| part[4..].to_vec()).collect();
+    let indexes: Vec<u16> = bytes[2..].chunks(2).map(|pair| u16::from_le_bytes([pair[0], pair[1]])).collect();
+    assert!(indexes.is_sorted() && indexes.contains(&0x607A) && indexes.contains(&0x1018));
+    let counts = ask(&[1, 0, 0, 0, 0, 0]);
+    assert_eq!(u16::from_le_bytes([counts[0][6], counts[0][7]]) as usize, indexes.len());
+    let object = &ask(&[3, 0, 0, 0, 0x18, 0x10])[0];
+    assert_eq!((object[0], &object[4..6], object[8], object[9]), (4, &[0x18, 0x10][..], 4, 9));
+    let entry = &ask(&[5, 0, 0, 0, 0x7A, 0x60, 0, 0])[0];
+    assert_eq!((entry[0], &entry[8..14]), (6, &[4, 0, 32, 0, 0x7F, 0][..]), "i32, written in every state, an output");
+    let refused = &ask(&[3, 0, 0, 0, 0xFF, 0x5F])[0];
+    assert_eq!((refused[0], &refused[4..8]), (7, &0x0602_0000u32.to_le_bytes()[..]));
+}
+
+/// A message whose answer was not seen is sent again with the same counter: it must not be executed again.
+#[test]
+fn a_repeated_message_is_not_executed_twice() {
+    let mut master = Master::new();
+    master.reach_pre_op();
+    assert_eq!(master.set(0x6065, 0, &1000u32.to_le_bytes()), 0);
+    let at = 0x6065u16.to_le_bytes();
+    master.counter -= 1;
+    assert!(master.post(3, &[0, 0x20, 0x23, at[0], at[1], 0, 0xFF, 0, 0, 0]));
+    master.wait(2 * MS);
+    assert_eq!(master.fetch(), None);
+    assert_eq!(master.upload(0x6065, 0)[4..6], 1000u16.to_le_bytes());
 }
 
 #[test]
@@ -191,7 +262,7 @@ fn a_message_that_got_lost_comes_again() {
 fn other_protocols_get_a_mailbox_error() {
     let mut master = Master::new();
     master.reach_pre_op();
-    for (kind, body, code) in [(4, vec![0; 10], 2), (3, vec![0, 0x80, 1, 0, 0, 0, 0, 0], 4)] {
+    for (kind, body, code) in [(4, vec![0; 10], 2), (3, vec![0, 0x90, 1, 0, 0, 0, 0, 0], 4)] {
         assert!(master.post(kind, &body));
         master.wait(MS);
         assert_eq!(master.fetch(), Some((0, vec![1, 0, code, 0])));

@@ -104,6 +104,8 @@ pub struct Master {
     pub bus: Bus,
     pub now_ns: u64,
     pub wanted: Wanted,
+    /// Of the last message to a mailbox, 1 to 7.
+    pub counter: u8,
 }
 
 pub fn truth() -> Model {
@@ -125,7 +127,7 @@ impl Master {
     }
 
     pub fn at(bus: Bus) -> Self {
-        Self { bus, now_ns: 0, wanted: Wanted { mode: 8, ..Wanted::default() } }
+        Self { bus, now_ns: 0, wanted: Wanted { mode: 8, ..Wanted::default() }, counter: 0 }
     }
 
     /// Sends datagrams and takes what comes.

@@ -21,6 +21,18 @@ fn a_capture_that_broke_off_goes_on_with_the_next_trial() {
     let incomplete: Vec<bool> = campaign.trials.iter().map(|trial| trial.is_incomplete()).collect();
     assert_eq!(incomplete, [true, false]);
     assert!((0..2).all(|index| read_trial(&campaign, index).is_ok()));
+    // What the bus told of itself, trial by trial.
+    let evidence = fs::read_to_string(path.join("evidence.jsonl")).unwrap();
+    let lines: Vec<serde_json::Value> = evidence.lines().map(|line| serde_json::from_str(line).unwrap()).collect();
+    let trials: Vec<&str> = lines.iter().map(|line| line["trial"].as_str().unwrap()).collect();
+    assert_eq!(trials, ["sweep_0.4000_1.csv", "sweep_0.4000_2.csv"]);
+    assert_eq!(lines[0]["devices"][0]["emergencies"], serde_json::json!([0x2310]));
+    let device = &lines[1]["devices"][1];
+    assert_eq!((&device["device"], &device["emergencies"]), (&"`torque terminal`".into(), &serde_json::json!([])));
+    assert!(
+        device["clock_difference_ns"].as_u64().unwrap() < 1000
+            && device["receive_errors"].as_array().unwrap().len() == 4
+    );
 }
 
 #[test]

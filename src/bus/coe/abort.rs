@@ -8,7 +8,7 @@ pub enum Abort {
     Toggle = 0x0503_0000,
     /// No such command.
     Command = 0x0504_0001,
-    /// Complete access is not supported.
+    /// The object cannot be accessed so, such as a single number as a whole.
     Access = 0x0601_0000,
     /// The entry is only read.
     ReadOnly = 0x0601_0002,

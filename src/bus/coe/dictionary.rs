@@ -160,6 +160,65 @@ impl Dictionary {
         Ok(())
     }
 
+    /// What a whole object holds, from subindex 0 or 1 on: subindex 0 is followed by a byte to fill (ETG.1000.6, 5.6.2).
+    pub fn whole(&self, index: u16, from: u8) -> Result<Vec<u8>, Abort> {
+        let count = self.count(index)?;
+        let mut bytes = if from == 0 { vec![count, 0] } else { Vec::new() };
+        for sub in 1..=count {
+            bytes.extend(self.entry(index, sub).map_or(&[][..], |entry| &entry.value));
+        }
+        Ok(bytes)
+    }
+
+    /// The master writes a whole object, all of it or nothing. Of mappings and assignments the count is taken away first, and set last.
+    pub fn write_whole(&mut self, index: u16, from: u8, bytes: &[u8], in_pre_op: bool) -> Result<(), Abort> {
+        let old = self.entries.clone();
+        let count = self.count(index)?;
+        let (count, values) = match from {
+            0 => (*bytes.first().ok_or(Abort::TooShort)?, bytes.get(2..).unwrap_or_default()),
+            _ => (count, bytes),
+        };
+        let done = self.write_subs(index, count, values, in_pre_op);
+        done.inspect_err(|_| self.entries = old)
+    }
+
+    fn write_subs(&mut self, index: u16, count: u8, values: &[u8], in_pre_op: bool) -> Result<(), Abort> {
+        let counts = self.entry(index, 0)?.access != Access::Read;
+        if counts {
+            self.write(index, 0, &[0], in_pre_op)?;
+        }
+        let mut left = values;
+        for sub in 1..=count {
+            let length = self.entry(index, sub)?.value.len();
+            let (value, rest) = left.split_at_checked(length).ok_or(Abort::TooShort)?;
+            self.write(index, sub, value, in_pre_op)?;
+            left = rest;
+        }
+        if !left.is_empty() {
+            return Err(Abort::TooLong);
+        }
+        if counts { self.write(index, 0, &[count], in_pre_op) } else { Ok(()) }
+    }
+
+    /// How many subindices an object has that can be accessed as a whole.
+    fn count(&self, index: u16) -> Result<u8, Abort> {
+        self.entry(index, 0)?;
+        let has_subs = self.entries.iter().any(|entry| entry.at.0 == index && entry.at.1 > 0);
+        if has_subs { Ok(self.unsigned(index, 0) as u8) } else { Err(Abort::Access) }
+    }
+
+    /// The indexes of all objects, in order.
+    pub fn indexes(&self) -> Vec<u16> {
+        let mut indexes: Vec<u16> = self.entries.iter().map(|entry| entry.at.0).collect();
+        indexes.dedup();
+        indexes
+    }
+
+    /// The highest subindex of an object.
+    pub fn highest_sub(&self, index: u16) -> Option<u8> {
+        self.entries.iter().rfind(|entry| entry.at.0 == index).map(|entry| entry.at.1)
+    }
+
     /// Mappings and assignments are changed while their length is 0; a length is taken once all that it counts exists.
     fn mapping_allows(&self, index: u16, sub: u8, value: &[u8]) -> Result<(), Abort> {
         let assigns = matches!(index, 0x1C12 | 0x1C13);

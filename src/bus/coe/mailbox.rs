@@ -1,6 +1,7 @@
 //! The mailbox (ETG.1000.4, 6.7; ETG.1000.6, 5.6): CoE in, CoE out, emergencies in between.
 
 use super::dictionary::Dictionary;
+use super::information;
 use super::sdo::Server;
 use crate::bus::memory::Memory;
 use std::collections::VecDeque;
@@ -12,6 +13,8 @@ pub const OUT: usize = 0;
 /// To the master.
 pub const IN: usize = 1;
 
+/// The CoE service of SDO information.
+const INFORMATION: u8 = 8;
 /// Where a sync manager's activation and the device's own control stand.
 const ACTIVATION: u16 = 6;
 const OWN_CONTROL: u16 = 7;
@@ -78,8 +81,8 @@ impl Mailbox {
         if let Some((_, request)) = self.asked.take_if(|(due_ns, _)| *due_ns <= now_ns) {
             memory.set_full(OUT, false);
             let room = usize::from(memory.sync_manager(IN).length);
-            let answer = self.answer(&request, dictionary, in_pre_op, room);
-            self.waiting.extend(answer);
+            let answers = self.answers(&request, dictionary, in_pre_op, room);
+            self.waiting.extend(answers.unwrap_or_default());
         }
         let manager = memory.sync_manager(IN);
         if manager.active
@@ -116,20 +119,32 @@ impl Mailbox {
         self.last = message;
     }
 
-    fn answer(&mut self, request: &[u8], dictionary: &mut Dictionary, in_pre_op: bool, room: usize) -> Option<Vec<u8>> {
+    /// What goes back; none where the request is no message, or ends a transfer.
+    fn answers(
+        &mut self,
+        request: &[u8],
+        dictionary: &mut Dictionary,
+        in_pre_op: bool,
+        room: usize,
+    ) -> Option<Vec<Vec<u8>>> {
         let length = usize::from(u16::from_le_bytes([*request.first()?, *request.get(1)?]));
         let kind = request.get(5)? & 0x0F;
-        let Some(body) = request.get(6..6 + length) else { return Some(error(5)) };
+        let Some(body) = request.get(6..6 + length) else { return Some(vec![error(5)]) };
         if kind != 3 {
-            return Some(error(2));
+            return Some(vec![error(2)]);
         }
-        let service = body.get(1)? >> 4;
-        if service != 2 {
-            return Some(error(4));
+        match body.get(1)? >> 4 {
+            2 => {
+                let answer = self.server.answer(&body[2..], dictionary, in_pre_op, room)?;
+                // An abort is a request of its own, all else a response.
+                Some(vec![coe(if answer[0] == 0x80 { 2 } else { 3 }, &answer)])
+            }
+            INFORMATION => {
+                let answers = information::answers(&body[2..], dictionary, room);
+                Some(answers.iter().map(|answer| coe(INFORMATION, answer)).collect())
+            }
+            _ => Some(vec![error(4)]),
         }
-        let answer = self.server.answer(&body[2..], dictionary, in_pre_op, room)?;
-        // An abort is a request of its own, all else a response.
-        Some(coe(if answer[0] == 0x80 { 2 } else { 3 }, &answer))
     }
 }
 

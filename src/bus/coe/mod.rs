@@ -2,6 +2,7 @@
 
 mod abort;
 mod dictionary;
+mod information;
 mod mailbox;
 mod sdo;
 

@@ -7,6 +7,8 @@ use super::dictionary::Dictionary;
 const HEADERS: usize = 8;
 /// Bytes before the data of a first message: command, index, subindex, length.
 const INITIATE: usize = 8;
+/// More bytes than this no object here takes.
+const LONGEST: usize = 4096;
 /// Fewest data bytes of a segment.
 const SEGMENT: usize = 7;
 
@@ -14,7 +16,7 @@ const SEGMENT: usize = 7;
 #[derive(Debug, Clone)]
 enum Transfer {
     Up { left: Vec<u8>, toggle: bool },
-    Down { at: (u16, u8), expected: usize, data: Vec<u8>, toggle: bool },
+    Down { at: (u16, u8), whole: bool, expected: usize, data: Vec<u8>, toggle: bool },
 }
 
 /// The server of one device.
@@ -59,14 +61,14 @@ impl Server {
     }
 
     fn upload(&mut self, command: u8, at: (u16, u8), dictionary: &Dictionary, room: usize) -> Result<Vec<u8>, Abort> {
-        if command & 0x10 != 0 {
-            return Err(Abort::Access);
-        }
-        let value = &dictionary.entry(at.0, at.1)?.value;
+        let value = match is_whole(command, at)? {
+            true => dictionary.whole(at.0, at.1)?,
+            false => dictionary.entry(at.0, at.1)?.value.clone(),
+        };
         self.transfer = None;
         if (1..=4).contains(&value.len()) {
             let mut four = [0; 4];
-            four[..value.len()].copy_from_slice(value);
+            four[..value.len()].copy_from_slice(&value);
             return Ok(message(0x43 | (4 - value.len() as u8) << 2, at, &four));
         }
         let mut bytes = (value.len() as u32).to_le_bytes().to_vec();
@@ -106,27 +108,25 @@ impl Server {
         in_pre_op: bool,
     ) -> Result<Vec<u8>, Abort> {
         let command = request[0];
-        if command & 0x10 != 0 {
-            return Err(Abort::Access);
-        }
+        let whole = is_whole(command, at)?;
         self.transfer = None;
         let four = request.get(4..8).ok_or(Abort::TooShort)?;
         let expedited = command & 2 != 0;
         if expedited {
             let unused = if command & 1 != 0 { usize::from(command >> 2 & 3) } else { 0 };
-            dictionary.write(at.0, at.1, &four[..4 - unused], in_pre_op)?;
+            write(dictionary, at, whole, &four[..4 - unused], in_pre_op)?;
             return Ok(message(0x60, at, &[0; 4]));
         }
         let expected = u32::from_le_bytes([four[0], four[1], four[2], four[3]]) as usize;
         let entry = dictionary.entry(at.0, at.1)?;
-        if expected > entry.grows_to.unwrap_or(entry.value.len()) {
+        if !whole && expected > entry.grows_to.unwrap_or(entry.value.len()) || expected > LONGEST {
             return Err(Abort::TooLong);
         }
         let data = request[8..].iter().copied().take(expected).collect::<Vec<u8>>();
         if data.len() == expected {
-            dictionary.write(at.0, at.1, &data, in_pre_op)?;
+            write(dictionary, at, whole, &data, in_pre_op)?;
         } else {
-            self.transfer = Some(Transfer::Down { at, expected, data, toggle: false });
+            self.transfer = Some(Transfer::Down { at, whole, expected, data, toggle: false });
         }
         Ok(message(0x60, at, &[0; 4]))
     }
@@ -138,7 +138,7 @@ impl Server {
         in_pre_op: bool,
     ) -> Result<Vec<u8>, Abort> {
         let command = request[0];
-        let Some(Transfer::Down { at, expected, data, toggle }) = &mut self.transfer else {
+        let Some(Transfer::Down { at, whole, expected, data, toggle }) = &mut self.transfer else {
             return Err(Abort::Command);
         };
         if (command & 0x10 != 0) != *toggle {
@@ -157,13 +157,28 @@ impl Server {
             if data.len() < *expected {
                 return Err(Abort::TooShort);
             }
-            let (at, data) = (*at, std::mem::take(data));
-            dictionary.write(at.0, at.1, &data, in_pre_op)?;
+            let (at, whole, data) = (*at, *whole, std::mem::take(data));
+            write(dictionary, at, whole, &data, in_pre_op)?;
             self.transfer = None;
         }
         let mut bytes = vec![answer];
         bytes.resize(1 + SEGMENT, 0);
         Ok(bytes)
+    }
+}
+
+/// Whether a request is for the whole object (bit 4 of its command), which begins at subindex 0 or 1.
+fn is_whole(command: u8, at: (u16, u8)) -> Result<bool, Abort> {
+    match command & 0x10 != 0 {
+        true if at.1 > 1 => Err(Abort::Access),
+        is_whole => Ok(is_whole),
+    }
+}
+
+fn write(dictionary: &mut Dictionary, at: (u16, u8), whole: bool, data: &[u8], in_pre_op: bool) -> Result<(), Abort> {
+    match whole {
+        true => dictionary.write_whole(at.0, at.1, data, in_pre_op),
+        false => dictionary.write(at.0, at.1, data, in_pre_op),
     }
 }
 

@@ -41,6 +41,7 @@ impl<W: Wire, C> Cycle<'_, '_, W, C> {
     pub(super) fn look_for_mail(&mut self, until_ns: u64) {
         let Ok(drive) = self.exchange.group.subdevice(self.main, self.rig.drive.identity.place) else { return };
         let Some(emergency) = mailbox::fetch(self.line, &drive, until_ns) else { return };
+        self.evidence.heard(self.rig.drive.identity.place, emergency);
         let cause = Cause::Emergency(emergency);
         let is_looking = self.axis.state() == State::Watching && self.number > OLD_MAIL_CYCLES;
         match is_looking || self.axis.drive().has_torque() {

@@ -4,6 +4,7 @@ mod ask;
 
 use super::axis::{Axis, Inputs, Now};
 use super::cause::Cause;
+use super::evidence::Evidence;
 use super::line::{Failure, Line};
 use super::managers::{Manager, managers};
 use super::master::{Exchange, states};
@@ -20,8 +21,10 @@ const LATE: f64 = 0.25;
 /// Share of a period within which an answer must come.
 const ANSWER: f64 = 0.8;
 
-/// The drive's mailbox is looked at once in so many cycles.
+/// A mailbox is looked at once in so many cycles, ...
 const MAILBOX_CYCLES: u64 = 10;
+/// ... and a register of a device in this one of them.
+const EVIDENCE_CYCLE: u64 = 5;
 /// A drive that must leave OP is told so again after so many cycles.
 const TOLD_AGAIN: u64 = 20;
 /// Cycles missed one after the other from which on a drive stands still: one it bridges.
@@ -30,6 +33,17 @@ const GAP_CYCLES: u32 = 2;
 /// Share of the distance from the middle between two pulses of the devices' clocks that a cycle makes good, and the most of a
 /// period that it does.
 const PULL: (f64, f64) = (0.02, 0.005);
+
+/// Cycles without answers, one after the other.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Gap {
+    /// None, or so few that the drive bridges them.
+    None,
+    /// Answers fail to come.
+    Lasts,
+    /// The first answer after that has come.
+    Over,
+}
 
 /// Cycles that were not as they should be.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -67,6 +81,7 @@ pub struct Cycle<'a, 's, W, C> {
     /// The drive's station address.
     drive_station: Option<u16>,
     bus_time_origin_ns: Option<u64>,
+    evidence: Evidence,
     /// s from the beginning of the campaign to that of this run.
     began_s: f64,
     command_rad: f64,
@@ -83,6 +98,10 @@ impl<'a, 's, W: Wire, C> Cycle<'a, 's, W, C> {
         interrupted: &'a AtomicBool,
         began_s: f64,
     ) -> Self {
+        let named = |place: usize, name: &str| rig.name(place).unwrap_or_else(|| format!("device {place} (`{name}`)"));
+        let evidence = Evidence::new(exchange.group.iter(main).enumerate().map(|(place, device)| {
+            (named(place, device.name()), device.configured_address(), device.dc_support().any())
+        }));
         let drive = exchange.group.subdevice(main, rig.drive.identity.place).ok();
         let drive_station = drive.as_ref().map(|drive| drive.configured_address());
         let drive_inputs = drive.and_then(|drive| managers(line, &drive).into_iter().find(Manager::is_inputs));
@@ -106,6 +125,7 @@ impl<'a, 's, W: Wire, C> Cycle<'a, 's, W, C> {
             drive_inputs,
             drive_station,
             bus_time_origin_ns: None,
+            evidence,
             began_s,
             command_rad: 0.0,
         }
@@ -116,14 +136,23 @@ impl<'a, 's, W: Wire, C> Cycle<'a, 's, W, C> {
         self.recorder
     }
 
+    /// What the bus told of itself since this was last asked for.
+    pub fn evidence(&mut self) -> serde_json::Value {
+        self.evidence.tell()
+    }
+
     /// Cycles so far.
     pub fn number(&self) -> u64 {
         self.number
     }
 
-    /// Whether answers fail to come for so long that the drive stands still, or have just come again after that.
-    pub fn is_gap(&self) -> bool {
-        self.missed_in_a_row.max(self.bridged) >= GAP_CYCLES
+    /// Whether answers fail to come for so long that the drive stands still.
+    pub fn gap(&self) -> Gap {
+        match (self.missed_in_a_row, self.bridged) {
+            (GAP_CYCLES.., _) => Gap::Lasts,
+            (0, GAP_CYCLES..) => Gap::Over,
+            _ => Gap::None,
+        }
     }
 
     /// Whether the drive's output watchdog runs now; nothing where it does not tell.
@@ -159,6 +188,9 @@ impl<'a, 's, W: Wire, C> Cycle<'a, 's, W, C> {
         }
         if self.number.is_multiple_of(MAILBOX_CYCLES) && self.missed_in_a_row == 0 {
             self.look_for_mail(until_ns);
+        }
+        if self.number % MAILBOX_CYCLES == EVIDENCE_CYCLE && self.missed_in_a_row == 0 {
+            self.evidence.look(self.line, self.main, until_ns);
         }
         if let Some(why) = self.recorder.failed() {
             self.axis.blame(Cause::Recording(why));

@@ -80,6 +80,7 @@ enum Message {
     Row(Sample),
     End(Captured),
     Note(String),
+    Evidence(String),
 }
 
 /// What the threads tell each other.
@@ -162,6 +163,11 @@ impl Recorder {
     /// A line for the campaign's own log.
     pub fn note(&mut self, line: String) {
         self.tell(Message::Note(line));
+    }
+
+    /// A line of JSON for the campaign's evidence.
+    pub fn evidence(&mut self, line: String) {
+        self.tell(Message::Evidence(line));
     }
 
     /// Why nothing more can be recorded, if that is so.

@@ -15,6 +15,7 @@ use super::safety::{Request, State};
 use super::session::{Live, Looked, Task};
 use super::wire::Wire;
 use crate::log::{Captured, TrialEntry};
+use serde_json::json;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::atomic::Ordering;
 use std::sync::{Arc, Mutex};
@@ -35,6 +36,8 @@ pub(super) struct Run<'a, 's, W, C> {
     all: Counts,
     /// Whether a trial has begun and not ended.
     is_open: bool,
+    /// The trial that ended last and has not been testified to: its log, and its cycles.
+    closed: Option<(String, Counts)>,
     /// Trials recorded whole.
     pub complete: usize,
     /// What a look without torque saw.
@@ -56,6 +59,7 @@ impl<'a, 's, W: Wire, C> Run<'a, 's, W, C> {
             shown: Live::default(),
             all: Counts::default(),
             is_open: false,
+            closed: None,
             complete: 0,
             looked: Looked::default(),
             report,
@@ -167,12 +171,17 @@ impl<'a, 's, W: Wire, C> Run<'a, 's, W, C> {
         self.gather();
         self.shown.samples = (0, positions_rad.len());
         self.is_open = true;
+        // What came before is no evidence of this trial.
+        self.cycle.evidence();
         self.cycle.recorder().begin(trial.entry.clone());
         while !self.cycle.recorder().is_ready() && self.turn(Request::Hold, None) {}
         self.gather();
         self.cycle.records = true;
         let whole = self.follow(&positions_rad, |run, at| run.shown.samples.0 = at + 1);
         self.close();
+        if whole {
+            self.testify();
+        }
         whole
     }
 
@@ -182,7 +191,18 @@ impl<'a, 's, W: Wire, C> Run<'a, 's, W, C> {
         let Counts { late, missed } = self.gather();
         let incomplete = self.cycle.axis.cause().map(|cause| format!("{}: {cause}", cause.name()));
         if std::mem::take(&mut self.is_open) {
+            self.closed = Some((self.shown.name.clone(), Counts { late, missed }));
             self.cycle.recorder().end(Captured { incomplete, late_cycles: late, missed_cycles: missed });
+        }
+    }
+
+    /// What the bus told of itself in the trial that has ended, to the disk. Of one that broke off it is asked for after the stop: by then
+    /// emergency messages have come.
+    pub fn testify(&mut self) {
+        if let Some((trial, Counts { late, missed })) = self.closed.take() {
+            let devices = self.cycle.evidence();
+            let line = json!({ "trial": trial, "late_cycles": late, "missed_cycles": missed, "devices": devices });
+            self.cycle.recorder().evidence(line.to_string());
         }
     }
 

@@ -1,0 +1,128 @@
+#!/usr/bin/env python3
+"""A part of the fault matrix over a pair of virtual Ethernet interfaces, in real time: the program with its raw socket at one end, the
+software bus in another process at the other, which puts the fault in and watches the true joint.
+
+    scripts/ethercat/fault_veth.py --binary target/release/tautline [--only frozen] [--times 3]
+
+For each fault the joint must be stopped for a cause that fits, the torque be off within a second (or the last words say that it is not
+shown to be), and the joint stay within 1.25 times its limit of speed. A machine that stalls ends runs by itself: such a run (missed
+cycles, a state lost) is repeated up to `--times`. Needs no root, but user namespaces; where they are not allowed it says so and ends
+with 0.
+"""
+
+import argparse
+import json
+import os
+import subprocess
+import sys
+import tempfile
+import time
+from pathlib import Path
+
+from veth import ROOT, relaxed_rig
+
+# The fault, and the causes that fit it.
+STALL = {"missed_cycles", "device_state", "working_counter", "sensor_stale"}
+FAULTS = {
+    "frozen-encoder": {"not_following", "speed_gap", "lag"},
+    "frozen-inputs": {"drive_stale", "not_following"},
+    "stale-sensor": {"sensor_stale"},
+    "saturated-sensor": {"sensor_saturated"},
+    "drive-fault:0x2310": {"drive_fault", "emergency"},
+    "inhibit": {"drive_left"},
+    "quick-stop": {"drive_quick_stop", "drive_left"},
+    "internal-limit": {"internal_limit"},
+    "cable-break": {"torque_step", "torque", "speed_gap", "speed", "not_following"},
+    "encoder-jump:0.03": {"encoder_jump", "torque_step"},
+    "safe-op:0": {"device_state", "drive_fault", "working_counter"},
+    "second-master": {"device_state", "working_counter"},
+    "gone:0": {"missed_cycles", "working_counter", "device_state"},
+    "unsent:200": {"missed_cycles", "device_state", "working_counter"},
+}
+PLAN = """format = "plan/1"
+rest_s = 0.5
+[[motions]]
+protocol = "uniform"
+speed_rad_s = 0.2
+"""
+# The rig's limit of speed, rad/s, and the share above it that is allowed to be measured; what an encoder that jumps or a cable that
+# breaks adds by itself.
+SPEED_RAD_S, ROOM, KICK_RAD_S = 1.5, 1.25, 3.0
+OFF_MS = 1000.0
+
+
+def run(options: argparse.Namespace, fault: str) -> tuple[dict, dict, int]:
+    with tempfile.TemporaryDirectory() as scratch:
+        folder = Path(scratch)
+        (folder / "rig.toml").write_text(relaxed_rig())
+        (folder / "plan.toml").write_text(PLAN)
+        emulate = [options.binary, "rig", "emulate", "--interface", "ec1", "--fault", fault]
+        emulator = subprocess.Popen([*emulate, "--report", folder / "report.json"])
+        try:
+            time.sleep(0.5)
+            command = [options.binary, "capture", "--rig", folder / "rig.toml", "--plan", folder / "plan.toml"]
+            command += ["-o", folder / "out", "--arm", "--json"]
+            done = subprocess.run(command, input="arm\n", capture_output=True, text=True)
+            time.sleep(0.3)
+        finally:
+            emulator.kill()
+            emulator.wait()
+        if done.returncode == 2:
+            return {}, {}, 2
+        report = folder / "report.json"
+        return json.loads(done.stdout), json.loads(report.read_text()) if report.exists() else {}, done.returncode
+
+
+def judged(fault: str, outcome: dict, report: dict, status: int) -> str:
+    cause = (outcome.get("stopped_by") or {}).get("name")
+    kick = KICK_RAD_S if fault.startswith(("encoder-jump", "cable-break")) else 0.0
+    if cause not in FAULTS[fault]:
+        return f"stopped by {cause}"
+    if not report:
+        return "" if status == 3 and outcome.get("torque_warning") else "torque on, and not told"
+    if report["off_ms"] > OFF_MS:
+        return "torque on for too long"
+    return "" if report["speed_rad_s"] <= ROOM * SPEED_RAD_S + kick else "too fast"
+
+
+def inside(options: argparse.Namespace) -> None:
+    for command in ["link add ec0 type veth peer name ec1", "link set ec0 up", "link set ec1 up"]:
+        subprocess.run(["ip", *command.split()], check=True)
+    wrong = 0
+    print("| fault | torque off after, ms | largest speed, rad/s | way, rad | cause | last words |")
+    print("|---|---|---|---|---|---|")
+    for fault in (fault for fault in FAULTS if options.only in fault):
+        for attempt in range(options.times):
+            outcome, report, status = run(options, fault)
+            why = judged(fault, outcome, report, status)
+            cause = (outcome.get("stopped_by") or {}).get("name")
+            # A machine that stalled before the fault could strike: once more.
+            if not why or not (status == 2 or cause in STALL) or attempt + 1 == options.times:
+                break
+        told = "TORQUE IS NOT SHOWN TO BE OFF" if outcome.get("torque_warning") else ""
+        numbers = [f"{report[key]:.3f}" if key in report else "" for key in ("off_ms", "speed_rad_s", "travel_rad")]
+        print(f"| {fault} | {' | '.join(numbers)} | {cause}{' **' + why + '**' if why else ''} | {told} |", flush=True)
+        wrong += bool(why)
+    print(f"{wrong} faults ended otherwise than they should")
+    raise SystemExit(wrong > 0)
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--binary", default=ROOT / "target/release/tautline", type=Path)
+    parser.add_argument("--only", default="", help="only faults whose name contains this")
+    parser.add_argument("--times", default=3, type=int, help="runs of a fault that a stall of the machine may spoil")
+    options = parser.parse_args()
+    if os.environ.get("TAUTLINE_INSIDE"):
+        return inside(options)
+    allowed = subprocess.run(["unshare", "-Urn", "ip", "link"], capture_output=True)
+    if allowed.returncode != 0:
+        print("skipped: user and network namespaces are not allowed here")
+        return
+    again = [sys.executable, __file__, *sys.argv[1:]]
+    done = subprocess.run(["unshare", "-Urn", *again], env={**os.environ, "TAUTLINE_INSIDE": "1"})
+    raise SystemExit(done.returncode)
+
+
+if __name__ == "__main__":
+    main()
