@@ -1,9 +1,10 @@
 #!/usr/bin/env python3
-"""The fault matrix: every fault of the software bus, and pairs of the worst, played to a capture in virtual time.
+"""The fault matrix: every fault of the software bus, and every pair of the ten worst, played to a capture in virtual time in `csp`,
+`csv` and `cst`.
 
-For each: the time until torque is off, the largest true speed and way of the simulated joint until then, the cause and the last words.
-Exit status 1 if more than `--known` cases exceed the limits by more than one braking ramp, or end silent. data/rigs/README.md names
-the cases that do.
+For each: the time until torque is off, the largest true speed and travel of the simulated joint until then, what is allowed, the cause
+and the last words. What is allowed is defined in src/cli/rig/faults/allowed.rs: the limits and one braking ramp. Exit status 1 if more
+than `--known` cases exceed that, or end silently.
 
     scripts/ethercat/fault_matrix.py [--binary target/release/tautline] [--only csv] [--known 0] [-o matrix.json]
 """
@@ -32,17 +33,18 @@ def main():
     if arguments.output:
         with open(arguments.output, "w", encoding="utf-8") as file:
             json.dump(matrix, file, indent=1)
-    print("| fault | torque off after, ms | largest speed, rad/s | way, rad | cause | last words |")
+    print("| fault | torque off after, ms | largest speed (allowed), rad/s | travel (allowed), rad | cause | last words |")
     print("|---|---|---|---|---|---|")
     for case in matrix["cases"]:
         off = "never" if case["off_ms"] is None else f"{case['off_ms']:.0f}"
         words = "TORQUE IS NOT SHOWN TO BE OFF" if case["warning"] else ""
         wrong = f" **{case['wrong']}**" if case["wrong"] else ""
+        allowed = "range" if case["travel_allowed_rad"] is None else f"{case['travel_allowed_rad']:.3f}"
         print(
-            f"| {case['fault']} | {off} | {case['speed_rad_s']:.3f} | {case['travel_rad']:.4f} "
-            f"| {case['cause']}{wrong} | {words} |"
+            f"| {case['fault']} | {off} | {case['speed_rad_s']:.3f} ({case['speed_allowed_rad_s']:.3f}) "
+            f"| {case['travel_rad']:.4f} ({allowed}) | {case['cause']}{wrong} | {words} |"
         )
-    print(f"{len(matrix['cases'])} cases in {time.monotonic() - began:.0f} s, {matrix['wrong']} beyond the limits or silent")
+    print(f"{len(matrix['cases'])} cases in {time.monotonic() - began:.0f} s, {matrix['wrong']} exceed what is allowed or end silently")
     sys.exit(matrix["wrong"] > arguments.known)
 
 

@@ -89,7 +89,7 @@ def inside(options: argparse.Namespace) -> None:
     for command in ["link add ec0 type veth peer name ec1", "link set ec0 up", "link set ec1 up"]:
         subprocess.run(["ip", *command.split()], check=True)
     wrong = 0
-    print("| fault | torque off after, ms | largest speed, rad/s | way, rad | cause | last words |")
+    print("| fault | torque off after, ms | largest speed, rad/s | travel, rad | cause | last words |")
     print("|---|---|---|---|---|---|")
     for fault in (fault for fault in FAULTS if options.only in fault):
         for attempt in range(options.times):

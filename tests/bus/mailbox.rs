@@ -176,7 +176,7 @@ fn the_dictionary_tells_what_it_holds() {
         parts
     };
     let parts = ask(&[1, 0, 0, 0, 1, 0]);
-    assert!(parts.len() > 1 && parts[0][2] as usize == parts.len() - 1, "in fragments");
+    assert_eq!(usize::from(parts[0][2]), parts.len() - 1, "fragments that follow");
     let bytes: Vec<u8> = parts.iter().flat_map(|part| part[4..].to_vec()).collect();
     let indexes: Vec<u16> = bytes[2..].chunks(2).map(|pair| u16::from_le_bytes([pair[0], pair[1]])).collect();
     assert!(indexes.is_sorted() && indexes.contains(&0x607A) && indexes.contains(&0x1018));
