@@ -26,6 +26,9 @@ pub mod effects;
 /// Ground: the paper's formula: friction branches, their combination, the predicted torque; `model.json`.
 pub mod model;
 
+/// A robot's URDF or MuJoCo XML -> what it says of one joint, as a model.
+pub mod robots;
+
 /// Ground: a motion's plan: rests, sweeps, cosines, sums of sines, one after the other; `trajectory/1`.
 pub mod trajectory;
 
@@ -49,6 +52,9 @@ pub mod capture;
 
 /// `Log` -> `Trial`: filtered, differentiated, cut into legs.
 pub mod prepare;
+
+/// Files that no campaign describes yet -> a draft of campaign.toml, with what no data can tell as questions.
+pub mod init;
 
 /// `Model` x `Trial` -> y and its parts, sample by sample.
 pub mod predict;

@@ -26,6 +26,8 @@ pub enum Quantity {
     LoadTorque,
     /// Interaction torque, measured independently.
     ReferenceTorque,
+    /// Commanded position of the joint.
+    Command,
 }
 
 impl Quantity {
@@ -41,38 +43,40 @@ impl Quantity {
             Self::OtherPosition => "other_position",
             Self::LoadTorque => "load_torque",
             Self::ReferenceTorque => "reference_torque",
+            Self::Command => "command",
         }
     }
 
     /// The units it may be recorded in on a joint of this `kind`.
     pub fn units(self, kind: JointKind) -> &'static [Unit] {
         use JointKind::{Prismatic, Revolute};
+        use Unit::*;
         match (self, kind) {
-            (Self::Time, _) => &[Unit::Second, Unit::Millisecond, Unit::Microsecond],
-            (Self::Position, Revolute) => &[Unit::Radian, Unit::Degree],
-            (Self::Position, Prismatic) => &[Unit::Metre, Unit::Millimetre],
-            (Self::OtherPosition, _) => &[Unit::Radian, Unit::Degree, Unit::Metre, Unit::Millimetre],
-            (Self::Velocity, Revolute) => &[Unit::RadianPerSecond, Unit::DegreePerSecond, Unit::Rpm],
-            (Self::Velocity, Prismatic) => &[Unit::MetrePerSecond],
-            (Self::Torque | Self::LoadTorque, Revolute) => &[Unit::NewtonMetre, Unit::MillinewtonMetre],
-            (Self::ReferenceTorque, Revolute) => &[Unit::NewtonMetre, Unit::MillinewtonMetre, Unit::Newton],
-            (Self::Torque | Self::LoadTorque | Self::ReferenceTorque, Prismatic) => &[Unit::Newton],
-            (Self::Current, _) => &[Unit::Ampere],
-            (Self::Temperature, _) => &[Unit::Celsius],
+            (Self::Time, _) => &[Second, Millisecond, Microsecond, Nanosecond],
+            (Self::Position | Self::Command, Revolute) => &[Radian, Degree, Turn],
+            (Self::Position | Self::Command, Prismatic) => &[Metre, Millimetre],
+            (Self::OtherPosition, _) => &[Radian, Degree, Turn, Metre, Millimetre],
+            (Self::Velocity, Revolute) => &[RadianPerSecond, DegreePerSecond, Rpm],
+            (Self::Velocity, Prismatic) => &[MetrePerSecond, MillimetrePerSecond],
+            (Self::Torque | Self::LoadTorque, Revolute) => &[NewtonMetre, MillinewtonMetre, NewtonCentimetre],
+            (Self::ReferenceTorque, Revolute) => &[NewtonMetre, MillinewtonMetre, NewtonCentimetre, Newton, Kilonewton],
+            (Self::Torque | Self::LoadTorque | Self::ReferenceTorque, Prismatic) => &[Newton, Kilonewton],
+            (Self::Current, _) => &[Ampere, Milliampere],
+            (Self::Temperature, _) => &[Celsius],
         }
     }
 
-    /// The unit called `name` in files.
+    /// The unit called `name` in files, however it is written: `Nm`, `N.m` and `newton metre` are `N m`.
     ///
     /// Errors: no such unit, or none for this quantity on this `kind` of joint; says what was found, and the cure.
     pub fn parse_unit(self, kind: JointKind, name: &str) -> Result<Unit, (String, String)> {
         let accepted = self.units(kind);
-        if let Some(unit) = accepted.iter().find(|unit| unit.name() == name) {
+        if let Some(unit) = accepted.iter().find(|unit| unit.is_written(name)) {
             return Ok(*unit);
         }
-        let what = match Unit::ALL.iter().any(|unit| unit.name() == name) {
-            true => format!("`{name}` is no unit of {} on a {} joint", self.name(), kind.name()),
-            false => format!("unknown unit `{name}`"),
+        let what = match Unit::written(name) {
+            Some(_) => format!("`{name}` is no unit of {} on a {} joint", self.name(), kind.name()),
+            None => format!("unknown unit `{name}`"),
         };
         let all = accepted.iter().map(|unit| format!("`{}`", unit.name())).collect::<Vec<_>>().join(", ");
         let meant = accepted.iter().find(|unit| unit.is_meant_by(name));
@@ -90,10 +94,14 @@ pub enum Unit {
     Millisecond,
     /// us
     Microsecond,
+    /// ns
+    Nanosecond,
     /// rad
     Radian,
     /// deg
     Degree,
+    /// A full turn.
+    Turn,
     /// m
     Metre,
     /// mm
@@ -106,38 +114,57 @@ pub enum Unit {
     Rpm,
     /// m/s
     MetrePerSecond,
+    /// mm/s
+    MillimetrePerSecond,
     /// N m
     NewtonMetre,
     /// mN m
     MillinewtonMetre,
+    /// N cm
+    NewtonCentimetre,
     /// N
     Newton,
+    /// kN
+    Kilonewton,
     /// A
     Ampere,
+    /// mA
+    Milliampere,
     /// degC
     Celsius,
 }
 
 impl Unit {
     /// All of them.
-    pub const ALL: [Self; 16] = [
+    pub const ALL: [Self; 22] = [
         Self::Second,
         Self::Millisecond,
         Self::Microsecond,
+        Self::Nanosecond,
         Self::Radian,
         Self::Degree,
+        Self::Turn,
         Self::Metre,
         Self::Millimetre,
         Self::RadianPerSecond,
         Self::DegreePerSecond,
         Self::Rpm,
         Self::MetrePerSecond,
+        Self::MillimetrePerSecond,
         Self::NewtonMetre,
         Self::MillinewtonMetre,
+        Self::NewtonCentimetre,
         Self::Newton,
+        Self::Kilonewton,
         Self::Ampere,
+        Self::Milliampere,
         Self::Celsius,
     ];
+
+    /// The unit that `text` is a way to write, whatever it measures.
+    pub fn written(text: &str) -> Option<Self> {
+        Self::ALL.into_iter().find(|unit| unit.is_written(text))
+    }
 
     /// The name used in files.
     pub fn name(self) -> &'static str {
@@ -149,35 +176,84 @@ impl Unit {
         self.name_and_factor().1
     }
 
-    /// Whether `name` is another way to write this unit. Equal in meaning, not alike in letters: `Nmm` is a `mN m`.
-    fn is_meant_by(self, name: &str) -> bool {
-        let plain = |text: &str| text.replace([' ', '.', '*', '-', '_', '\u{b7}'], "");
-        // A capital M is mega, and no unit here.
-        !name.contains('M')
-            && std::iter::once(&self.name())
-                .chain(self.other_names())
-                .any(|known| plain(known).eq_ignore_ascii_case(&plain(name)))
+    /// Whether `text` is this unit, blanks and signs of multiplication aside. Capitals count in symbols (`mN m`, `MN m`), not in
+    /// words (`Degrees`).
+    fn is_written(self, text: &str) -> bool {
+        let text = plain(text);
+        let is_symbol = |known: &str| plain(known) == text;
+        let is_word = |known: &str| plain(known).eq_ignore_ascii_case(&text);
+        !text.is_empty()
+            && (is_symbol(self.name())
+                || self.other_names().iter().any(|known| is_symbol(known))
+                || self.words().iter().any(|known| is_word(known)))
     }
 
-    /// How else it is written, blanks, dots and capitals aside.
+    /// Whether `text` is this unit but for capitals: not certain enough to be taken. A capital M is mega.
+    fn is_meant_by(self, text: &str) -> bool {
+        let text = plain(text);
+        let is_like = |known: &str| plain(known).eq_ignore_ascii_case(&text);
+        !text.contains('M') && (is_like(self.name()) || self.other_names().iter().any(|known| is_like(known)))
+    }
+
+    /// How else its symbol is written.
     fn other_names(self) -> &'static [&'static str] {
         match self {
-            Self::Second => &["sec", "second", "seconds"],
-            Self::Millisecond => &["msec", "millisecond", "milliseconds"],
-            Self::Microsecond => &["usec", "\u{b5}s", "\u{3bc}s", "microsecond", "microseconds"],
-            Self::Radian => &["radian", "radians"],
-            Self::Degree => &["degree", "degrees", "\u{b0}"],
+            Self::Second => &["sec"],
+            Self::Millisecond => &["msec"],
+            Self::Microsecond => &["usec", "\u{b5}s", "\u{3bc}s"],
+            Self::Nanosecond => &["nsec"],
+            Self::Radian => &[],
+            Self::Degree => &["\u{b0}", "\u{ba}"],
+            Self::Turn => &["rev", "U"],
+            Self::Metre | Self::Millimetre => &[],
+            Self::RadianPerSecond => &["rads", "rad/sec", "rads^-1", "rads-1", "rads**-1", "rads\u{207b}\u{b9}"],
+            Self::DegreePerSecond => &[
+                "dps",
+                "deg/sec",
+                "\u{b0}/s",
+                "\u{ba}/s",
+                "\u{b0}/sec",
+                "degs^-1",
+                "degs-1",
+                "degs**-1",
+                "degs\u{207b}\u{b9}",
+            ],
+            Self::Rpm => &["1/min", "r/min", "rev/min", "U/min", "min^-1", "min-1"],
+            Self::MetrePerSecond => &["m/sec", "mps", "ms^-1", "ms**-1"],
+            Self::MillimetrePerSecond => &["mm/sec", "mms^-1", "mms**-1"],
+            Self::MillinewtonMetre => &["Nmm"],
+            Self::NewtonMetre | Self::NewtonCentimetre | Self::Newton | Self::Kilonewton => &[],
+            Self::Ampere => &["Amp", "Amps"],
+            Self::Milliampere => &[],
+            Self::Celsius => &["C", "\u{b0}C", "\u{ba}C"],
+        }
+    }
+
+    /// Its name in words, whatever the capitals.
+    fn words(self) -> &'static [&'static str] {
+        match self {
+            Self::Second => &["sec", "second", "seconds", "sekunden"],
+            Self::Millisecond => &["msec", "millis", "millisecond", "milliseconds"],
+            Self::Microsecond => &["usec", "micros", "microsecond", "microseconds"],
+            Self::Nanosecond => &["nsec", "nanos", "nanosecond", "nanoseconds"],
+            Self::Radian => &["rad", "radian", "radians"],
+            Self::Degree => &["deg", "degs", "degree", "degrees", "grad"],
+            Self::Turn => &["turn", "turns", "rev", "revs", "revolution", "revolutions"],
             Self::Metre => &["metre", "metres", "meter", "meters"],
             Self::Millimetre => &["millimetre", "millimetres", "millimeter", "millimeters"],
-            Self::RadianPerSecond => &["rads", "rad/sec", "rads^-1", "radians/s"],
-            Self::DegreePerSecond => &["dps", "deg/sec", "\u{b0}/s", "degrees/s"],
-            Self::Rpm => &["1/min", "r/min", "rev/min", "min^-1"],
-            Self::MetrePerSecond => &["m/sec", "mps", "ms^-1"],
-            Self::NewtonMetre => &["newtonmetre", "newtonmeter"],
-            Self::MillinewtonMetre => &["Nmm", "millinewtonmetre", "millinewtonmeter"],
+            Self::RadianPerSecond => &["rad/s", "rad/sec", "radians/s", "radians/sec", "radians per second"],
+            Self::DegreePerSecond => &["deg/s", "deg/sec", "degrees/s", "degrees/sec", "degrees per second"],
+            Self::Rpm => &["rpm"],
+            Self::MetrePerSecond => &["metres per second", "meters per second"],
+            Self::MillimetrePerSecond => &[],
+            Self::NewtonMetre => &["newtonmetre", "newtonmetres", "newtonmeter", "newtonmeters"],
+            Self::MillinewtonMetre => &["millinewtonmetre", "millinewtonmeter"],
+            Self::NewtonCentimetre => &[],
             Self::Newton => &["newton", "newtons"],
+            Self::Kilonewton => &["kilonewton", "kilonewtons"],
             Self::Ampere => &["amp", "amps", "ampere", "amperes"],
-            Self::Celsius => &["C", "\u{b0}C", "celsius"],
+            Self::Milliampere => &["milliamp", "milliamps", "milliampere"],
+            Self::Celsius => &["celsius", "degc"],
         }
     }
 
@@ -186,19 +262,66 @@ impl Unit {
             Self::Second => ("s", 1.0),
             Self::Millisecond => ("ms", 1e-3),
             Self::Microsecond => ("us", 1e-6),
+            Self::Nanosecond => ("ns", 1e-9),
             Self::Radian => ("rad", 1.0),
             Self::Degree => ("deg", PI / 180.0),
+            Self::Turn => ("turn", 2.0 * PI),
             Self::Metre => ("m", 1.0),
             Self::Millimetre => ("mm", 1e-3),
             Self::RadianPerSecond => ("rad/s", 1.0),
             Self::DegreePerSecond => ("deg/s", PI / 180.0),
             Self::Rpm => ("rpm", 2.0 * PI / 60.0),
             Self::MetrePerSecond => ("m/s", 1.0),
+            Self::MillimetrePerSecond => ("mm/s", 1e-3),
             Self::NewtonMetre => ("N m", 1.0),
             Self::MillinewtonMetre => ("mN m", 1e-3),
+            Self::NewtonCentimetre => ("N cm", 1e-2),
             Self::Newton => ("N", 1.0),
+            Self::Kilonewton => ("kN", 1e3),
             Self::Ampere => ("A", 1.0),
+            Self::Milliampere => ("mA", 1e-3),
             Self::Celsius => ("degC", 1.0),
         }
+    }
+}
+
+/// `text` without blanks and signs of multiplication.
+fn plain(text: &str) -> String {
+    let text = text.replace("**", "^");
+    text.replace([' ', '.', '*', '_', '\u{b7}', '\u{22c5}', '\u{a0}'], "")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn units_as_labs_write_them() {
+        for (text, unit) in [
+            ("Nm", Unit::NewtonMetre),
+            ("N.m", Unit::NewtonMetre),
+            ("N\u{b7}m", Unit::NewtonMetre),
+            ("mNm", Unit::MillinewtonMetre),
+            ("mN*m", Unit::MillinewtonMetre),
+            ("Ncm", Unit::NewtonCentimetre),
+            ("ns", Unit::Nanosecond),
+            ("\u{b5}s", Unit::Microsecond),
+            ("rad s^-1", Unit::RadianPerSecond),
+            ("rad s**-1", Unit::RadianPerSecond),
+            ("rad*s^-1", Unit::RadianPerSecond),
+            ("\u{b0}/s", Unit::DegreePerSecond),
+            ("Degrees", Unit::Degree),
+            ("RPM", Unit::Rpm),
+            ("mA", Unit::Milliampere),
+            ("\u{b0}C", Unit::Celsius),
+        ] {
+            assert_eq!(Unit::written(text), Some(unit), "{text}");
+        }
+        // Mega and mega-anything are not milli; what differs by capitals alone is not certain.
+        for text in ["MNm", "nm", "Ms", "S", "a", "", " ", "x"] {
+            assert_eq!(Unit::written(text), None, "{text}");
+        }
+        let (_, cure) = Quantity::Torque.parse_unit(JointKind::Revolute, "nm").unwrap_err();
+        assert!(cure.contains("did you mean `N m`?"), "{cure}");
     }
 }

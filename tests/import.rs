@@ -157,7 +157,6 @@ fn what_cannot_be_imported_is_refused_with_its_file() {
         ("empty.mcap", &b""[..], "damaged as MCAP"),
         ("words.csv", &b"Name\tx\nFile\ty\n"[..], "no line of numbers"),
         ("wrong.csv", &b"Name;a;b\n0;1;2\n1;x;3\n"[..], "wrong.csv, row 3, `a`: holds `x`, no number"),
-        ("some.txt", &b"time,a\n0,1\n"[..], "is no export"),
     ] {
         let folder = TempDir::new().unwrap();
         let at = folder.path().join(name);
@@ -221,4 +220,33 @@ proptest! {
             Err(problems) => prop_assert!(problems.to_string().contains(name.as_str()), "{problems}"),
         }
     }
+}
+
+#[test]
+fn repeated_rows_are_dropped_and_trials_parted_at_gaps() {
+    let recorded = crate::campaigns::record(
+        &crate::campaigns::truth(),
+        &tautline::simulate::Plan { speeds: 3, cosines: 1, rate_hz: 50.0, ..crate::campaigns::plan() },
+    );
+    let log = recorded.path().join("cosine_1.csv");
+    let text = std::fs::read_to_string(&log).unwrap();
+    let lines: Vec<&str> = text.lines().collect();
+    let kept = [&lines[..500], &lines[499..6000], &lines[6040..]].concat();
+    std::fs::write(&log, kept.join("\n") + "\n").unwrap();
+    let out = TempDir::new().unwrap();
+    let to = out.path().join("made");
+    let done = tautline(&["import", &recorded.path().to_string_lossy(), "-o", &to.to_string_lossy(), "--json"]);
+    let said = String::from_utf8_lossy(&done.stderr).into_owned();
+    assert!(done.status.success(), "{said}");
+    assert!(said.contains("1 rows repeat the row before") && said.contains("parted there into 2"), "{said}");
+    let made = Campaign::read(&to).unwrap();
+    let parts: Vec<usize> =
+        made.trials.iter().filter_map(|entry| entry.part.as_ref().map(|part| part.rows.len())).collect();
+    assert_eq!((made.trials.len(), parts), (5, vec![5999, lines.len() - 6040]));
+    assert_eq!(
+        std::fs::read(recorded.path().join("sweep_0.0500_1.csv")).unwrap(),
+        std::fs::read(to.join("sweep_0.0500_1.csv")).unwrap()
+    );
+    let checked = tautline(&["validate", &to.to_string_lossy()]);
+    assert!(checked.status.success(), "{}", String::from_utf8_lossy(&checked.stderr));
 }

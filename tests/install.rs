@@ -52,6 +52,23 @@ made = tautline.run('excite', 'cosine', output=sys.argv[1], periods_s=[16, 8], l
 assert made['motions'][0]['duration_s'] == 24.0, made
 tautline.run('export', 'data/elbow/truth', output=sys.argv[1] + '2', only='csv')
 rows = tautline.table(sys.argv[1] + '2/parameters.csv')
+campaign = tautline.Campaign('data/davinci_l4')
+assert campaign.validate()['errors'] == 0
+trial = {'time_s': [0.01 * i for i in range(2000)], 'position_rad': [1.0 if i % 400 < 200 else 0.5 for i in range(2000)]}
+trial['torque_nm'] = [0.1 * (i % 7) for i in range(2000)]
+made = tautline.Campaign.from_arrays([trial], joint={'drive': 'direct'}, dynamics={'gravity_nm': 0.5}, torque_sign=-1)
+assert made.validate()['trials'] == 1
+frame = {**trial, 'run': [1] * 2000}
+class Frame(dict):
+    columns = list(frame)
+same = tautline.Campaign.from_dataframe(Frame(frame), by='run', joint={'drive': 'direct'}, dynamics={'gravity_nm': 0.5}, torque_sign=-1)
+assert (same.folder / 'trial_1.csv').read_text() == (made.folder / 'trial_1.csv').read_text()
+try:
+    tautline.Campaign.from_arrays([{**trial, 'position_rad': [0.0]}], joint={}, dynamics={}, torque_sign=1)
+except ValueError as refused:
+    assert 'differ in length' in str(refused), refused
+else:
+    raise SystemExit('arrays of different lengths were taken')
 assert rows['value'][0] == 0.012 and rows['low'][0] is None and rows['name'][0] == 'joint.winch_radius_m', rows
 ";
     let folder = TempDir::new().unwrap();

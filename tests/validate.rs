@@ -84,6 +84,7 @@ fn every_fault_of_a_campaign_is_listed_at_once() {
     assert_told(
         &problems(at),
         &[
+            ("campaign.toml", "friction would drive the joint, and gravity would lift it"),
             ("campaign.toml", "unknown key `colour`"),
             ("campaign.toml", "there is no file `cosine_1.csv`"),
             ("sweep_0.0500_1.csv", "holds `abc`"),
@@ -105,7 +106,7 @@ fn logs_are_checked_whatever_is_wrong_with_campaign_toml() {
         ("gravity_nm", "gravity"),
         ("torque_sign = -1", "torque_sign = -2"),
         ("lowpass_hz = 5", "lowpass_hz = -5"),
-        ("unit = \"N m\"", "unit = \"Nm\""),
+        ("unit = \"N m\"", "unit = \"nm\""),
         ("\ntorque = {", "\ntroque = {"),
         ("campaign/1", "campaign/2"),
         ("protocol = \"cosine\"", "protocol = \"cosin\""),

@@ -6,6 +6,12 @@
     found["friction"]["up"]["mu_c"]
     tautline.table("out/trials.csv")["a_nm"]
 
+Arrays and data frames become a campaign, and come back as arrays:
+
+    campaign = tautline.Campaign.from_arrays(trials, joint={...}, dynamics={"gravity_nm": 0.69}, torque_sign=-1)
+    model = campaign.identify()
+    campaign.predict(model)["trial_1"]["residual_nm"]
+
 Options are called as on the command line, with `_` for `-`: `rate_hz=200`, `force=True`, a list for what may be repeated.
 """
 
@@ -16,7 +22,7 @@ import shutil
 import subprocess
 import sysconfig
 
-__all__ = ["Refused", "program", "run", "table"]
+__all__ = ["Campaign", "Refused", "Result", "program", "run", "table"]
 
 
 class Refused(Exception):
@@ -37,10 +43,11 @@ def program():
     return found
 
 
-def run(*command, **options):
+def run(*command, accept=(0, 1), **options):
     """Runs `command` and gives its JSON.
 
-    A judgement that failed (status 1: `evaluate --fail-above`) is a result too. Raises `Refused` on bad input.
+    A judgement that failed (status 1: `evaluate --fail-above`) is a result too. Raises `Refused` on bad input, or whatever ends
+    with a status that is not in `accept`.
     """
     words = [str(word) for word in command]
     for name, value in options.items():
@@ -51,7 +58,7 @@ def run(*command, **options):
             elif one is not None and one is not False:
                 words.append(f"{flag}={one}")
     done = subprocess.run([program(), *words, "--json"], capture_output=True, text=True, encoding="utf-8")
-    if done.returncode not in (0, 1) or not done.stdout.strip():
+    if done.returncode not in accept or not done.stdout.strip():
         raise Refused(done.returncode, done.stderr)
     return json.loads(done.stdout)
 
@@ -69,3 +76,6 @@ def _numbers(cells):
         return [float(cell) if cell else None for cell in cells]
     except ValueError:
         return [cell or None for cell in cells]
+
+
+from .campaign import Campaign, Result  # noqa: E402  (it needs what stands above)

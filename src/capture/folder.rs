@@ -12,7 +12,7 @@ use super::origin::{Origin, today_s};
 use super::recorder::EXTRAS;
 use super::rig::Rig;
 use crate::dynamics::JointKind;
-use crate::log::{Campaign, Captured, Column, Columns, TrialEntry, Uncertainty};
+use crate::log::{Campaign, Captured, Column, Columns, Files, TrialEntry, Uncertainty};
 use crate::problem::{Problem, Result};
 use crate::units::Unit;
 use std::fs::{File, OpenOptions};
@@ -203,7 +203,7 @@ fn replace(folder: &Path, name: &str, text: &str) -> io::Result<()> {
 }
 
 fn campaign(path: &Path, rig: &Rig, trials: Vec<TrialEntry>) -> Campaign {
-    let column = |name: &str, unit| Column { name: name.to_string(), unit };
+    let column = |name: &str, unit| Column::new(name, unit);
     let (angle, torque) = match rig.joint.kind {
         JointKind::Revolute => (Unit::Radian, Unit::NewtonMetre),
         JointKind::Prismatic => (Unit::Metre, Unit::Newton),
@@ -216,10 +216,14 @@ fn campaign(path: &Path, rig: &Rig, trials: Vec<TrialEntry>) -> Campaign {
         arm: None,
         uncertainty: Uncertainty::default(),
         signal: rig.signal,
+        files: Files::default(),
         columns: Columns {
             time: column("time_s", Unit::Second),
             position: column("position_rad", angle),
             torque: column("torque_nm", torque),
+            rate_hz: None,
+            from_current: None,
+            command: None,
             velocity: None,
             current: None,
             temperature: None,

@@ -157,6 +157,7 @@ impl List<'_> {
     fn add(&mut self, motion: &Trajectory, repeat: u32) {
         let entry = TrialEntry {
             file: format!("{}_{repeat}.csv", motion.name),
+            part: None,
             protocol: motion.protocol,
             repeat,
             trajectory: motion.name_in_a_campaign(),

@@ -19,12 +19,14 @@ mod follow;
 mod guide;
 mod identify;
 mod import;
+mod init;
 mod interaction;
 mod interrupt;
 mod judged;
 mod keyboard;
 mod live;
 mod man;
+mod model;
 mod outcome;
 mod predict;
 mod progress;
@@ -80,6 +82,8 @@ enum Command {
     Batch(batch::Arguments),
     /// Run one step of the protocol alone
     Fit(fit::Arguments),
+    /// Draft a campaign.toml from logs: columns, units, motions; asks what no data can tell
+    Init(Box<init::Arguments>),
     /// Make a campaign of MATLAB, ROS 2 or TwinCAT Scope recordings
     Import(import::Arguments),
     /// List every problem of a campaign
@@ -88,6 +92,8 @@ enum Command {
     Excite(Box<excite::Arguments>),
     /// Write the model for where it is used: controllers in C and Rust, MuJoCo, URDF, tables
     Export(export::Arguments),
+    /// Make a model of a joint from a robot's URDF or MuJoCo XML
+    Model(model::Arguments),
     /// Record a campaign from a model
     Simulate(Box<simulate::Arguments>),
     /// Drive a joint over EtherCAT along a plan and record it, safely; `--rig demo` needs no hardware
@@ -132,10 +138,12 @@ fn act(command: Command, talk: &Talk) -> Result<ExitCode> {
         Command::Compare(arguments) => compare::run(&arguments, talk),
         Command::Batch(arguments) => batch::run(&arguments, talk),
         Command::Fit(arguments) => fit::run(&arguments, talk),
+        Command::Init(arguments) => init::run(&arguments, talk),
         Command::Import(arguments) => import::run(&arguments, talk),
         Command::Validate(arguments) => validate::run(&arguments, talk),
         Command::Excite(arguments) => excite::run(&arguments, talk),
         Command::Export(arguments) => export::run(&arguments, talk),
+        Command::Model(arguments) => model::run(&arguments, talk),
         Command::Simulate(arguments) => simulate::run(&arguments, talk),
         Command::Capture(arguments) => capture::run(&arguments, talk),
         Command::Rig(arguments) => rig::run(&arguments, talk),

@@ -16,6 +16,8 @@ pub mod evaluate {}
 pub mod glossary {}
 #[doc = include_str!("identify.md")]
 pub mod identify {}
+#[doc = include_str!("logs.md")]
+pub mod logs {}
 #[doc = include_str!("measured.md")]
 pub mod measured {}
 #[doc = include_str!("model.md")]
@@ -45,6 +47,7 @@ macro_rules! page {
 
 /// All pages, in the order in which they are read.
 pub const PAGES: &[Page] = &[
+    page!("logs", "from a lab's own files to a first model: init, units, current, gears, doubts"),
     page!("identify", "identify a joint from sweeps or free motion; statuses, options, how it works"),
     page!("campaign", "campaign.toml, units, signal checks, import of other formats"),
     page!("evaluate", "other motions, interaction torque, a whole arm"),

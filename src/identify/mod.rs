@@ -12,6 +12,7 @@ mod forms;
 pub mod free;
 pub mod friction;
 mod functions;
+mod implausible;
 mod judge;
 pub mod legs;
 mod moving;
@@ -35,6 +36,7 @@ pub use combination::{CombinationFit, CurveFit, CurveKind};
 pub use covariance::Covariance;
 pub use free::FreeFit;
 pub use friction::{Form, FrictionFit};
+pub use implausible::{Cause, Doubt, Evidence, evidence, implausible};
 pub use legs::{Amplitude, LegFit, LegZero};
 pub use reading::{Reading, Trace, examine_trials, read_trials};
 pub use refine::Refinement;
@@ -143,7 +145,9 @@ pub fn run(campaign: &Campaign, settings: Settings, progress: &(dyn Fn() + Sync)
 
 /// Identifies the joint of `campaign` from its readings.
 pub fn identify(campaign: &Campaign, readings: Vec<Reading>, settings: Settings) -> Result<Identification> {
-    Problems(check(campaign, &readings)).unless_errors(())?;
+    // First of all: a wrong unit or sign makes nonsense of whatever follows.
+    let doubts: Vec<Problem> = implausible(campaign, &readings).iter().map(|doubt| doubt.problem(campaign)).collect();
+    Problems([doubts.clone(), check(campaign, &readings)].concat()).unless_errors(())?;
     let sweeps = readings.iter().any(|reading| reading.entry.protocol.speed_rad_s().is_some());
     let demotes = readings.iter().any(|reading| reading.demotes);
     let mut found = if sweeps {
@@ -154,7 +158,7 @@ pub fn identify(campaign: &Campaign, readings: Vec<Reading>, settings: Settings)
     if demotes {
         confidence::demote(found.model.confidence.values_mut());
     }
-    found.warnings.splice(0..0, campaign.warnings.iter().map(Problem::to_string));
+    found.warnings.splice(0..0, doubts.iter().chain(&campaign.warnings).map(Problem::to_string));
     found.warnings.extend(doubts::doubts(&found.model, sweeps));
     Ok(found)
 }

@@ -6,14 +6,17 @@
 //! | `mat5` | MATLAB `.mat` of v5 to v7 |
 //! | `joint_states` | ROS 2 recordings in MCAP: `sensor_msgs/msg/JointState` |
 //! | `scope` | TwinCAT Scope's text export |
+//! | `mended` | rows that repeat the one before dropped, trials parted at gaps |
 //! | `picked` | of the columns, those that a campaign names |
 
 mod joint_states;
 mod mat5;
 mod matlab;
+mod mended;
 mod picked;
 mod scope;
 
+pub use mended::{stretches, without_repeated_rows};
 pub use picked::{Picked, picked};
 
 use crate::problem::{Problem, Result};
@@ -42,7 +45,7 @@ pub fn is_table(file: &Path) -> bool {
     };
     match file.extension().and_then(|e| e.to_str()).unwrap_or_default().to_ascii_lowercase().as_str() {
         "parquet" => true,
-        "csv" => begins().unwrap_or(false),
+        "csv" | "txt" | "tsv" | "dat" | "asc" => begins().unwrap_or(false),
         _ => false,
     }
 }
@@ -63,7 +66,7 @@ pub fn read(file: &Path) -> Result<Option<Vec<Series>>> {
     match extension.as_str() {
         "mat" => matlab::read(file, bytes()?).map(Some),
         "mcap" => joint_states::read(file, &bytes()?).map(Some),
-        "csv" | "txt" => scope::read(file, &bytes()?).map(Some),
+        "csv" | "txt" | "tsv" | "dat" | "asc" => scope::read(file, &bytes()?).map(Some),
         _ => {
             let cure = "it takes .mat (MATLAB), .mcap (ROS 2), .csv and .txt (TwinCAT Scope), .csv and .parquet";
             Problem::error(file, "is of an unsupported log format", cure).alone()

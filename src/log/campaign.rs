@@ -2,14 +2,17 @@
 
 use super::arm::{Arm, Declared};
 use super::captured::Captured;
-use super::columns::{Columns, OtherColumn, Wanted};
+use super::columns::{Columns, Given, OtherColumn, Wanted};
 use super::entries::Entries;
+use super::files::Files;
+use super::questions;
 use super::uncertainty::Uncertainty;
 use crate::document::{Document, Section};
 use crate::dynamics::{Dynamics, JointKind};
-use crate::model::Joint;
+use crate::model::{Drive, Joint};
 use crate::problem::{Problem, Problems, Result, Severity};
 use crate::trajectory::Protocol;
+use std::ops::Range;
 use std::path::{Path, PathBuf};
 
 const FORMAT: &str = "campaign/1";
@@ -33,6 +36,8 @@ pub struct Campaign {
     pub uncertainty: Uncertainty,
     /// What is done to the torque signal.
     pub signal: Signal,
+    /// How its text logs are written.
+    pub files: Files,
     /// Which column holds what.
     pub columns: Columns,
     /// The logs, in the file's order; never empty after reading.
@@ -59,6 +64,8 @@ pub struct Survey {
     pub listed: Vec<TrialEntry>,
     /// The folder that holds the logs.
     pub(super) folder: PathBuf,
+    /// How its text logs are written.
+    pub(super) files: Files,
     /// The columns whose names are given.
     pub(super) columns: Vec<Wanted>,
 }
@@ -74,11 +81,33 @@ pub struct Signal {
     pub lowpass_order: usize,
 }
 
+/// A part of a log that holds more than one trial.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Part {
+    /// The log, relative to the campaign's folder.
+    pub log: String,
+    /// Its data rows, from 0.
+    pub rows: Range<usize>,
+}
+
+impl Part {
+    /// What the trial is called: the log's name with the rows.
+    pub fn name(&self) -> String {
+        let path = Path::new(&self.log);
+        let stem = path.file_stem().map_or_else(String::new, |stem| stem.to_string_lossy().into_owned());
+        let ending = path.extension().map_or_else(String::new, |ending| format!(".{}", ending.to_string_lossy()));
+        let name = format!("{stem}_rows_{}_{}{ending}", self.rows.start, self.rows.end);
+        path.with_file_name(name).to_string_lossy().into_owned()
+    }
+}
+
 /// One recorded trial.
 #[derive(Debug, Clone, PartialEq)]
 pub struct TrialEntry {
-    /// Its log, relative to the campaign's folder.
+    /// Its log, relative to the campaign's folder; a name of its own where it is `part` of one.
     pub file: String,
+    /// Where it stands, if its log holds more.
+    pub part: Option<Part>,
     /// How the joint was moved.
     pub protocol: Protocol,
     /// Number among the trials that share protocol, speed and trajectory.
@@ -90,6 +119,11 @@ pub struct TrialEntry {
 }
 
 impl TrialEntry {
+    /// Its log, relative to the campaign's folder.
+    pub fn log(&self) -> &str {
+        self.part.as_ref().map_or(&self.file, |part| &part.log)
+    }
+
     /// Whether its recording broke off.
     pub fn is_incomplete(&self) -> bool {
         self.capture.as_ref().is_some_and(|capture| capture.incomplete.is_some())
@@ -124,7 +158,10 @@ impl Survey {
             let cure = "name a folder that holds a campaign.toml, or the file itself";
             return Problem::error(&file, "there is no such file", cure).alone();
         }
-        let (survey, problems) = Document::open(&file)?.examine(|root| Some(Self::from_section(root, &folder, &file)));
+        let (survey, mut problems) =
+            Document::open(&file)?.examine(|root| Some(Self::from_section(root, &folder, &file)));
+        problems.extend(questions::open(&file));
+        problems.sort_by_key(|problem| problem.row);
         match survey {
             Some(survey) => Ok(Self { problems, ..survey }),
             None => Err(Problems(problems)),
@@ -134,8 +171,16 @@ impl Survey {
     fn from_section(root: &Section<'_>, folder: &Path, file: &Path) -> Self {
         let format = root.need("format").choice(&[(FORMAT, ())]);
         let mut kind = JointKind::default();
+        let files = root.may("files").section(Files::read).unwrap_or_default();
+        let mut given = Given { rate_hz: files.rate_hz, gear_ratio: 1.0, ..Given::default() };
         let joint = root.need("joint").such_as("[joint]", "a section with name and radii").section(|section| {
             kind = Joint::read_kind(section);
+            let drive = Joint::read_drive(section, kind);
+            (given.kind, given.turns_motor) = (kind, drive == Drive::Screw);
+            given.torque_constant_nm_a = section.may("torque_constant_nm_a").positive();
+            if drive == Drive::Cable {
+                given.gear_ratio = section.may("gear_ratio").positive().unwrap_or(1.0);
+            }
             Joint::read(section, kind)
         });
         let means = "a section with gravity_nm and inertia_kg_m2";
@@ -144,10 +189,14 @@ impl Survey {
         let signal = root.need("signal").such_as("[signal]", means).section(Signal::read);
         let means = "a section with time, position and torque";
         let columns = root.need("columns").such_as("[columns]", means);
-        let (columns, named) = columns.section(|section| Some(Columns::read(section, kind))).unwrap_or_default();
+        let (columns, named) = columns.section(|section| Some(Columns::read(section, given))).unwrap_or_default();
         let others = columns.as_ref().map(|columns| &columns.other_position[..]);
         let dynamics = dynamics_field.section(|section| dynamics(section, folder, kind, others));
-        let uncertainty = root.may("uncertainty").section(Uncertainty::read);
+        let mut uncertainty = root.may("uncertainty").section(Uncertainty::read).unwrap_or_default();
+        let from_current = columns.as_ref().and_then(|columns| columns.from_current);
+        if from_current.is_some_and(|from| from.torque_constant_nm_a.is_none()) {
+            uncertainty.torque_scale_percent = f64::INFINITY;
+        }
         let entries = Entries::read(root, folder, kind);
         let is_whole = format.is_some()
             && entries.are_whole
@@ -160,8 +209,9 @@ impl Survey {
             joint: joint.unwrap_or_else(|| unknown_joint(kind)),
             dynamics: dynamics.as_ref().map_or_else(Dynamics::default, |found| found.0),
             arm: dynamics.and_then(|found| found.1),
-            uncertainty: uncertainty.unwrap_or_default(),
+            uncertainty,
             signal,
+            files,
             columns,
             trials: entries.trials.clone(),
             warnings: Vec::new(),
@@ -175,13 +225,14 @@ impl Survey {
             readable: entries.readable,
             listed: entries.trials,
             folder,
+            files,
             columns: named,
         }
     }
 }
 
 fn unknown_joint(kind: JointKind) -> Joint {
-    Joint { name: String::new(), kind, winch_radius_m: 1.0, pulley_radius_m: 1.0, backlash_m: 0.0 }
+    Joint { name: String::new(), kind, drive: Drive::Cable, winch_radius_m: 1.0, pulley_radius_m: 1.0, backlash_m: 0.0 }
 }
 
 /// The single-joint form, or the whole chain, whose other joints stand in the columns `others`.

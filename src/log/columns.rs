@@ -5,13 +5,40 @@ use crate::dynamics::JointKind;
 use crate::units::{Quantity, Unit};
 use std::cell::RefCell;
 
-/// One column of a log.
+/// One column of a log: a value in `unit` is `scale` times the reading plus `offset`.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Column {
     /// Its name in the log's header.
     pub name: String,
-    /// The unit of its readings.
+    /// The unit of its values.
     pub unit: Unit,
+    /// Values per reading, in `unit`; 1 where readings are values. Not 0.
+    pub scale: f64,
+    /// The value of a reading of 0, in `unit`.
+    pub offset: f64,
+}
+
+impl Column {
+    /// A column whose readings are values in `unit`.
+    pub fn new(name: impl Into<String>, unit: Unit) -> Self {
+        Self { name: name.into(), unit, scale: 1.0, offset: 0.0 }
+    }
+}
+
+/// How the torque follows from the motor's current, where no column holds it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct FromCurrent {
+    /// Torque of the motor per ampere, N m/A; unknown where there is none: all torques are then known up to one factor.
+    pub torque_constant_nm_a: Option<f64>,
+    /// Turns of the motor for one of the winch; 1 without a gear between them.
+    pub gear_ratio: f64,
+}
+
+impl FromCurrent {
+    /// Torque per ampere, N m/A; 1 A is taken as 1 N m of the motor where the constant is unknown.
+    pub fn nm_a(&self) -> f64 {
+        self.torque_constant_nm_a.unwrap_or(1.0) * self.gear_ratio
+    }
 }
 
 /// The column of a load cell or torque sensor that measures the interaction.
@@ -35,12 +62,16 @@ pub struct OtherColumn {
 /// The columns of every log of a campaign.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Columns {
-    /// Time stamp.
+    /// Time stamp; a name alone where `rate_hz` is given.
     pub time: Column,
+    /// Sample rate where no column holds time, Hz.
+    pub rate_hz: Option<f64>,
     /// Position of the joint.
     pub position: Column,
-    /// Torque at the winch, as recorded: before `torque_sign`.
+    /// Torque at the winch, as recorded: before `torque_sign`. The motor's current where `from_current` is given.
     pub torque: Column,
+    /// How torque follows from current, where no column holds torque.
+    pub from_current: Option<FromCurrent>,
     /// Velocity of the joint.
     pub velocity: Option<Column>,
     /// Motor current.
@@ -53,6 +84,31 @@ pub struct Columns {
     pub reference_torque: Option<ReferenceColumn>,
     /// Positions of coupled joints.
     pub other_position: Vec<OtherColumn>,
+    /// Commanded position of the joint.
+    pub command: Option<Column>,
+}
+
+/// What sections other than `[columns]` say of the columns.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct Given {
+    /// How the joint moves, which decides its units.
+    pub kind: JointKind,
+    /// Whether the torque of a prismatic joint is a motor's, in N m.
+    pub turns_motor: bool,
+    /// Sample rate where no column holds time, Hz.
+    pub rate_hz: Option<f64>,
+    /// Torque of the motor per ampere, N m/A.
+    pub torque_constant_nm_a: Option<f64>,
+    /// Turns of the motor for one of the winch.
+    pub gear_ratio: f64,
+}
+
+impl Given {
+    /// The kind of joint that decides the units of `quantity`.
+    fn kind_for(&self, quantity: Quantity) -> JointKind {
+        let is_of_motor = quantity == Quantity::Torque && self.turns_motor;
+        if is_of_motor { JointKind::Revolute } else { self.kind }
+    }
 }
 
 /// One column to be read.
@@ -64,76 +120,116 @@ pub(super) struct Wanted {
     pub column: Column,
     pub arm_m: Option<f64>,
     pub joint: Option<String>,
+    /// Torque per ampere where the torque comes from the current, N m/A.
+    pub nm_a: Option<f64>,
+    /// Sample rate where the file holds no such column and rows are counted, Hz.
+    pub rate_hz: Option<f64>,
 }
 
 impl Wanted {
-    /// A reading times this is SI.
+    pub fn new(quantity: Quantity, column: &Column) -> Self {
+        let (key, column) = (quantity.name().to_string(), column.clone());
+        Self { key, quantity, column, arm_m: None, joint: None, nm_a: None, rate_hz: None }
+    }
+
+    /// How much SI changes for a change of the reading by 1.
     pub fn factor(&self) -> f64 {
-        self.column.unit.factor() * self.arm_m.unwrap_or(1.0)
+        self.column.scale * self.of_value()
+    }
+
+    /// The reading in SI.
+    pub fn to_si(&self, reading: f64) -> f64 {
+        reading * self.factor() + self.offset_si()
+    }
+
+    /// SI of a reading of 0.
+    pub fn offset_si(&self) -> f64 {
+        self.column.offset * self.of_value()
+    }
+
+    /// A value in the column's unit times this is SI.
+    fn of_value(&self) -> f64 {
+        self.column.unit.factor() * self.arm_m.unwrap_or(1.0) * self.nm_a.unwrap_or(1.0)
     }
 }
 
 impl Columns {
-    /// Reads `[columns]` of a joint of this `kind`; besides, whatever else is wrong, every column whose name is given.
-    pub(super) fn read(section: &Section<'_>, kind: JointKind) -> (Option<Self>, Vec<Wanted>) {
-        let reader = Reader { section, kind, named: RefCell::default() };
-        let [time, position, torque] = [(Quantity::Time, "s"), (Quantity::Position, "deg"), (Quantity::Torque, "N m")]
-            .map(|(quantity, unit)| reader.needed(quantity, unit));
+    /// Reads `[columns]`; besides, whatever else is wrong, every column whose name is given.
+    pub(super) fn read(section: &Section<'_>, given: Given) -> (Option<Self>, Vec<Wanted>) {
+        let reader = Reader { section, given, named: RefCell::default() };
+        let time = reader.time();
+        let position = reader.needed(Quantity::Position, "deg");
         let optional = |quantity: Quantity| reader.column(quantity.name(), quantity);
-        let (velocity, current) = (optional(Quantity::Velocity), optional(Quantity::Current));
+        let current = optional(Quantity::Current);
+        let (torque, from_current) = reader.torque(current.as_ref());
+        let velocity = optional(Quantity::Velocity);
         let (temperature, load_torque) = (optional(Quantity::Temperature), optional(Quantity::LoadTorque));
+        let command = optional(Quantity::Command);
         let (reference_torque, other_position) = (reader.reference(), reader.other_positions());
-        let named = reader.named.into_inner();
+        let mut named = reader.named.into_inner();
         let are_distinct = report_shared_names(section, &named);
+        let order = |wanted: &Wanted| match wanted.quantity {
+            Quantity::Time => 0,
+            Quantity::Position => 1,
+            Quantity::Torque => 2,
+            _ => 3,
+        };
+        named.sort_by_key(order);
         let columns = || {
             Some(Self {
                 time: time?,
+                rate_hz: given.rate_hz,
                 position: position?,
                 torque: torque?,
+                from_current,
                 velocity,
                 current,
                 temperature,
                 load_torque,
                 reference_torque,
                 other_position,
+                command,
             })
         };
         (columns().filter(|_| are_distinct), named)
     }
 
-    /// The names of all columns; time, position and torque come first, in this order.
+    /// The names of all columns that the logs hold; time, position and torque come first, in this order.
     pub fn names(&self) -> Vec<String> {
-        self.wanted().into_iter().map(|wanted| wanted.column.name).collect()
+        self.declared().into_iter().map(|wanted| wanted.column.name).collect()
+    }
+
+    /// Every column that `[columns]` names, each once.
+    pub(super) fn declared(&self) -> Vec<Wanted> {
+        let is_in_file = |wanted: &Wanted| wanted.rate_hz.is_none() && wanted.nm_a.is_none();
+        self.wanted().into_iter().filter(is_in_file).collect()
     }
 
     /// Every column there is; time, position and torque come first, in this order.
     pub(super) fn wanted(&self) -> Vec<Wanted> {
-        let wanted = |quantity: Quantity, column: &Column, arm_m| Wanted {
-            key: quantity.name().to_string(),
-            quantity,
-            column: column.clone(),
-            arm_m,
-            joint: None,
-        };
         let optional = [
             (Quantity::Velocity, &self.velocity),
             (Quantity::Current, &self.current),
             (Quantity::Temperature, &self.temperature),
             (Quantity::LoadTorque, &self.load_torque),
+            (Quantity::Command, &self.command),
         ];
+        let nm_a = self.from_current.map(|from| from.nm_a());
         let mut all = vec![
-            wanted(Quantity::Time, &self.time, None),
-            wanted(Quantity::Position, &self.position, None),
-            wanted(Quantity::Torque, &self.torque, None),
+            Wanted { rate_hz: self.rate_hz, ..Wanted::new(Quantity::Time, &self.time) },
+            Wanted::new(Quantity::Position, &self.position),
+            Wanted { nm_a, ..Wanted::new(Quantity::Torque, &self.torque) },
         ];
-        all.extend(optional.iter().filter_map(|(quantity, column)| Some(wanted(*quantity, column.as_ref()?, None))));
+        all.extend(optional.iter().filter_map(|(quantity, column)| Some(Wanted::new(*quantity, column.as_ref()?))));
         let reference = self.reference_torque.as_ref();
-        all.extend(reference.map(|at| wanted(Quantity::ReferenceTorque, &at.column, at.arm_m)));
+        all.extend(
+            reference.map(|at| Wanted { arm_m: at.arm_m, ..Wanted::new(Quantity::ReferenceTorque, &at.column) }),
+        );
         let others = self.other_position.iter().enumerate();
         all.extend(others.map(|(index, other)| Wanted {
             key: other_position_key(index),
             joint: other.joint.clone(),
-            ..wanted(Quantity::OtherPosition, &other.column, None)
+            ..Wanted::new(Quantity::OtherPosition, &other.column)
         }));
         all
     }
@@ -142,6 +238,8 @@ impl Columns {
 /// Two quantities in one column are a slip of the pen: one of them would be wrong. Gives whether there are none.
 fn report_shared_names(section: &Section<'_>, named: &[Wanted]) -> bool {
     let mut are_distinct = true;
+    // What is counted or derived reads no column of its own.
+    let named: Vec<&Wanted> = named.iter().filter(|w| w.rate_hz.is_none() && w.nm_a.is_none()).collect();
     for (index, wanted) in named.iter().enumerate() {
         if let Some(first) = named[..index].iter().find(|first| first.column.name == wanted.column.name) {
             let what = format!("reads column `{}`, as `{}` does", wanted.column.name, first.key);
@@ -150,6 +248,20 @@ fn report_shared_names(section: &Section<'_>, named: &[Wanted]) -> bool {
         }
     }
     are_distinct
+}
+
+/// What a column that is missing is for.
+fn means(quantity: Quantity) -> &'static str {
+    match quantity {
+        Quantity::Time => {
+            "the column's name in the logs, and its unit; where no column holds time, `rate_hz` in [files]"
+        }
+        Quantity::Torque => {
+            "the column's name in the logs, and its unit; a joint whose torque is not measured needs its motor's `current`, with \
+             torque_constant_nm_a in [joint]"
+        }
+        _ => "the column's name in the logs, and its unit",
+    }
 }
 
 /// The key of the `index`th coupled joint's position: `other_position`, `other_position_2`, ...
@@ -161,17 +273,53 @@ fn other_position_key(index: usize) -> String {
 /// `[columns]` being read.
 struct Reader<'s, 'a> {
     section: &'s Section<'a>,
-    kind: JointKind,
+    given: Given,
     /// The columns whose name was given, those without a good unit in the first that their quantity may have.
     named: RefCell<Vec<Wanted>>,
 }
 
 impl Reader<'_, '_> {
+    /// The time stamps: a column, or rows at a rate.
+    fn time(&self) -> Option<Column> {
+        let Some(rate_hz) = self.given.rate_hz else { return self.needed(Quantity::Time, "s") };
+        if self.section.keys().any(|key| key == "time") {
+            let what = "is given, and files.rate_hz too";
+            self.section.reject("time", what, "delete rate_hz where the logs hold their time, or delete this column");
+        }
+        self.section.may("time").ignore();
+        let rows = Column { scale: 1.0 / rate_hz, ..Column::new("row", Unit::Second) };
+        let wanted = Wanted { rate_hz: Some(rate_hz), ..Wanted::new(Quantity::Time, &rows) };
+        self.named.borrow_mut().push(wanted);
+        Some(rows)
+    }
+
+    /// The torque: a column, or the motor's current.
+    fn torque(&self, current: Option<&Column>) -> (Option<Column>, Option<FromCurrent>) {
+        let Given { torque_constant_nm_a, gear_ratio, .. } = self.given;
+        let is_there = self.section.keys().any(|key| key == "torque");
+        let Some(current) = current.filter(|_| !is_there) else {
+            if torque_constant_nm_a.is_some() && is_there {
+                let what = "holds the torque: joint.torque_constant_nm_a is not used";
+                self.section.doubt("torque", what, "delete this column to take the torque from the current");
+            }
+            return (self.needed(Quantity::Torque, "N m"), None);
+        };
+        if torque_constant_nm_a.is_none() {
+            let what = "torque comes from the current, and no torque constant is given: 1 A is taken as 1 N m. All torques are \
+                        known up to one factor; mu_c cannot be identified, friction forces follow from their ratio to gravity";
+            self.section.doubt("current", what, "give torque_constant_nm_a in [joint] if you know it");
+        }
+        let from = FromCurrent { torque_constant_nm_a, gear_ratio };
+        let wanted = Wanted { nm_a: Some(from.nm_a()), ..Wanted::new(Quantity::Torque, current) };
+        self.named.borrow_mut().push(wanted);
+        (Some(current.clone()), Some(from))
+    }
+
     /// A column that every log has; `unit` serves an example of what to write.
     fn needed(&self, quantity: Quantity, unit: &str) -> Option<Column> {
         let key = quantity.name();
         let example = format!("{{ name = \"{key}\", unit = \"{unit}\" }}");
-        let field = self.section.need(key).such_as(&example, "the column's name in the logs, and its unit");
+        let field = self.section.need(key).such_as(&example, means(quantity));
         field.section(|at| self.one(at, key, quantity))
     }
 
@@ -181,18 +329,25 @@ impl Reader<'_, '_> {
     }
 
     fn one(&self, at: &Section<'_>, key: &str, quantity: Quantity) -> Option<Column> {
+        let kind = self.given.kind_for(quantity);
         let name = at.need("name").such_as("\"...\"", "the column's name in the header of the logs").text();
-        let units = quantity.units(self.kind);
+        let units = quantity.units(kind);
         let example = format!("\"{}\"", units[0].name());
         let unit = at.need("unit").such_as(&example, "the unit of the column").text();
         let unit = unit.and_then(|unit| {
-            let parsed = quantity.parse_unit(self.kind, &unit);
+            let parsed = quantity.parse_unit(kind, &unit);
             parsed.map_err(|(what, cure)| at.reject("unit", what, cure)).ok()
         });
+        let scale = at.may("scale").number().unwrap_or(1.0);
+        if scale == 0.0 || quantity == Quantity::Time && scale < 0.0 {
+            let cure = "value in `unit` = scale * reading + offset; 1 where readings are values";
+            at.reject("scale", format!("is {scale}"), cure);
+        }
+        let offset = at.may("offset").number().unwrap_or(0.0);
         let name = name?.trim().to_string();
-        let column = Column { name: name.clone(), unit: unit.unwrap_or(units[0]) };
-        self.named.borrow_mut().push(Wanted { key: key.to_string(), quantity, column, arm_m: None, joint: None });
-        Some(Column { name, unit: unit? })
+        let column = Column { name, unit: unit.unwrap_or(units[0]), scale, offset };
+        self.named.borrow_mut().push(Wanted { key: key.to_string(), ..Wanted::new(quantity, &column) });
+        Some(Column { unit: unit?, ..column })
     }
 
     fn reference(&self) -> Option<ReferenceColumn> {
@@ -200,7 +355,8 @@ impl Reader<'_, '_> {
         self.section.may(key).section(|at| {
             let arm_m = at.may("arm_m").positive();
             let column = self.one(at, key, Quantity::ReferenceTorque)?;
-            let is_force_on_an_arm = column.unit == Unit::Newton && self.kind == JointKind::Revolute;
+            let is_force_on_an_arm =
+                matches!(column.unit, Unit::Newton | Unit::Kilonewton) && self.given.kind == JointKind::Revolute;
             if is_force_on_an_arm && !at.keys().any(|key| key == "arm_m") {
                 at.reject("unit", "a force (N) is no torque yet", "add `arm_m`, the moment arm about the joint in m");
             }

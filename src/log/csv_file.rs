@@ -1,13 +1,18 @@
 //! CSV -> readings: only the wanted columns are parsed, straight into their vectors.
 
 use super::columns::Wanted;
+use super::dialect::{Dialect, SAMPLE_BYTES};
+use super::files::Files;
 use super::readings::{Faults, Readings, Rows, check_width, locate};
 use super::source::{self, Source};
-use crate::limits::shown;
+use crate::limits::{LINE_BYTES, shown};
 use crate::problem::{Problem, Result};
 use csv::{ByteRecord, Reader, ReaderBuilder};
+use encoding_rs::UTF_8;
+use encoding_rs_io::DecodeReaderBytesBuilder;
 use std::fs::File;
-use std::io::{self, Read, Seek, Take};
+use std::io::{self, BufRead, BufReader, Read, Seek};
+use std::ops::Range;
 use std::path::Path;
 
 /// Bytes asked of the disk at a time: large enough that system calls do not count, small enough for the cache.
@@ -15,58 +20,147 @@ const BUFFER_BYTES: usize = 1 << 18;
 /// Rows after which the rest of the file is estimated.
 const ROWS_SEEN: usize = 64;
 
-/// Reads the wanted columns of `file`; of one that `broke_off` only whole rows. Missing columns, rows of unequal length, and every field that is no finite number
-/// go to `faults`, by row and column.
+/// Reads the wanted columns of `file`, written as `files` says, its data `rows` alone where these are given; of one that
+/// `broke_off` only whole rows. Missing columns, rows of unequal length, and every field that is no finite number go to
+/// `faults`, by row and column.
 ///
 /// Errors: the file cannot be read as a table at all.
-pub(super) fn read(file: &Path, broke_off: bool, wanted: &[Wanted], faults: &mut Faults<'_>) -> Result<Readings> {
-    let (source, length) = open(file, broke_off)?;
-    let mut records = Records::new(source);
-    let mut record = ByteRecord::new();
-    if !records.next(file, &mut record)? {
-        return Problem::error(file, "is empty", "record it again, or delete its trial").alone();
-    }
-    check_width(file, record.len())?;
-    let names: Vec<String> = record.iter().map(name).collect();
-    check_separator(file, &names)?;
+pub(super) fn read(
+    file: &Path,
+    files: &Files,
+    rows: Option<&Range<usize>>,
+    broke_off: bool,
+    wanted: &[Wanted],
+    faults: &mut Faults<'_>,
+) -> Result<Readings> {
+    let Table { mut records, dialect, names, length, .. } = Table::open(file, files, broke_off)?;
     let places = locate(&names, wanted, faults);
-
+    let mut record = ByteRecord::new();
     let mut columns = vec![Vec::new(); wanted.len()];
-    let mut rows = Rows::default();
+    let mut in_file = Rows::default();
+    let within = rows.cloned().unwrap_or(0..usize::MAX);
     let mut sample = 0;
-    while records.next(file, &mut record)? {
+    while sample < within.end && records.next(file, &mut record)? {
         let row = records.row;
+        let at = sample;
+        sample += 1;
+        if !within.contains(&at) {
+            continue;
+        }
         let is_ragged = record.len() != names.len();
         if is_ragged {
             faults.add("another number of fields", |file| ragged(file, &record, names.len()).at_row(row));
         }
         for ((column, place), want) in columns.iter_mut().zip(&places).zip(wanted) {
+            if want.rate_hz.is_some() {
+                column.push(at as f64);
+                continue;
+            }
             // Of a ragged row nobody knows which field is which.
             let field = place.filter(|_| !is_ragged).map(|place| &record[place]);
             column.push(field.map_or(f64::NAN, |field| {
-                number(field).unwrap_or_else(|| {
+                number(field, dialect.decimal).unwrap_or_else(|| {
                     faults.add("no number", |file| no_number(file, field, want).at_row(row));
                     f64::NAN
                 })
             }));
         }
-        rows.note(sample, row);
-        sample += 1;
-        if sample == ROWS_SEEN {
+        in_file.note(at - within.start, row);
+        if sample == ROWS_SEEN && rows.is_none() {
             reserve(&mut columns, length, records.bytes());
         }
     }
-    Ok(Readings { columns, rows })
+    Ok(Readings { columns, rows: in_file })
 }
 
-fn open(file: &Path, broke_off: bool) -> Result<(Take<File>, u64)> {
-    let length = |source: &mut File| if broke_off { whole_rows(source) } else { Ok(source.metadata()?.len()) };
-    let opened = File::open(file).and_then(|mut source| Ok((length(&mut source)?, source)));
-    match opened {
+/// A table whose header was read.
+pub(super) struct Table {
+    pub records: Records,
+    pub dialect: Dialect,
+    /// The columns' names; `column_1`, `column_2`, ... where there is no header.
+    pub names: Vec<String>,
+    /// What a row of units under the header says of each.
+    pub units: Vec<String>,
+    /// Bytes of the file.
+    pub length: u64,
+}
+
+impl Table {
+    /// Opens `file`, written as `files` says. Errors: it cannot be read, is empty, or is wider than any log.
+    pub fn open(file: &Path, files: &Files, broke_off: bool) -> Result<Self> {
+        let (source, length, dialect) = open(file, files, broke_off)?;
+        let mut records = Records::new(source, &dialect);
+        let mut record = ByteRecord::new();
+        if !dialect.has_header {
+            let names = numbered(width(file, files, &dialect)?);
+            check_width(file, names.len())?;
+            return Ok(Self { records, dialect, names, units: Vec::new(), length });
+        }
+        if !records.next(file, &mut record)? {
+            return Problem::error(file, "is empty", "record it again, or delete its trial").alone();
+        }
+        check_width(file, record.len())?;
+        let names: Vec<String> = record.iter().map(name).collect();
+        let mut units = Vec::new();
+        if dialect.has_units && records.next(file, &mut record)? {
+            units = record.iter().map(name).collect();
+        }
+        Ok(Self { records, dialect, names, units, length })
+    }
+}
+
+/// The names of `count` columns without a header.
+fn numbered(count: usize) -> Vec<String> {
+    (1..=count).map(|number| format!("column_{number}")).collect()
+}
+
+/// How many columns the first row of numbers has.
+fn width(file: &Path, files: &Files, dialect: &Dialect) -> Result<usize> {
+    let (source, ..) = open(file, files, false)?;
+    let mut record = ByteRecord::new();
+    Records::new(source, dialect).next(file, &mut record)?;
+    Ok(record.len())
+}
+
+/// The text of `file` from its header on, how long the file is, and how it is written.
+fn open(file: &Path, files: &Files, broke_off: bool) -> Result<(Box<dyn Read>, u64, Dialect)> {
+    let opened = || -> io::Result<(Box<dyn Read>, u64, Dialect)> {
+        let mut source = File::open(file)?;
+        let length = if broke_off { whole_rows(&mut source)? } else { source.metadata()?.len() };
+        let mut sample = Vec::with_capacity(SAMPLE_BYTES);
+        (&source).take(length.min(SAMPLE_BYTES as u64)).read_to_end(&mut sample)?;
+        source.rewind()?;
+        let dialect = Dialect::of(&sample, files);
         // A log that grows while it is read is read as long as it was.
-        Ok((length, source)) => Ok((source.take(length), length)),
+        let source = source.take(length);
+        let text: Box<dyn Read> = match dialect.encoding {
+            encoding if encoding == UTF_8 => Box::new(source),
+            other => Box::new(DecodeReaderBytesBuilder::new().encoding(Some(other)).build(source)),
+        };
+        Ok((beyond(text, &dialect)?, length, dialect))
+    };
+    match opened() {
+        Ok(opened) => Ok(opened),
         Err(error) => unreadable(file, &error),
     }
+}
+
+/// `text` beyond the lines before the header, and beyond a sign of comment before it.
+fn beyond(text: Box<dyn Read>, dialect: &Dialect) -> io::Result<Box<dyn Read>> {
+    if dialect.skip_rows == 0 && dialect.delimiter != b' ' {
+        return Ok(text);
+    }
+    let mut text = BufReader::with_capacity(BUFFER_BYTES, text);
+    let mut line = Vec::new();
+    for _ in 0..dialect.skip_rows {
+        line.clear();
+        (&mut text).take(LINE_BYTES as u64).read_until(b'\n', &mut line)?;
+    }
+    // Of a header of `# time position` the sign would be a column.
+    while dialect.has_header && text.fill_buf()?.first().is_some_and(|byte| b"#% ".contains(byte)) {
+        text.consume(1);
+    }
+    Ok(Box::new(text))
 }
 
 /// Bytes up to the end of the last whole row: a recorder that was killed leaves part of one, a power cut zeros.
@@ -83,25 +177,26 @@ fn unreadable<T>(file: &Path, error: &dyn std::error::Error) -> Result<T> {
 }
 
 /// The records of a file, with the row at which each begins: the csv crate's own count stands before blank rows.
-struct Records {
-    reader: Reader<Source<Take<File>>>,
+pub(super) struct Records {
+    reader: Reader<Source<Box<dyn Read>>>,
     /// Row of the last record, counted from 1.
-    row: u64,
+    pub row: u64,
     /// Line breaks inside quotes of the last record, which belong to its row.
     inside: u64,
 }
 
 impl Records {
-    fn new(source: Take<File>) -> Self {
+    fn new(source: Box<dyn Read>, dialect: &Dialect) -> Self {
         // Flexible, so that ragged rows are ours to report, all of them.
         let mut builder = ReaderBuilder::new();
+        builder.delimiter(dialect.delimiter);
         let reader = builder.has_headers(false).flexible(true).buffer_capacity(BUFFER_BYTES);
         let reader = reader.from_reader(Source::new(source));
-        Self { reader, row: 0, inside: 0 }
+        Self { reader, row: dialect.skip_rows as u64, inside: 0 }
     }
 
     /// Reads the next record, if there is one.
-    fn next(&mut self, file: &Path, record: &mut ByteRecord) -> Result<bool> {
+    pub fn next(&mut self, file: &Path, record: &mut ByteRecord) -> Result<bool> {
         let before = self.reader.position().line();
         match self.reader.read_byte_record(record) {
             Ok(false) => return Ok(false),
@@ -134,24 +229,34 @@ fn reserve(columns: &mut [Vec<f64>], length: u64, bytes: u64) {
     columns.iter_mut().for_each(|column| column.reserve(more));
 }
 
-pub(super) fn check_separator(file: &Path, names: &[String]) -> Result<()> {
-    let [only] = names else { return Ok(()) };
-    for (separator, shown) in [(';', "semicolons"), ('\t', "tabs")] {
-        if only.contains(separator) {
-            let cure = "save the log with commas between fields and a point in numbers";
-            return Problem::error(file, format!("its fields are separated by {shown}"), cure).at_row(1).alone();
-        }
-    }
-    Ok(())
-}
-
+/// The text of a field of a header.
 pub(super) fn name(field: &[u8]) -> String {
-    String::from_utf8_lossy(field).trim().to_string()
+    String::from_utf8_lossy(field).trim().trim_start_matches(['#', '%']).trim().to_string()
 }
 
-/// The finite number in `field`, blanks around it allowed.
+/// The finite number in `field`, blanks around it allowed, its decimal sign a point or a comma.
 #[inline(always)]
-pub(super) fn number(field: &[u8]) -> Option<f64> {
+pub(super) fn number(field: &[u8], decimal: u8) -> Option<f64> {
+    if decimal == b'.' { point_number(field) } else { comma_number(field) }
+}
+
+/// Longest number that is read with a decimal comma.
+const COMMA_DIGITS: usize = 64;
+
+fn comma_number(field: &[u8]) -> Option<f64> {
+    let mut text = [0; COMMA_DIGITS];
+    let text = text.get_mut(..field.len())?;
+    text.copy_from_slice(field);
+    // A point would be a separator of thousands, which nobody writes into logs on purpose.
+    if text.contains(&b'.') {
+        return None;
+    }
+    text.iter_mut().filter(|byte| **byte == b',').for_each(|byte| *byte = b'.');
+    point_number(text)
+}
+
+#[inline(always)]
+fn point_number(field: &[u8]) -> Option<f64> {
     if let Some(number) = plain_decimal(field) {
         return Some(number);
     }

@@ -1,6 +1,6 @@
 //! `[[trials]]` of `campaign.toml`: which logs there are and how the joint was moved in each.
 
-use super::campaign::TrialEntry;
+use super::campaign::{Part, TrialEntry};
 use super::captured::Captured;
 use super::place::{self, Found};
 use crate::document::Section;
@@ -9,6 +9,7 @@ use crate::limits::{FAULTS_LISTED, shown};
 use crate::trajectory::Protocol;
 use std::collections::BTreeMap;
 use std::collections::btree_map::Entry;
+use std::ops::Range;
 use std::path::{Component, Path, PathBuf};
 
 /// The trials, as far as they are understood.
@@ -25,11 +26,17 @@ pub(super) struct Entries {
 #[derive(Default)]
 struct Seen {
     count: usize,
-    files: BTreeMap<PathBuf, Option<u64>>,
+    files: BTreeMap<PathBuf, Vec<Listed>>,
     repeats: BTreeMap<String, Option<u64>>,
     has_unknown_protocol: bool,
     /// Logs that do not exist.
     absent: usize,
+}
+
+/// Where a log is listed, and which of its data rows.
+struct Listed {
+    row: Option<u64>,
+    rows: Range<usize>,
 }
 
 impl Entries {
@@ -58,14 +65,18 @@ impl Seen {
         let file = section.need("file").such_as("\"sweep_1.csv\"", means).text();
         let capture = Captured::read(section);
         let may_lack = capture.as_ref().is_some_and(|capture| capture.incomplete.is_some());
-        let is_readable = file.as_ref().is_some_and(|file| self.check_file(section, file, folder, may_lack));
+        let rows = rows(section);
+        let is_readable =
+            file.as_ref().is_some_and(|file| self.check_file(section, file, rows.as_ref(), folder, may_lack));
         let protocol = protocol(section, kind);
         let repeat = section.may("repeat").whole(1, u32::MAX.into()).unwrap_or(1);
         let repeat = u32::try_from(repeat).ok()?;
         let trajectory = section.may("trajectory").text();
         self.has_unknown_protocol |= protocol.is_none();
         let protocol_or_free = protocol.unwrap_or(Protocol::Free);
-        let entry = TrialEntry { file: file?, protocol: protocol_or_free, repeat, trajectory, capture };
+        let part = rows.and_then(|rows| Some(Part { log: file.clone()?, rows }));
+        let file = part.as_ref().map_or(file, |part| Some(part.name()));
+        let entry = TrialEntry { file: file?, part, protocol: protocol_or_free, repeat, trajectory, capture };
         if protocol.is_some() {
             self.check_repeat(section, &entry);
         }
@@ -74,7 +85,14 @@ impl Seen {
 
     /// Reports a log that lies outside the campaign's folder, is absent, or is listed already; false of such. The log of a trial
     /// that broke off before its first row `may_lack`.
-    fn check_file(&mut self, section: &Section<'_>, file: &str, folder: &Path, may_lack: bool) -> bool {
+    fn check_file(
+        &mut self,
+        section: &Section<'_>,
+        file: &str,
+        rows: Option<&Range<usize>>,
+        folder: &Path,
+        may_lack: bool,
+    ) -> bool {
         let found = place::find(folder, file);
         match &found {
             Found::Here => {}
@@ -102,17 +120,18 @@ impl Seen {
             }
         }
         let parts = Path::new(file).components().filter(|part| *part != Component::CurDir);
-        match self.files.entry(parts.collect()) {
-            Entry::Occupied(first) => {
-                let what = format!("`{file}` is listed already{}", in_row(*first.get()));
-                section.reject("file", what, "delete one of the two trials");
-                false
-            }
-            Entry::Vacant(place) => {
-                place.insert(section.row());
-                matches!(found, Found::Here | Found::Linked(_))
-            }
+        let rows = rows.cloned().unwrap_or(0..usize::MAX);
+        let listed = self.files.entry(parts.collect()).or_default();
+        let same = listed.iter().find(|other| other.rows.start < rows.end && rows.start < other.rows.end);
+        if let Some(first) = same {
+            let shared =
+                if first.rows.end == usize::MAX || rows.end == usize::MAX { "" } else { " with some of these rows" };
+            let what = format!("`{file}` is listed already{shared}{}", in_row(first.row));
+            section.reject("file", what, "delete one of the two trials, or give each its own `rows`");
+            return false;
         }
+        listed.push(Listed { row: section.row(), rows });
+        matches!(found, Found::Here | Found::Linked(_))
     }
 
     /// Repeats differ in their number. Trials of free motion or with a person are repeats only where they name one
@@ -133,6 +152,19 @@ impl Seen {
             Entry::Vacant(place) => {
                 place.insert(section.row());
             }
+        }
+    }
+}
+
+/// The part of its log that a trial is: data rows from 0, the end excluded.
+fn rows(section: &Section<'_>) -> Option<Range<usize>> {
+    let rows = section.may("rows").wholes(0, i64::MAX)?;
+    match rows[..] {
+        [start, end] if start < end => Some(usize::try_from(start).ok()?..usize::try_from(end).ok()?),
+        _ => {
+            let what = format!("is {rows:?}");
+            section.reject("rows", what, "expected [first, end], data rows counted from 0, the end excluded");
+            None
         }
     }
 }

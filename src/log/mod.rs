@@ -7,12 +7,16 @@ mod checks;
 mod clock;
 mod columns;
 mod csv_file;
+mod dialect;
 mod entries;
+mod files;
 mod health;
 pub mod mixed;
 mod parquet_file;
 mod parquet_pages;
 mod place;
+mod questions;
+mod raw;
 mod readings;
 mod resample;
 mod samples;
@@ -24,12 +28,15 @@ mod written;
 
 pub use crate::trajectory::Protocol;
 pub use arm::{Arm, Place};
-pub use campaign::{Campaign, Signal, Survey, TrialEntry};
+pub use campaign::{Campaign, Part, Signal, Survey, TrialEntry};
 pub use captured::Captured;
 pub use checks::longest_gap_s;
 pub use clock::{clock_s, span_s};
-pub use columns::{Column, Columns, OtherColumn, ReferenceColumn};
+pub use columns::{Column, Columns, FromCurrent, OtherColumn, ReferenceColumn};
+pub use files::Files;
 pub use health::{Consequence, Finding, Fingerprint, Kind, copies, refuse_copies};
+pub use questions::MARK;
+pub use raw::{Raw, raw};
 pub use samples::{Sample, Samples};
 pub use uncertainty::{POSITION_ZERO_RAD, Uncertainty};
 
@@ -68,6 +75,8 @@ pub struct Log {
     pub current_a: Option<Vec<f64>>,
     /// Temperature, degC.
     pub temperature_degc: Option<Vec<f64>>,
+    /// Commanded position of the joint, rad.
+    pub command_rad: Option<Vec<f64>>,
     /// Positions of coupled joints, rad or m.
     pub other_position_rad: Vec<Vec<f64>>,
     /// Samples at which the torque sensor was at the end of its range.
@@ -105,10 +114,10 @@ pub fn read_trial(campaign: &Campaign, index: usize) -> Result<Log> {
 /// across them: its motion can then still be looked at.
 pub fn examine_trial(campaign: &Campaign, index: usize) -> (Option<Log>, Vec<Problem>) {
     let entry = &campaign.trials[index];
-    let file = campaign.folder.join(&entry.file);
+    let file = campaign.folder.join(entry.log());
     let wanted = campaign.columns.wanted();
     let mut faults = Faults::of(&file);
-    let mut recorded = match read_columns(&file, entry, &wanted, &mut faults) {
+    let mut recorded = match read_columns(&file, &campaign.files, entry, &wanted, &mut faults) {
         Ok(recorded) => recorded,
         Err(Problems(problems)) => return (None, problems),
     };
@@ -131,9 +140,9 @@ impl Survey {
     /// Everything that is wrong with the log of `entry` by itself, where what `campaign.toml` says of units or low-pass is not
     /// understood: its columns, numbers, time stamps, dead sensors.
     pub fn problems_of(&self, entry: &TrialEntry) -> Vec<Problem> {
-        let file = self.folder.join(&entry.file);
+        let file = self.folder.join(entry.log());
         let mut faults = Faults::of(&file);
-        match read_columns(&file, entry, &self.columns, &mut faults) {
+        match read_columns(&file, &self.files, entry, &self.columns, &mut faults) {
             Ok(recorded) => {
                 checks::check(&recorded, &self.columns, None, entry, &mut faults);
                 faults.into_problems()
@@ -143,12 +152,24 @@ impl Survey {
     }
 }
 
-fn read_columns(file: &Path, entry: &TrialEntry, wanted: &[Wanted], faults: &mut Faults<'_>) -> Result<Readings> {
+fn read_columns(
+    file: &Path,
+    files: &Files,
+    entry: &TrialEntry,
+    wanted: &[Wanted],
+    faults: &mut Faults<'_>,
+) -> Result<Readings> {
+    let rows = entry.part.as_ref().map(|part| &part.rows);
     let extension = file.extension().and_then(|extension| extension.to_str()).unwrap_or_default();
     match extension.to_ascii_lowercase().as_str() {
-        "csv" => csv_file::read(file, entry.is_incomplete(), wanted, faults),
-        "parquet" => parquet_file::read(file, wanted, faults),
-        _ => Problem::error(file, "is of an unsupported log format", "save it as .csv or .parquet").alone(),
+        "csv" | "txt" | "tsv" | "dat" | "asc" => {
+            csv_file::read(file, files, rows, entry.is_incomplete(), wanted, faults)
+        }
+        "parquet" => parquet_file::read(file, rows, wanted, faults),
+        _ => {
+            let cure = "save it as .csv or .parquet; `tautline import` reads MATLAB, ROS 2 and TwinCAT Scope";
+            Problem::error(file, "is of an unsupported log format", cure).alone()
+        }
     }
 }
 
@@ -162,16 +183,19 @@ fn log_of(file: PathBuf, mut recorded: Readings, wanted: &[Wanted], signal: &Sig
     warnings.extend(told.map(|finding| finding.problem(&file)));
     for (column, want) in columns.iter_mut().zip(wanted) {
         let sign = if want.quantity == Quantity::Torque { signal.torque_sign } else { 1.0 };
-        scale(column, sign * want.factor());
+        scale(column, sign * want.factor(), sign * want.offset_si());
     }
     let log = assemble(file, rate_hz, columns, wanted);
     let (clipped, set_aside) = (examined.clipped, examined.set_aside);
     Log { clipped, set_aside, findings, fingerprint, warnings, ..log }
 }
 
-fn scale(column: &mut [f64], factor: f64) {
+fn scale(column: &mut [f64], factor: f64, offset: f64) {
     if factor != 1.0 {
         column.iter_mut().for_each(|reading| *reading *= factor);
+    }
+    if offset != 0.0 {
+        column.iter_mut().for_each(|value| *value += offset);
     }
 }
 
@@ -188,6 +212,7 @@ fn assemble(file: PathBuf, rate_hz: f64, columns: Vec<Vec<f64>>, wanted: &[Wante
         reference_torque_nm: None,
         current_a: None,
         temperature_degc: None,
+        command_rad: None,
         other_position_rad: Vec::new(),
         clipped: Vec::new(),
         set_aside: Vec::new(),
@@ -205,6 +230,7 @@ fn assemble(file: PathBuf, rate_hz: f64, columns: Vec<Vec<f64>>, wanted: &[Wante
             Quantity::ReferenceTorque => log.reference_torque_nm = Some(column),
             Quantity::Current => log.current_a = Some(column),
             Quantity::Temperature => log.temperature_degc = Some(column),
+            Quantity::Command => log.command_rad = Some(column),
             Quantity::OtherPosition => log.other_position_rad.push(column),
         }
     }

@@ -10,31 +10,60 @@ use polars::prelude::{Column, DataType, ParallelStrategy, ParquetReader, PolarsE
 use std::cell::Cell;
 use std::fmt::Display;
 use std::fs::File;
+use std::ops::Range;
 use std::panic::{self, AssertUnwindSafe};
 use std::path::Path;
 use std::sync::{Arc, Once};
 
-/// Reads the wanted columns of `file`. A row is counted as if a header stood in row 1. Missing columns, columns of another
+/// Reads the wanted columns of `file`, its data `rows` alone where these are given. A row is counted as if a header stood in row 1. Missing columns, columns of another
 /// type than numbers, nulls, and numbers that are not finite go to `faults`.
 ///
 /// Errors: the file cannot be read as Parquet at all, is damaged, or would unpack to more than any log does.
-pub(super) fn read(file: &Path, wanted: &[Wanted], faults: &mut Faults<'_>) -> Result<Readings> {
+pub(super) fn read(
+    file: &Path,
+    rows: Option<&Range<usize>>,
+    wanted: &[Wanted],
+    faults: &mut Faults<'_>,
+) -> Result<Readings> {
     let outline = guarded(file, None, || outline(file))?;
     check_width(file, outline.names.len())?;
     let places = locate(&outline.names, wanted, faults);
     let found = || wanted.iter().zip(&places).filter(|(_, place)| place.is_some()).map(|(want, _)| want);
     check_pages(file, &outline.metadata, found())?;
+    let within = rows.map_or(0..outline.rows, |rows| rows.start.min(outline.rows)..rows.end.min(outline.rows));
     let mut columns = Vec::with_capacity(wanted.len());
     for (want, place) in wanted.iter().zip(&places) {
+        if want.rate_hz.is_some() {
+            columns.push(within.clone().map(|row| row as f64).collect());
+            continue;
+        }
         // A column that was not found was reported.
         let column = match place {
             Some(_) => guarded(file, Some(want), || column(file, want, &outline.metadata))?,
             None => None,
         };
-        let numbers = column.and_then(|column| numbers(&column, want, faults));
-        columns.push(numbers.unwrap_or_else(|| vec![f64::NAN; outline.rows]));
+        let column = column.map(|column| column.slice(within.start as i64, within.len()));
+        let numbers = column.and_then(|column| numbers(&column, within.start, want, faults));
+        columns.push(numbers.unwrap_or_else(|| vec![f64::NAN; within.len()]));
     }
-    Ok(Readings { columns, rows: Rows::plain() })
+    Ok(Readings { columns, rows: Rows::from(within.start) })
+}
+
+/// The names of all columns of `file`. Errors: it cannot be read as Parquet.
+pub(super) fn names(file: &Path) -> Result<Vec<String>> {
+    let outline = guarded(file, None, || outline(file))?;
+    check_width(file, outline.names.len())?;
+    Ok(outline.names)
+}
+
+/// The numbers of a column, NaN where there is none; `None` of a column of another type.
+///
+/// Errors: its pages are damaged.
+pub(super) fn any_numbers(file: &Path, want: &Wanted) -> Result<Option<Vec<f64>>> {
+    let outline = guarded(file, None, || outline(file))?;
+    check_pages(file, &outline.metadata, std::iter::once(want))?;
+    let column = guarded(file, Some(want), || column(file, want, &outline.metadata))?;
+    Ok(column.and_then(|column| numbers(&column, 0, want, &mut Faults::of(file))))
 }
 
 /// What the file says of itself.
@@ -114,8 +143,9 @@ fn column(file: &Path, want: &Wanted, metadata: &FileMetadataRef) -> Result<Opti
     Ok(frame.column(name).ok().cloned())
 }
 
-/// The numbers of one column, NaN where there is none, which is then a fault; `None` of a column of another type.
-fn numbers(column: &Column, want: &Wanted, faults: &mut Faults<'_>) -> Option<Vec<f64>> {
+/// The numbers of one column from row `start` of its file on, NaN where there is none, which is then a fault; `None` of a column
+/// of another type.
+fn numbers(column: &Column, start: usize, want: &Wanted, faults: &mut Faults<'_>) -> Option<Vec<f64>> {
     let name = &want.column.name;
     let expected = format!("expected numbers in {}", want.column.unit.name());
     let kind = column.dtype();
@@ -137,7 +167,7 @@ fn numbers(column: &Column, want: &Wanted, faults: &mut Faults<'_>) -> Option<Ve
         faults.add("no number", |file| {
             let cure = format!("expected a number in {}; repair or delete the row", want.column.unit.name());
             let what = if number.is_nan() { "holds null or NaN".to_string() } else { format!("holds {number}") };
-            Problem::error(file, what, cure).at_row(Rows::plain().of(sample)).in_column(name)
+            Problem::error(file, what, cure).at_row(Rows::from(start).of(sample)).in_column(name)
         });
     }
     Some(numbers)

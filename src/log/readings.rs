@@ -44,9 +44,9 @@ pub(super) struct Rows {
 }
 
 impl Rows {
-    /// A table without blank rows, under a header in row 1.
-    pub fn plain() -> Self {
-        Self { shifts: vec![(0, 2)] }
+    /// A table without blank rows, under a header in row 1, from its data row `start` on.
+    pub fn from(start: usize) -> Self {
+        Self { shifts: vec![(0, 2 + start as u64)] }
     }
 
     /// Notes that `sample` stands in `row`; samples come in order.
@@ -119,6 +119,9 @@ pub(super) fn check_width(file: &Path, columns: usize) -> Result<()> {
 /// Where each of the `wanted` columns stands in a file with these `names`; none where it is missing, or there twice.
 pub(super) fn locate(names: &[String], wanted: &[Wanted], faults: &mut Faults<'_>) -> Vec<Option<usize>> {
     let mut place = |want: &Wanted| {
+        if want.rate_hz.is_some() {
+            return None;
+        }
         let name = &want.column.name;
         let mut found = names.iter().enumerate().filter(|(_, other)| *other == name).map(|(place, _)| place);
         match (found.next(), found.next()) {
@@ -135,8 +138,12 @@ pub(super) fn locate(names: &[String], wanted: &[Wanted], faults: &mut Faults<'_
 
 fn missing(file: &Path, names: &[String], want: &Wanted) -> Problem {
     let name = &want.column.name;
-    let cure = if !names.is_empty() && names.iter().all(|name| name.parse::<f64>().is_ok()) {
-        "the first row holds numbers: add a header with the columns' names".to_string()
+    let is_numbered = |(at, name): (usize, &String)| *name == format!("column_{}", at + 1);
+    let cure = if !names.is_empty() && names.iter().enumerate().all(is_numbered) {
+        let last = names.len();
+        format!(
+            "the first row holds numbers: add a header with the columns' names, or call them column_1 to column_{last}"
+        )
     } else {
         let all = names.iter().map(String::as_str);
         let hint = match nearest(name, all.clone()) {

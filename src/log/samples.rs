@@ -2,7 +2,7 @@
 
 use super::campaign::Campaign;
 use super::columns::Wanted;
-use super::csv_file::{check_separator, name, no_number, number, ragged};
+use super::csv_file::{name, no_number, number, ragged};
 use super::readings::{Faults, check_width, locate};
 use super::source::{self, Source};
 use super::{POSITION, TIME, TORQUE};
@@ -37,6 +37,7 @@ pub struct Samples<R> {
     wanted: Vec<Wanted>,
     places: Vec<usize>,
     fields: usize,
+    decimal: u8,
     torque_sign: f64,
     last_s: f64,
 }
@@ -45,14 +46,17 @@ impl<R: Read> Samples<R> {
     /// Reads the header. Errors: it is missing, or lacks a column.
     pub fn new(campaign: &Campaign, stream: R) -> Result<Self> {
         let file = Path::new(STREAM);
-        let mut reader = ReaderBuilder::new().has_headers(false).flexible(true).from_reader(Source::new(stream));
+        // What a stream's first rows look like is known too late: it is as the campaign says, or plain.
+        let (delimiter, decimal) = (campaign.files.delimiter.unwrap_or(b','), campaign.files.decimal.unwrap_or(b'.'));
+        let mut builder = ReaderBuilder::new();
+        let builder = builder.has_headers(false).flexible(true).delimiter(delimiter);
+        let mut reader = builder.from_reader(Source::new(stream));
         let mut record = ByteRecord::new();
         if !next(&mut reader, &mut record)? {
             return Problem::error(file, "is empty", "begin with a header of the columns' names").alone();
         }
         check_width(file, record.len())?;
         let names: Vec<String> = record.iter().map(name).collect();
-        check_separator(file, &names)?;
         let needed =
             [Quantity::Time, Quantity::Position, Quantity::Torque, Quantity::LoadTorque, Quantity::OtherPosition];
         let wanted: Vec<Wanted> =
@@ -61,7 +65,7 @@ impl<R: Read> Samples<R> {
         let places: Option<Vec<usize>> = locate(&names, &wanted, &mut faults).into_iter().collect();
         let places = places.ok_or_else(|| Problems(faults.into_problems()))?;
         let (fields, torque_sign) = (names.len(), campaign.signal.torque_sign);
-        Ok(Self { reader, record, wanted, places, fields, torque_sign, last_s: f64::NEG_INFINITY })
+        Ok(Self { reader, record, wanted, places, fields, decimal, torque_sign, last_s: f64::NEG_INFINITY })
     }
 
     fn sample(&mut self) -> Result<Sample> {
@@ -72,7 +76,7 @@ impl<R: Read> Samples<R> {
         let mut sample = Sample::default();
         for (at, (place, want)) in self.places.iter().zip(&self.wanted).enumerate() {
             let field = &self.record[*place];
-            let Some(value) = number(field).map(|number| number * want.factor()) else {
+            let Some(value) = number(field, self.decimal).map(|number| want.to_si(number)) else {
                 return no_number(file, field, want).at_row(row).alone();
             };
             match at {

@@ -59,7 +59,8 @@ impl Uncertainty {
     /// Keys and values that differ from what holds where nothing is declared.
     pub(super) fn pairs(&self) -> Vec<(&'static str, toml::Value)> {
         let (mine, usual) = (self.named(), Self::default().named());
-        let differ = mine.into_iter().zip(usual).filter(|(mine, usual)| mine.1 != usual.1);
+        // An unknown scale follows from what the columns lack.
+        let differ = mine.into_iter().zip(usual).filter(|(mine, usual)| mine.1 != usual.1 && mine.1.is_finite());
         differ.map(|((key, value), _)| (key, value.into())).collect()
     }
 

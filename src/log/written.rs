@@ -1,8 +1,10 @@
 //! A campaign as the text of its `campaign.toml`.
 
-use super::campaign::{Campaign, TrialEntry};
+use super::campaign::{Campaign, Part, TrialEntry};
+use super::columns::FromCurrent;
 use crate::document::write_pairs;
 use crate::dynamics::Dynamics;
+use crate::model::Drive;
 use crate::trajectory::Protocol;
 use toml::Value;
 
@@ -12,18 +14,11 @@ impl Campaign {
     pub fn to_toml(&self) -> String {
         let mut text = String::new();
         write_pairs(&mut text, "", &[("format", "campaign/1".into())]);
-        let joint = &self.joint;
-        write_pairs(
-            &mut text,
-            "\n[joint]\n",
-            &[
-                ("name", joint.name.as_str().into()),
-                ("kind", joint.kind.name().into()),
-                ("winch_radius_m", joint.winch_radius_m.into()),
-                ("pulley_radius_m", joint.pulley_radius_m.into()),
-                ("backlash_m", joint.backlash_m.into()),
-            ],
-        );
+        let files = self.files.pairs();
+        if !files.is_empty() {
+            write_pairs(&mut text, "\n[files]\n", &files);
+        }
+        write_pairs(&mut text, "\n[joint]\n", &self.joint_pairs());
         write_pairs(&mut text, "\n[dynamics]\n", &self.dynamics_pairs());
         let uncertain = self.uncertainty.pairs();
         if !uncertain.is_empty() {
@@ -39,13 +34,31 @@ impl Campaign {
                 ("lowpass_order", (signal.lowpass_order as i64).into()),
             ],
         );
-        let columns = self.columns.wanted();
+        let columns = self.columns.declared();
         let pairs: Vec<_> = columns.iter().map(|wanted| (wanted.key.as_str(), column(wanted))).collect();
         write_pairs(&mut text, "\n[columns]\n", &pairs);
         for entry in &self.trials {
             write_pairs(&mut text, "\n[[trials]]\n", &trial(entry));
         }
         text
+    }
+
+    fn joint_pairs(&self) -> Vec<(&'static str, Value)> {
+        let joint = &self.joint;
+        let mut pairs = vec![("name", joint.name.as_str().into()), ("kind", joint.kind.name().into())];
+        if joint.drive != Drive::Cable {
+            pairs.push(("drive", joint.drive.name().into()));
+        }
+        pairs.push(("winch_radius_m", joint.winch_radius_m.into()));
+        pairs.push(("pulley_radius_m", joint.pulley_radius_m.into()));
+        pairs.push(("backlash_m", joint.backlash_m.into()));
+        if let Some(FromCurrent { torque_constant_nm_a, gear_ratio }) = self.columns.from_current {
+            pairs.extend(torque_constant_nm_a.map(|constant| ("torque_constant_nm_a", constant.into())));
+            if joint.drive == Drive::Cable && gear_ratio != 1.0 {
+                pairs.push(("gear_ratio", gear_ratio.into()));
+            }
+        }
+        pairs
     }
 
     fn dynamics_pairs(&self) -> Vec<(&'static str, Value)> {
@@ -66,13 +79,23 @@ fn column(wanted: &super::columns::Wanted) -> Value {
     let mut table = toml::Table::new();
     table.insert("name".to_string(), wanted.column.name.as_str().into());
     table.insert("unit".to_string(), wanted.column.unit.name().into());
+    if wanted.column.scale != 1.0 {
+        table.insert("scale".to_string(), wanted.column.scale.into());
+    }
+    if wanted.column.offset != 0.0 {
+        table.insert("offset".to_string(), wanted.column.offset.into());
+    }
     table.extend(wanted.arm_m.map(|arm_m| ("arm_m".to_string(), arm_m.into())));
     table.extend(wanted.joint.as_ref().map(|joint| ("joint".to_string(), joint.as_str().into())));
     table.into()
 }
 
 fn trial(entry: &TrialEntry) -> Vec<(&'static str, Value)> {
-    let mut pairs = vec![("file", entry.file.as_str().into()), ("protocol", entry.protocol.name().into())];
+    let mut pairs = vec![("file", entry.log().into())];
+    if let Some(Part { rows, .. }) = &entry.part {
+        pairs.push(("rows", vec![rows.start as i64, rows.end as i64].into()));
+    }
+    pairs.push(("protocol", entry.protocol.name().into()));
     if let Protocol::Uniform { speed_rad_s } = entry.protocol {
         pairs.push(("speed_rad_s", speed_rad_s.into()));
     }

@@ -1,6 +1,8 @@
 //! `model.json`: read and written.
 
-use super::{Both, ChainName, Combination, Confidence, Direction, Friction, Functions, Joint, Model, Status, Term};
+use super::{
+    Both, ChainName, Combination, Confidence, Direction, Drive, Friction, Functions, Joint, Model, Status, Term,
+};
 use crate::document::{Document, Section};
 use crate::dynamics::{Dynamics, JointKind};
 use crate::effects::{Added, LIBRARY, Parameter};
@@ -86,6 +88,9 @@ impl Model {
         });
         if self.joint.kind != JointKind::Revolute {
             joint["kind"] = json!(self.joint.kind.name());
+        }
+        if self.joint.drive != Drive::Cable {
+            joint["drive"] = json!(self.joint.drive.name());
         }
         let mut dynamics = json!({
             "gravity_nm": self.dynamics.gravity_nm,

@@ -16,7 +16,7 @@ pub use file::{RecordedCurve, recorded_curves};
 pub use friction::{Friction, Term, combined, decayed, loss};
 pub use functions::{BranchFunctions, Functions, Level};
 pub use groups::Group;
-pub use joint::Joint;
+pub use joint::{Drive, Joint};
 pub use passage::{AT_REST_RAD_S, Passage};
 pub use predict::{Asked, Components};
 
@@ -50,7 +50,7 @@ impl Model {
     /// The same over another kind of number, each of its own a constant; what is known of its parameters is left out.
     pub fn over<S: Scalar>(&self) -> Model<S> {
         let of = S::from;
-        let Joint { name, kind, winch_radius_m, pulley_radius_m, backlash_m } = self.joint.clone();
+        let Joint { name, kind, drive, winch_radius_m, pulley_radius_m, backlash_m } = self.joint.clone();
         let branch = |direction| {
             let mut friction = Friction {
                 mu_c: of(0.0),
@@ -69,7 +69,7 @@ impl Model {
             parameters: added.parameters.iter().map(|x| of(*x)).collect(),
         };
         Model {
-            joint: Joint { name, kind, winch_radius_m, pulley_radius_m, backlash_m: of(backlash_m) },
+            joint: Joint { name, kind, drive, winch_radius_m, pulley_radius_m, backlash_m: of(backlash_m) },
             dynamics: Dynamics {
                 gravity_nm: of(self.dynamics.gravity_nm),
                 inertia_kg_m2: of(self.dynamics.inertia_kg_m2),

@@ -2,7 +2,7 @@
 
 use super::{Plan, PlannedTrial};
 use crate::dynamics::{Dynamics, JointKind};
-use crate::log::{Arm, Campaign, Column, Columns, OtherColumn, Place, ReferenceColumn, Uncertainty};
+use crate::log::{Arm, Campaign, Column, Columns, Files, OtherColumn, Place, ReferenceColumn, Uncertainty};
 use crate::model::Model;
 use crate::units::Unit;
 use std::collections::BTreeMap;
@@ -27,13 +27,13 @@ pub(super) fn reference_of(kind: JointKind) -> (&'static str, Unit) {
 impl Plan {
     /// The campaign's description for a joint like `model`, in `folder`.
     pub fn campaign(&self, model: &Model, folder: &Path, trials: &[PlannedTrial]) -> Campaign {
-        let column = |(name, unit): (&str, Unit)| Column { name: name.to_string(), unit };
+        let column = |(name, unit): (&str, Unit)| Column::new(name, unit);
         let (position, torque) = columns_of(model.joint.kind);
         let arm = self.arm.as_ref();
         let other = |(joint, kind): (String, JointKind)| {
             let (name, unit) = other_column(&joint, kind);
             // Only a chain has joints by name.
-            OtherColumn { column: Column { name, unit }, joint: arm.is_some().then_some(joint) }
+            OtherColumn { column: Column::new(name, unit), joint: arm.is_some().then_some(joint) }
         };
         let other_position: Vec<OtherColumn> = self.other_joints().into_iter().map(other).collect();
         let reference = (self.interactions > 0)
@@ -55,10 +55,14 @@ impl Plan {
             }),
             uncertainty: Uncertainty::default(),
             signal: self.signal,
+            files: Files::default(),
             columns: Columns {
                 time: column(("time_s", Unit::Second)),
                 position: column(position),
                 torque: column(torque),
+                from_current: None,
+                command: None,
+                rate_hz: None,
                 velocity: None,
                 current: None,
                 temperature: None,

@@ -111,6 +111,7 @@ impl List<'_> {
         let motion_seed = self.plan.seed ^ hash(&trajectory.name);
         let entry = TrialEntry {
             file,
+            part: None,
             protocol: trajectory.protocol,
             repeat,
             trajectory: trajectory.name_in_a_campaign(),

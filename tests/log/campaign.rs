@@ -5,9 +5,9 @@ use proptest::prelude::*;
 use std::path::Path;
 use tautline::dynamics::{Dynamics, JointKind};
 use tautline::log::{
-    Campaign, Column, Columns, OtherColumn, Protocol, ReferenceColumn, Signal, TrialEntry, Uncertainty,
+    Campaign, Column, Columns, Files, OtherColumn, Protocol, ReferenceColumn, Signal, TrialEntry, Uncertainty,
 };
-use tautline::model::Joint;
+use tautline::model::{Drive, Joint};
 use tautline::problem::Problem;
 use tautline::units::Unit;
 
@@ -46,8 +46,8 @@ const FAULTS: [(&str, &str, u64, &str, &str); 42] = [
     (", unit = \"N m\"", "", 22, "columns.torque.unit", "write `unit = \"N m\"`"),
     ("protocol = \"uniform\"\n", "", 24, "trials[0].protocol", "write `protocol = \"uniform\"`, or one of cosine"),
     ("speed_rad_s = 0.5\n", "", 24, "trials[0].speed_rad_s", "write `speed_rad_s = 0.1`: the sweep's speed"),
-    ("unit = \"N m\"", "unit = \"Nmm\"", 22, "columns.torque.unit", "did you mean `mN m`?"),
-    ("unit = \"deg\"", "unit = \"degrees\"", 21, "columns.position.unit", "did you mean `deg`?"),
+    ("unit = \"N m\"", "unit = \"MNm\"", 22, "columns.torque.unit", "expected one of `N m`, `mN m`"),
+    ("unit = \"deg\"", "unit = \"Nm\"", 21, "columns.position.unit", "no unit of position on a revolute joint"),
     ("kind = \"revolute\"", "kind = \"prismatic\"", 26, "trials[0].protocol", "write `free` and delete speed_rad_s"),
     ("winch_radius_m = 0.012", "winch_radius_m = 0", 6, "joint.winch_radius_m", "a number above 0"),
     ("winch_radius_m = 0.012", "winch_radius_m = -0.01", 6, "joint.winch_radius_m", "a number above 0"),
@@ -62,7 +62,7 @@ const FAULTS: [(&str, &str, u64, &str, &str); 42] = [
     ("lowpass_order = 4", "lowpass_order = 13", 17, "signal.lowpass_order", "from 1 to 12"),
     ("lowpass_order = 4", "lowpass_order = 4.5", 17, "signal.lowpass_order", "from 1 to 12"),
     ("unit = \"s\"", "unit = \"min\"", 20, "columns.time.unit", "expected one of `s`, `ms`, `us`"),
-    ("unit = \"N m\"", "unit = \"Nm\"", 22, "columns.torque.unit", "did you mean `N m`?"),
+    ("unit = \"N m\"", "unit = \"nm\"", 22, "columns.torque.unit", "did you mean `N m`?"),
     ("unit = \"deg\"", "unit = \"mm\"", 21, "columns.position.unit", "no unit of position on a revolute joint"),
     ("name = \"trq\"", "name = \"pos\"", 22, "columns.torque", "as `position` does"),
     ("torque = {", "troque = {", 22, "columns.troque", "did you mean `torque`?"),
@@ -173,7 +173,7 @@ fn syntax_faults_and_absent_files_are_told() {
 }
 
 fn column(unit: Unit) -> impl Strategy<Value = Column> {
-    "[^\\p{C}\\p{Zl}\\p{Zp}]{1,12}".prop_map(move |name| Column { name: name.trim().to_string(), unit })
+    "[^\\p{C}\\p{Zl}\\p{Zp}]{1,12}".prop_map(move |name| Column::new(name.trim(), unit))
 }
 
 prop_compose! {
@@ -190,6 +190,9 @@ prop_compose! {
             time: take(Unit::Microsecond),
             position: take(Unit::Degree),
             torque: take(Unit::NewtonMetre),
+            rate_hz: None,
+            from_current: None,
+            command: None,
             velocity: given[0].then(|| take(Unit::Rpm)),
             current: given[1].then(|| take(Unit::Ampere)),
             temperature: given[2].then(|| take(Unit::Celsius)),
@@ -212,7 +215,7 @@ prop_compose! {
         is_uniform in any::<bool>(),
         repeat in 1..u32::MAX,
     ) -> Campaign {
-        let joint = Joint { name, kind: JointKind::Revolute, winch_radius_m: 0.012, pulley_radius_m: 0.04, backlash_m };
+        let joint = Joint { name, kind: JointKind::Revolute, drive: Drive::Cable, winch_radius_m: 0.012, pulley_radius_m: 0.04, backlash_m };
         let protocol = if is_uniform { Protocol::Uniform { speed_rad_s } } else { Protocol::Interaction };
         Campaign {
             folder: "".into(),
@@ -222,8 +225,9 @@ prop_compose! {
             arm: None,
             uncertainty: Uncertainty { position_zero_rad, ..Uncertainty::default() },
             signal: Signal { torque_sign: -1.0, lowpass_hz: 5.0, lowpass_order: 4 },
+            files: Files::default(),
             columns,
-            trials: vec![TrialEntry { file: "a.csv".into(), protocol, repeat, trajectory, capture: None }],
+            trials: vec![TrialEntry { file: "a.csv".into(), part: None, protocol, repeat, trajectory, capture: None }],
             warnings: Vec::new(),
             clock_s: Vec::new(),
         }

@@ -1,0 +1,421 @@
+//! Which column holds what: by its name, its unit, and what it does: time grows evenly, a velocity is a position's derivative.
+
+use super::names::{Label, label};
+use crate::dynamics::JointKind;
+use crate::import::Series;
+use crate::numerics::statistics::{extent, quantile};
+use crate::units::{Quantity, Unit};
+use std::collections::BTreeSet;
+
+/// Time grows evenly if this share of its steps is near the common one.
+const EVEN_SHARE: f64 = 0.8;
+/// Sample periods that recorders of joints have, s; beyond, the unit of time is another.
+const PERIOD_S: std::ops::Range<f64> = 2e-5..0.05;
+/// An angle beyond this was not recorded in rad.
+const RADIAN_MOST: f64 = 7.0;
+/// Angles within this could be either.
+const RADIAN_LEAST: f64 = 0.35;
+/// Slope of a velocity on the derivative of a position at which they are one motion in one unit.
+const SAME: std::ops::Range<f64> = 0.9..1.1;
+/// Correlation of a velocity with the derivative of the position it belongs to.
+const DERIVATIVE: f64 = 0.6;
+
+/// A column chosen for a quantity.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Choice {
+    /// Its key under `[columns]`.
+    pub key: String,
+    /// Its name in the file.
+    pub name: String,
+    /// Its unit.
+    pub unit: Unit,
+    /// Why this column and this unit.
+    pub why: String,
+    /// What data cannot tell of it.
+    pub question: Option<String>,
+}
+
+/// The columns of a campaign, as far as they are told.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Chosen {
+    /// How the joint moves.
+    pub kind: JointKind,
+    /// Time first, then position and torque, where each was found.
+    pub columns: Vec<Choice>,
+    /// Sample rate to be asked for, where no column holds time.
+    pub lacks_time: bool,
+    /// The joints that the files hold; the empty name where names tell none.
+    pub joints: Vec<String>,
+    /// The joint whose columns were chosen.
+    pub joint: String,
+    /// What was left out, and why.
+    pub notes: Vec<String>,
+}
+
+impl Chosen {
+    /// The column chosen for `quantity`.
+    pub fn of(&self, quantity: Quantity) -> Option<&Choice> {
+        self.columns.iter().find(|choice| choice.key == quantity.name())
+    }
+}
+
+/// What is known beforehand.
+#[derive(Debug, Clone, Default)]
+pub struct Known {
+    /// The joint to take where files hold several.
+    pub joint: Option<String>,
+    /// How it moves.
+    pub kind: Option<JointKind>,
+}
+
+struct Labelled<'a> {
+    label: Label,
+    series: &'a Series,
+}
+
+/// Chooses among the `columns` of a recording, whose row of units is `units`.
+pub fn choose(columns: &[Series], units: &[String], known: &Known) -> Chosen {
+    let unit_row = |at: usize| units.get(at).map_or("", String::as_str);
+    let labelled: Vec<Labelled<'_>> = columns
+        .iter()
+        .enumerate()
+        .map(|(at, series)| Labelled { label: label(&series.name, unit_row(at)), series })
+        .collect();
+    let mut chooser = Chooser { all: labelled, taken: BTreeSet::new(), chosen: Vec::new(), notes: Vec::new() };
+    let time = chooser.time();
+    let joints = chooser.joints();
+    let kind = known.kind.unwrap_or_else(|| chooser.kind());
+    let joint = chooser.position(kind, &joints, known);
+    chooser.torque(kind, &joint);
+    chooser.current(&joint);
+    chooser.velocity(kind, &joint, time);
+    chooser.others(kind, &joint);
+    let Chooser { chosen, notes, .. } = chooser;
+    Chosen { kind, columns: chosen, lacks_time: time.is_none(), joints, joint, notes }
+}
+
+struct Chooser<'a> {
+    all: Vec<Labelled<'a>>,
+    taken: BTreeSet<usize>,
+    chosen: Vec<Choice>,
+    notes: Vec<String>,
+}
+
+impl Chooser<'_> {
+    fn free(&self) -> impl Iterator<Item = (usize, &Labelled<'_>)> {
+        self.all.iter().enumerate().filter(|(at, _)| !self.taken.contains(at))
+    }
+
+    fn take(&mut self, at: usize, key: &str, unit: Unit, why: impl Into<String>, question: Option<String>) {
+        self.taken.insert(at);
+        let name = self.all[at].series.name.clone();
+        self.chosen.push(Choice { key: key.to_string(), name, unit, why: why.into(), question });
+    }
+
+    /// The time: even and growing. Gives its step in s.
+    fn time(&mut self) -> Option<f64> {
+        let growing: Vec<usize> =
+            self.free().filter(|(_, l)| common_step(&l.series.values).is_some()).map(|(at, _)| at).collect();
+        let is_named = |at: &&usize| self.all[**at].label.quantity == Some(Quantity::Time);
+        let is_counter = |at: usize| {
+            let Labelled { label, series } = &self.all[at];
+            let counts = || series.values.windows(2).all(|pair| pair[1] - pair[0] == 1.0);
+            label.unit.is_none() && (label.is_counter || label.quantity.is_none()) && counts()
+        };
+        let named = growing.iter().find(is_named).copied();
+        // A position that only grows is growing too: unnamed, only what begins every recording's columns is taken.
+        let found = named
+            .or_else(|| growing.iter().copied().find(|at| self.all[*at].label.quantity.is_none() && !is_counter(*at)));
+        for at in growing.iter().filter(|at| Some(**at) != found && is_counter(**at)) {
+            self.taken.insert(*at);
+        }
+        let at = found?;
+        let step = common_step(&self.all[at].series.values)?;
+        let (unit, why, question) = match self.all[at].label.unit {
+            Some(unit) => (unit, "unit from the header".to_string(), None),
+            None => time_unit(step),
+        };
+        self.take(at, Quantity::Time.name(), unit, why, question);
+        Some(step * unit.factor())
+    }
+
+    /// The joints that have a position, in the order of their columns.
+    fn joints(&self) -> Vec<String> {
+        let mut joints: Vec<String> = Vec::new();
+        for (_, l) in self.free().filter(|(_, l)| l.label.quantity == Some(Quantity::Position)) {
+            if !joints.contains(&l.label.joint) {
+                joints.push(l.label.joint.clone());
+            }
+        }
+        joints
+    }
+
+    fn kind(&self) -> JointKind {
+        let is_length = |unit: Option<Unit>| matches!(unit, Some(Unit::Metre | Unit::Millimetre));
+        let mut positions = self.free().filter(|(_, l)| l.label.quantity == Some(Quantity::Position)).peekable();
+        let is_slide = positions.peek().is_some() && positions.all(|(_, l)| is_length(l.label.unit));
+        if is_slide { JointKind::Prismatic } else { JointKind::Revolute }
+    }
+
+    /// Takes the position; gives its joint.
+    fn position(&mut self, kind: JointKind, joints: &[String], known: &Known) -> String {
+        let named: Vec<usize> = self
+            .free()
+            .filter(|(_, l)| l.label.quantity == Some(Quantity::Position))
+            .filter(|(_, l)| known.joint.as_ref().is_none_or(|joint| l.label.joint == *joint))
+            .map(|(at, _)| at)
+            .collect();
+        let travel = |at: usize| {
+            let (low, high) = extent(&self.all[at].series.values);
+            high - low
+        };
+        let moving: Vec<usize> = named.iter().copied().filter(|at| travel(*at) > 0.0).collect();
+        let at = moving.first().or(named.first()).copied().or_else(|| self.smoothest());
+        let Some(at) = at else {
+            self.notes.push("no column could be told to be the position".to_string());
+            return known.joint.clone().unwrap_or_default();
+        };
+        let Labelled { label, series } = &self.all[at];
+        let joint = label.joint.clone();
+        let (unit, why, mut question) = match label.unit {
+            Some(unit) => (unit, "unit from the header".to_string(), None),
+            None => position_unit(kind, &series.values),
+        };
+        if named.is_empty() {
+            question = Some("which column is the position, and in which unit? This one is the smoothest".to_string());
+        } else if joints.len() > 1 && known.joint.is_none() {
+            let all: Vec<&str> = joints.iter().map(String::as_str).collect();
+            question = Some(format!("which joint? The files hold {} (--joint)", all.join(", ")));
+        } else if moving.len() > 1 && named.len() > 1 {
+            let all: Vec<&str> = moving.iter().map(|at| self.all[*at].series.name.as_str()).collect();
+            question = Some(format!("which of {} is the joint's position?", all.join(", ")));
+        }
+        self.take(at, Quantity::Position.name(), unit, why, question);
+        joint
+    }
+
+    /// The column that changes least from sample to sample, of those that move.
+    fn smoothest(&self) -> Option<usize> {
+        let roughness = |values: &[f64]| {
+            let (low, high) = extent(values);
+            let steps: f64 = values.windows(2).map(|pair| (pair[1] - pair[0]).abs()).sum();
+            if high > low { steps / (high - low) } else { f64::INFINITY }
+        };
+        let unnamed = self.free().filter(|(_, l)| l.label.quantity.is_none());
+        unnamed
+            .map(|(at, l)| (at, roughness(&l.series.values)))
+            .filter(|(_, roughness)| roughness.is_finite())
+            .min_by(|a, b| a.1.total_cmp(&b.1))
+            .map(|(at, _)| at)
+    }
+
+    /// The first column of `quantity` that belongs to `joint`, or to no joint.
+    fn find(&self, quantity: Quantity, joint: &str) -> Option<usize> {
+        let of = |of_joint: &str| {
+            let mut all = self.free().filter(|(_, l)| l.label.quantity == Some(quantity) && l.label.joint == of_joint);
+            all.next().map(|(at, _)| at)
+        };
+        of(joint).or_else(|| of("")).or_else(|| {
+            let all: Vec<usize> =
+                self.free().filter(|(_, l)| l.label.quantity == Some(quantity)).map(|(at, _)| at).collect();
+            if let [only] = all[..] { Some(only) } else { None }
+        })
+    }
+
+    fn torque(&mut self, kind: JointKind, joint: &str) {
+        let has_current = || self.find(Quantity::Current, joint).is_some();
+        let named = self.find(Quantity::Torque, joint);
+        let is_varied = |l: &Labelled<'_>| extent(&l.series.values).0 < extent(&l.series.values).1;
+        let unnamed = || {
+            self.free()
+                .find(|(_, l)| l.label.quantity.is_none() && is_varied(l))
+                .map(|(at, _)| at)
+                .filter(|_| !has_current())
+        };
+        let Some(at) = named.or_else(unnamed) else { return };
+        let usual = if kind == JointKind::Prismatic { Unit::Newton } else { Unit::NewtonMetre };
+        let (unit, why, mut question) = match self.all[at].label.unit {
+            Some(unit) => (unit, "unit from the header".to_string(), None),
+            None => {
+                let asks = format!("unit? The header names none: `{}` only holds its place", usual.name());
+                (usual, "no unit in the header".to_string(), Some(asks))
+            }
+        };
+        if named.is_none() {
+            question = Some("is this column the torque, and in which unit?".to_string());
+        }
+        self.take(at, Quantity::Torque.name(), unit, why, question);
+    }
+
+    fn current(&mut self, joint: &str) {
+        let Some(at) = self.find(Quantity::Current, joint) else { return };
+        let unit = self.all[at].label.unit;
+        let question = unit.is_none().then(|| "unit, A or mA? The header names none".to_string());
+        self.take(at, Quantity::Current.name(), unit.unwrap_or(Unit::Ampere), "", question);
+    }
+
+    /// The velocity, if it is the derivative of the position; it tells units that the header does not.
+    fn velocity(&mut self, kind: JointKind, joint: &str, step_s: Option<f64>) {
+        let Some(at) = self.find(Quantity::Velocity, joint) else { return };
+        let position = self.chosen.iter().position(|choice| choice.key == Quantity::Position.name());
+        let (Some(position), Some(step_s)) = (position, step_s) else {
+            self.taken.insert(at);
+            return;
+        };
+        let from = self.all.iter().find(|l| l.series.name == self.chosen[position].name).map(|l| &l.series.values);
+        let slope = from.and_then(|from| slope_on_derivative(&self.all[at].series.values, from, step_s));
+        let name = self.all[at].series.name.clone();
+        let Some(slope) = slope else {
+            self.taken.insert(at);
+            self.notes.push(format!("`{name}` is not taken as velocity: it does not follow the position's derivative"));
+            return;
+        };
+        let label = &self.all[at].label;
+        let position_unit = self.chosen[position].unit;
+        let fits = |unit: &Unit| SAME.contains(&(slope * unit.factor() / position_unit.factor()));
+        match label.unit {
+            Some(unit) if fits(&unit) => {
+                self.take(at, Quantity::Velocity.name(), unit, "is the position's derivative", None)
+            }
+            Some(unit) if self.told_by_header(position) => {
+                self.taken.insert(at);
+                let times = slope * unit.factor() / position_unit.factor();
+                self.notes.push(format!(
+                    "`{name}` is left out: in {} it is {times:.3} times the position's derivative",
+                    unit.name()
+                ));
+            }
+            Some(unit) => {
+                // The velocity's unit tells the position's.
+                let found = Quantity::Position
+                    .units(kind)
+                    .iter()
+                    .find(|p| SAME.contains(&(slope * unit.factor() / p.factor())));
+                if let Some(found) = found {
+                    self.chosen[position].unit = *found;
+                    self.chosen[position].why = format!("unit such that `{name}` is its derivative");
+                    self.take(at, Quantity::Velocity.name(), unit, "is the position's derivative", None);
+                } else {
+                    self.taken.insert(at);
+                    self.notes.push(format!("`{name}` is left out: no unit makes it the position's derivative"));
+                }
+            }
+            None => {
+                let found = Quantity::Velocity.units(kind).iter().copied().find(fits);
+                match found {
+                    Some(unit) => {
+                        self.take(
+                            at,
+                            Quantity::Velocity.name(),
+                            unit,
+                            "unit such that it is the position's derivative",
+                            None,
+                        );
+                    }
+                    None => {
+                        self.taken.insert(at);
+                        self.notes.push(format!("`{name}` is left out: no unit makes it the position's derivative"));
+                    }
+                }
+            }
+        }
+    }
+
+    /// Whether the unit of a chosen column stands in the header.
+    fn told_by_header(&self, chosen: usize) -> bool {
+        self.all.iter().any(|l| l.series.name == self.chosen[chosen].name && l.label.unit.is_some())
+    }
+
+    /// The command, temperature, and the positions of other joints.
+    fn others(&mut self, kind: JointKind, joint: &str) {
+        if let Some(at) = self.find(Quantity::Temperature, joint) {
+            self.take(at, Quantity::Temperature.name(), Unit::Celsius, "", None);
+        }
+        if let Some(at) = self.find(Quantity::Command, joint) {
+            let unit = self.all[at].label.unit.filter(|unit| Quantity::Command.units(kind).contains(unit));
+            let unit = unit.or_else(|| self.chosen.iter().find(|c| c.key == Quantity::Position.name()).map(|c| c.unit));
+            self.take(at, Quantity::Command.name(), unit.unwrap_or(Unit::Radian), "", None);
+        }
+        let moves = |l: &Labelled<'_>| extent(&l.series.values).0 < extent(&l.series.values).1;
+        let is_other =
+            |l: &Labelled<'_>| l.label.quantity == Some(Quantity::Position) && l.label.joint != joint && moves(l);
+        let others: Vec<usize> = self.free().filter(|(_, l)| is_other(l)).map(|(at, _)| at).collect();
+        for (index, at) in others.into_iter().enumerate() {
+            let key = if index == 0 { "other_position".to_string() } else { format!("other_position_{}", index + 1) };
+            let unit = self.all[at].label.unit.unwrap_or_else(|| position_unit(kind, &self.all[at].series.values).0);
+            self.take(at, &key, unit, "a joint beside it that moves too", None);
+        }
+        let left: Vec<String> = self.free().map(|(_, l)| l.series.name.clone()).collect();
+        if !left.is_empty() {
+            self.notes.push(format!("not used: {}", crate::limits::listed(left.iter().map(String::as_str))));
+        }
+    }
+}
+
+/// The common step of `values` where they grow nearly evenly; a few that repeat or jump are let pass.
+fn common_step(values: &[f64]) -> Option<f64> {
+    let mut steps: Vec<f64> = values.windows(2).map(|pair| pair[1] - pair[0]).collect();
+    if steps.len() < 10 {
+        return None;
+    }
+    let middle = quantile(&mut steps, 0.5);
+    let near = steps.iter().filter(|step| (0.4..1.6).contains(&(*step / middle))).count();
+    let falls = steps.iter().filter(|step| **step < 0.0).count();
+    let is_even = middle > 0.0 && near as f64 >= EVEN_SHARE * steps.len() as f64 && falls == 0;
+    is_even.then_some(middle)
+}
+
+/// The unit of time in which a `step` is a sample period, why, and what remains to be asked.
+fn time_unit(step: f64) -> (Unit, String, Option<String>) {
+    let units = [Unit::Second, Unit::Millisecond, Unit::Microsecond, Unit::Nanosecond];
+    let fits: Vec<Unit> = units.into_iter().filter(|unit| PERIOD_S.contains(&(step * unit.factor()))).collect();
+    let unit = fits.first().copied().unwrap_or(Unit::Second);
+    let rate_hz = 1.0 / (step * unit.factor());
+    let why = format!("no unit in the header; in {} the rate is {rate_hz:.6} Hz", unit.name());
+    // One unit alone gives a rate that recorders have, or the next one gives ten thousands of Hz.
+    let others: Vec<Unit> = fits.into_iter().skip(1).filter(|unit| step * unit.factor() > 1e-4).collect();
+    let is_sure = PERIOD_S.contains(&(step * unit.factor())) && others.is_empty();
+    let question = (!is_sure).then(|| format!("unit? In {} the rate would be {rate_hz:.6} Hz", unit.name()));
+    (unit, why, question)
+}
+
+/// The unit in which `values` are a joint's positions, why, and what remains to be asked.
+fn position_unit(kind: JointKind, values: &[f64]) -> (Unit, String, Option<String>) {
+    let (low, high) = extent(values);
+    let most = low.abs().max(high.abs());
+    let spans = format!("no unit in the header; it goes from {low:.4} to {high:.4}");
+    if kind == JointKind::Prismatic {
+        let unit = if most > 3.0 { Unit::Millimetre } else { Unit::Metre };
+        return (unit, spans, Some("unit, m or mm?".to_string()));
+    }
+    match () {
+        () if most > 4.0 * 360.0 => {
+            (Unit::Degree, spans, Some("unit? No joint turns that far: counts need `scale`".to_string()))
+        }
+        () if most > RADIAN_MOST => (Unit::Degree, spans, None),
+        () if high - low < RADIAN_LEAST => {
+            (Unit::Radian, spans, Some("unit, rad or deg? It moves too little to tell".to_string()))
+        }
+        () => (Unit::Radian, spans, None),
+    }
+}
+
+/// Slope of `velocity` on the derivative of `position`, sampled every `step_s`; `None` where they do not go together.
+fn slope_on_derivative(velocity: &[f64], position: &[f64], step_s: f64) -> Option<f64> {
+    /// Samples over which differences are taken, to leave an encoder's steps behind.
+    const HALF: usize = 10;
+    let n = position.len().min(velocity.len());
+    let (mut dd, mut dv, mut vv) = (0.0, 0.0, 0.0);
+    for i in HALF..n.saturating_sub(HALF) {
+        let derivative = (position[i + HALF] - position[i - HALF]) / (2.0 * HALF as f64 * step_s);
+        let here = velocity[i - HALF..=i + HALF].iter().sum::<f64>() / (2 * HALF + 1) as f64;
+        if derivative.is_finite() && here.is_finite() {
+            dd += derivative * derivative;
+            dv += derivative * here;
+            vv += here * here;
+        }
+    }
+    let correlation = dv / (dd * vv).sqrt();
+    // What is asked for is position's unit per velocity's: a velocity in rad/s of a position in deg has a slope of pi / 180.
+    (correlation > DERIVATIVE && dd > 0.0).then(|| dv / dd)
+}

@@ -1,0 +1,318 @@
+//! The draft of `campaign.toml`: what was found, why, and the questions that no data answer, each on the line that waits for it.
+
+use super::Survey;
+use super::columns::Choice;
+use super::trials::{DraftTrial, digits};
+use crate::dynamics::JointKind;
+use crate::log::MARK;
+use crate::model::Drive;
+use crate::trajectory::Protocol;
+use crate::units::{Quantity, Unit};
+use std::collections::BTreeMap;
+use std::fmt::Write;
+use toml::Value;
+
+/// Cut-off of the low-pass where the rate allows it, Hz: joints move slower, motors' ripple is faster.
+const LOWPASS_HZ: f64 = 5.0;
+/// The cut-off is at most this share of the rate.
+const LOWPASS_SHARE: f64 = 0.2;
+/// A zero that the data shift by less than this is as good as declared, rad.
+const ZERO_NEGLIGIBLE_RAD: f64 = 0.0175;
+
+/// Answers to questions, by key.
+#[derive(Debug, Clone, Default)]
+pub struct Answers {
+    /// The joint's name.
+    pub name: Option<String>,
+    /// What drives it.
+    pub drive: Drive,
+    /// Values by their key, as they stand in the file.
+    pub values: BTreeMap<String, String>,
+}
+
+impl Answers {
+    /// Takes `text` as the answer to `key`.
+    ///
+    /// Errors: it is no value of that kind; says what is expected.
+    pub fn set(&mut self, key: &str, text: &str) -> Result<(), String> {
+        let text = text.trim();
+        let is_unit = key.starts_with("columns.") && !key.ends_with(".offset");
+        let value = match is_unit {
+            true => {
+                Unit::written(text).map(|unit| unit.name().to_string()).ok_or("expected a unit, such as N m or deg")
+            }
+            false => text
+                .replace(',', ".")
+                .parse::<f64>()
+                .ok()
+                .filter(|number| number.is_finite())
+                .map(|number| number.to_string())
+                .ok_or("expected a number"),
+        };
+        self.values.insert(key.to_string(), value?);
+        Ok(())
+    }
+
+    fn number(&self, key: &str) -> Option<f64> {
+        self.values.get(key)?.parse().ok()
+    }
+
+    fn unit(&self, key: &str) -> Option<Unit> {
+        Unit::written(self.values.get(key)?)
+    }
+}
+
+/// What no data tell.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Question {
+    /// Where the answer goes.
+    pub key: String,
+    /// What is asked.
+    pub asks: String,
+    /// What the data suggest, where they do.
+    pub suggested: Option<String>,
+}
+
+/// A draft of `campaign.toml`.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Draft {
+    /// The file's text.
+    pub text: String,
+    /// What is still to be answered.
+    pub questions: Vec<Question>,
+}
+
+/// The draft of the campaign that `survey` found, with the answers given so far.
+pub fn draft(survey: &Survey, answers: &Answers) -> Draft {
+    let mut writer = Writer { text: String::new(), questions: Vec::new(), answers };
+    writer.head(survey);
+    writer.files(survey);
+    writer.joint(survey);
+    writer.dynamics(survey);
+    writer.signal(survey);
+    writer.columns(survey);
+    writer.trials(survey);
+    Draft { text: writer.text, questions: writer.questions }
+}
+
+struct Writer<'a> {
+    text: String,
+    questions: Vec<Question>,
+    answers: &'a Answers,
+}
+
+impl Writer<'_> {
+    fn line(&mut self, line: impl AsRef<str>) {
+        self.text.push_str(line.as_ref());
+        self.text.push('\n');
+    }
+
+    /// `key = value`, given or as a question about `asks`; `place` holds the place.
+    fn number(&mut self, section: &str, key: &str, place: f64, asks: &str, suggested: Option<f64>) {
+        let id = format!("{section}.{key}");
+        match self.answers.number(&id) {
+            Some(value) => {
+                let value = if key == "torque_sign" { Value::from(value as i64) } else { Value::from(value) };
+                self.line(format!("{key} = {value}"));
+            }
+            None => {
+                let value = suggested.unwrap_or(place);
+                let value = if key == "torque_sign" { Value::from(value as i64) } else { Value::from(value) };
+                self.line(format!("{key} = {value} {MARK} {asks}"));
+                let suggested = suggested.map(|value| value.to_string());
+                self.questions.push(Question { key: id, asks: asks.to_string(), suggested });
+            }
+        }
+    }
+
+    fn head(&mut self, survey: &Survey) {
+        self.line(format!("# Draft by tautline init. Lines with `{MARK}` ask what no data can tell: write the value and delete the mark."));
+        let forms: BTreeMap<&str, usize> = survey.sources.iter().fold(BTreeMap::new(), |mut forms, source| {
+            *forms.entry(source.form.as_str()).or_default() += 1;
+            forms
+        });
+        for (form, count) in forms {
+            self.line(format!("# {count} files: {form}"));
+        }
+        for note in &survey.chosen.notes {
+            self.line(format!("# {note}"));
+        }
+        self.line("format = \"campaign/1\"");
+    }
+
+    fn files(&mut self, survey: &Survey) {
+        if survey.chosen.lacks_time {
+            self.line("\n[files]");
+            self.number("files", "rate_hz", 1000.0, "sample rate in Hz: no column holds time", None);
+        }
+    }
+
+    fn joint(&mut self, survey: &Survey) {
+        let Answers { name, drive, .. } = self.answers;
+        let of_files = Some(survey.chosen.joint.clone()).filter(|joint| !joint.is_empty());
+        let name = name.clone().or(of_files).unwrap_or_else(|| "joint".to_string());
+        self.line("\n[joint]");
+        self.line(format!("name = {}", Value::from(name)));
+        self.line(format!("kind = \"{}\"", survey.chosen.kind.name()));
+        match (drive, survey.chosen.kind) {
+            (Drive::Cable, JointKind::Revolute) => {
+                self.line("# A joint that no cable drives: drive = \"gear\" with gear_ratio, or drive = \"direct\", instead of the radii.");
+                self.number("joint", "winch_radius_m", 1.0, "radius of the winch, m", None);
+                self.number("joint", "pulley_radius_m", 1.0, "radius of the pulley at the joint, m", None);
+            }
+            (Drive::Cable, JointKind::Prismatic) => {
+                self.line("winch_radius_m = 1.0");
+                self.line("pulley_radius_m = 1.0");
+            }
+            (other, _) => self.line(format!("drive = \"{}\"", other.name())),
+        }
+        if *drive == Drive::Gear {
+            self.number("joint", "gear_ratio", 1.0, "turns of the motor for one of the joint", None);
+        }
+        if *drive == Drive::Screw {
+            self.number("joint", "lead_m", 1.0, "travel of the slide for one turn of the screw, m", None);
+        }
+        let (key, given) = match drive {
+            Drive::Cable => ("backlash_m", self.answers.number("joint.backlash_m")),
+            _ => ("backlash_rad", self.answers.number("joint.backlash_rad")),
+        };
+        match given {
+            Some(backlash) => self.line(format!("{key} = {}", Value::from(backlash))),
+            None => {
+                self.line(format!("{key} = 0.0  # clearance; identify --estimate-backlash finds it from the reversals"))
+            }
+        }
+        let of_current = survey.chosen.of(Quantity::Torque).is_none();
+        match self.answers.number("joint.torque_constant_nm_a") {
+            Some(constant) if of_current => self.line(format!("torque_constant_nm_a = {}", Value::from(constant))),
+            None if of_current => {
+                self.line("# torque_constant_nm_a = 0.05  # torque per ampere; left out, all torques are known up to one factor");
+            }
+            _ => {}
+        }
+    }
+
+    fn dynamics(&mut self, survey: &Survey) {
+        self.line("\n[dynamics]");
+        let asks = match survey.chosen.kind {
+            JointKind::Revolute => {
+                "torque of gravity about the joint at 90 deg, N m: mass * 9.81 * distance; 0 for a horizontal one"
+            }
+            JointKind::Prismatic => "force of gravity along the slide, N; 0 for a horizontal one",
+        };
+        self.number("dynamics", "gravity_nm", 0.0, asks, None);
+        let inertia = self.answers.number("dynamics.inertia_kg_m2").unwrap_or(0.0);
+        self.line(format!("inertia_kg_m2 = {}  # 0 leaves inertia out", Value::from(inertia)));
+    }
+
+    fn signal(&mut self, survey: &Survey) {
+        self.line("\n[signal]");
+        let asks = match survey.hints.torque_sign {
+            Some(sign) => format!(
+                "1 or -1? With {sign:.0} friction opposes motion in these data, with {:.0} it would drive it",
+                -sign
+            ),
+            None => {
+                "1 or -1, so that y = torque_sign * recorded torque is larger moving up than moving down".to_string()
+            }
+        };
+        self.number("signal", "torque_sign", 1.0, &asks, survey.hints.torque_sign);
+        let rate_hz = if survey.rate_hz > 0.0 { survey.rate_hz } else { f64::INFINITY };
+        self.line(format!("lowpass_hz = {}", Value::from(digits(LOWPASS_HZ.min(LOWPASS_SHARE * rate_hz), 2))));
+        self.line("lowpass_order = 4");
+    }
+
+    fn columns(&mut self, survey: &Survey) {
+        self.line("\n[columns]");
+        for choice in &survey.chosen.columns {
+            self.column(choice, survey);
+        }
+        for (quantity, what) in
+            [(Quantity::Position, "the joint's position"), (Quantity::Torque, "its torque, or its motor's current")]
+        {
+            let is_there = survey.chosen.of(quantity).is_some()
+                || quantity == Quantity::Torque && survey.chosen.of(Quantity::Current).is_some();
+            if !is_there {
+                let names: Vec<String> = survey.sources[0].columns.iter().map(|series| series.name.clone()).collect();
+                let held = crate::limits::listed(names.iter().map(String::as_str));
+                let key = quantity.name();
+                self.line(format!(
+                    "{key} = {{ name = \"\", unit = \"\" }} {MARK} which column holds {what}? The files hold {held}"
+                ));
+                let asks = format!("which column holds {what}? The files hold {held}");
+                self.questions.push(Question { key: format!("columns.{key}"), asks, suggested: None });
+            }
+        }
+    }
+
+    fn column(&mut self, choice: &Choice, survey: &Survey) {
+        let id = format!("columns.{}", choice.key);
+        let given = self.answers.unit(&id);
+        let mut asks: Vec<String> = Vec::new();
+        if let Some(question) = choice.question.as_ref().filter(|_| given.is_none()) {
+            asks.push(question.clone());
+            let suggested = Some(choice.unit.name().to_string());
+            self.questions.push(Question { key: id.clone(), asks: question.clone(), suggested });
+        }
+        let unit = given.unwrap_or(choice.unit);
+        let mut table = format!("name = {}, unit = {}", Value::from(choice.name.as_str()), Value::from(unit.name()));
+        let is_angle = survey.chosen.kind == JointKind::Revolute && choice.key == Quantity::Position.name();
+        if is_angle {
+            let offset_key = format!("{id}.offset");
+            match self.answers.number(&offset_key) {
+                Some(offset) if offset == 0.0 => {}
+                Some(offset) => _ = write!(table, ", offset = {}", Value::from(offset)),
+                None => {
+                    let (question, suggested) = zero(survey, unit);
+                    asks.push(question.clone());
+                    let offset = suggested.unwrap_or(0.0);
+                    let _ = write!(table, ", offset = {}", Value::from(offset));
+                    let suggested = suggested.map(|offset| offset.to_string());
+                    self.questions.push(Question { key: offset_key, asks: question, suggested });
+                }
+            }
+        }
+        let comment = match (asks.is_empty(), choice.why.is_empty()) {
+            (false, _) => format!(" {MARK} {}", asks.join("; ")),
+            (true, false) => format!("  # {}", choice.why),
+            (true, true) => String::new(),
+        };
+        self.line(format!("{} = {{ {table} }}{comment}", choice.key));
+    }
+
+    fn trials(&mut self, survey: &Survey) {
+        for DraftTrial { source, rows, protocol, repeat, trajectory, found } in &survey.trials {
+            self.line(format!("\n[[trials]]  # {found}"));
+            self.line(format!("file = {}", Value::from(survey.sources[*source].log_name())));
+            if let Some(rows) = rows {
+                self.line(format!("rows = [{}, {}]", rows.start, rows.end));
+            }
+            self.line(format!("protocol = \"{}\"", protocol.name()));
+            if let Protocol::Uniform { speed_rad_s } = protocol {
+                self.line(format!("speed_rad_s = {}", Value::from(*speed_rad_s)));
+            }
+            self.line(format!("repeat = {repeat}"));
+            if let Some(trajectory) = trajectory {
+                self.line(format!("trajectory = {}", Value::from(trajectory.as_str())));
+            }
+        }
+    }
+}
+
+/// The question about the zero of the position, and what the data suggest, in `unit`.
+fn zero(survey: &Survey, unit: Unit) -> (String, Option<f64>) {
+    let asks = "zero: what is to be added so that gravity's torque is 0 at 0 and grows with the position?";
+    match survey.hints.zero_rad {
+        Some(zero_rad) if zero_rad.abs() < ZERO_NEGLIGIBLE_RAD => {
+            (format!("{asks} Nothing, as the data have it"), Some(0.0))
+        }
+        Some(zero_rad) => {
+            let offset = digits(zero_rad / unit.factor(), 3);
+            (
+                format!("{asks} As the data have it {offset} {}, if gravity alone loads the joint", unit.name()),
+                Some(offset),
+            )
+        }
+        None => (asks.to_string(), None),
+    }
+}
