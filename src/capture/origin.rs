@@ -78,7 +78,7 @@ fn since_start() -> Option<(String, f64)> {
     let mut time = libc::timespec { tv_sec: 0, tv_nsec: 0 };
     // SAFETY: the structure lives through the call.
     let failed = unsafe { libc::clock_gettime(libc::CLOCK_BOOTTIME, &raw mut time) };
-    (failed == 0 && !start.is_empty()).then(|| (start, time.tv_sec as f64 + time.tv_nsec as f64 * 1e-9))
+    (failed == 0 && !start.is_empty()).then_some((start, time.tv_sec as f64 + time.tv_nsec as f64 * 1e-9))
 }
 
 #[cfg(not(target_os = "linux"))]

@@ -260,7 +260,7 @@ impl Writer<'_> {
         if is_angle {
             let offset_key = format!("{id}.offset");
             match self.answers.number(&offset_key) {
-                Some(offset) if offset == 0.0 => {}
+                Some(0.0) => {}
                 Some(offset) => _ = write!(table, ", offset = {}", Value::from(offset)),
                 None => {
                     let (question, suggested) = zero(survey, unit);

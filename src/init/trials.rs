@@ -55,7 +55,7 @@ pub(super) fn list(sources: &[Source], chosen: &mut Chosen, rate_hz: Option<f64>
                 let rate = found.first().map_or(0.0, |first| rate(time, first));
                 (found, rate)
             }
-            None => (vec![0..position.len()], rate_hz.unwrap_or(0.0)),
+            None => (std::iter::once(0..position.len()).collect(), rate_hz.unwrap_or(0.0)),
         };
         found_hz = if found_hz == 0.0 { rate } else { found_hz };
         for stretch in stretches {

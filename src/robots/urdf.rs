@@ -17,7 +17,7 @@ pub(super) fn described(file: &Path, root: &Node, joint: &str) -> Result<Describ
     let at_90 = if kind == JointKind::Revolute { gravity(FRAC_PI_2) } else { gravity(0.0) };
     let found = root.all("joint").find(|node| node.text("name") == Some(joint));
     let dynamics = found.and_then(|node| node.all("dynamics").next());
-    let number = |key: &str| Some(dynamics?.numbers(key)?.first().copied()?);
+    let number = |key: &str| dynamics?.numbers(key)?.first().copied();
     let (friction, damping) = (number("friction"), number("damping"));
     let mut unknown = vec!["joint.backlash_m: a URDF knows no clearance".to_string()];
     if friction.is_none() {
