@@ -26,7 +26,7 @@ import sys
 import tempfile
 
 TRUTH = pathlib.Path("data/elbow/truth/model.json")
-KINDS = ("coulomb", "viscous", "stribeck", "load_coefficient", "change_over", "gravity", "spring")
+KINDS = ("coulomb_friction", "viscous_friction", "stribeck_friction", "friction_per_load", "change_over", "gravity", "spring")
 NAMED = {"gravity": {"gravity_or_spring"}, "spring": {"gravity_or_spring", "position_zero"}}
 
 
@@ -45,17 +45,17 @@ def change(model, kind, by, rng):
     direction = rng.choice(("up", "down"))
     branch, r1 = after["friction"][direction], model["joint"]["winch_radius_m"]
     per_force = r1 / (1 - branch["mu_c"])
-    if kind == "coulomb":
+    if kind == "coulomb_friction":
         size = abs(per_force * branch["a_j"] * by)
         branch["a_j"] *= 1 + by
-    elif kind == "viscous":
+    elif kind == "viscous_friction":
         size = abs(per_force * branch["d"] * 0.4 * by)
         branch["d"] *= 1 + by
-    elif kind == "stribeck":
+    elif kind == "stribeck_friction":
         size = abs(per_force * (branch["b_c"] + branch["b_j"]) * by) / 2
         for name in ("b_c", "b_j"):
             branch[name] *= 1 + by
-    elif kind == "load_coefficient":
+    elif kind == "friction_per_load":
         new = branch["mu_c"] * (1 + by)
         size = abs(math.log((1 - branch["mu_c"]) / (1 - new)))
         branch["mu_c"] = new
@@ -87,7 +87,7 @@ def allowed(kind, direction, models):
     """Half width of what a single cause of this kind is known to, from both models' A and B(v)."""
     def of(model):
         branches = model["functions"]
-        if kind in ("gravity", "spring", "load_coefficient"):
+        if kind in ("gravity", "spring", "friction_per_load"):
             ds = [direction] if direction else ["up", "down"]
             return max(branches[d]["a_half_width_nm"] / abs(branches[d]["a_nm"]) for d in ds)
         if kind == "change_over":
@@ -96,7 +96,7 @@ def allowed(kind, direction, models):
         levels = [level["half_width_nm"] for level in branches[direction]["b"]]
         alone = math.sqrt(sum(half**2 for half in levels)) / len(levels)
         # One speed in three tells of viscous or of Stribeck friction.
-        return alone * (1 if kind == "coulomb" else math.sqrt(3))
+        return alone * (1 if kind == "coulomb_friction" else math.sqrt(3))
     return math.hypot(*map(of, models))
 
 

@@ -301,7 +301,7 @@ fn what_retensioning_changed_is_told() {
     assert_eq!(status, 0);
     let told: Value = serde_json::from_slice(&fs::read(out.path().join("fleet/fleet.json")).unwrap()).unwrap();
     let joint = &told["joints"][0];
-    assert_eq!(joint["retensionings"][0]["what_changed"][0]["what"], "coulomb", "{joint}");
+    assert_eq!(joint["retensionings"][0]["what_changed"][0]["what"], "coulomb_friction", "{joint}");
     assert_eq!(joint["retensionings"][0]["what_changed"][0]["direction"], "up");
     assert_eq!(joint["what_changed"], Value::Array(Vec::new()), "nothing changed since");
 }

@@ -92,10 +92,10 @@ impl CauseKind {
     /// The name used in files.
     pub fn name(self) -> &'static str {
         match self {
-            Self::Coulomb => "coulomb",
-            Self::Viscous => "viscous",
-            Self::Stribeck => "stribeck",
-            Self::LoadCoefficient => "load_coefficient",
+            Self::Coulomb => "coulomb_friction",
+            Self::Viscous => "viscous_friction",
+            Self::Stribeck => "stribeck_friction",
+            Self::LoadCoefficient => "friction_per_load",
             Self::Gain => "gain_or_load_coefficient",
             Self::Gravity => "gravity_or_spring",
             Self::ChangeOver => "change_over",
