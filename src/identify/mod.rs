@@ -146,9 +146,13 @@ pub fn run(campaign: &Campaign, settings: Settings, progress: &(dyn Fn() + Sync)
 /// Identifies the joint of `campaign` from its readings.
 pub fn identify(campaign: &Campaign, readings: Vec<Reading>, settings: Settings) -> Result<Identification> {
     // First of all: a wrong unit or sign makes nonsense of whatever follows.
-    let doubts: Vec<Problem> = implausible(campaign, &readings).iter().map(|doubt| doubt.problem(campaign)).collect();
-    Problems([doubts.clone(), check(campaign, &readings)].concat()).unless_errors(())?;
     let sweeps = readings.iter().any(|reading| reading.entry.protocol.speed_rad_s().is_some());
+    // Where the zero is fitted, the fit reports it, with its interval.
+    let is_fitted = sweeps && settings.zero_within_rad(campaign) > 0.0;
+    let doubts = implausible(campaign, &readings).into_iter();
+    let doubts = doubts.filter(|doubt| !is_fitted || doubt.causes.first() != Some(&Cause::Zero));
+    let doubts: Vec<Problem> = doubts.map(|doubt| doubt.problem(campaign)).collect();
+    Problems([doubts.clone(), check(campaign, &readings)].concat()).unless_errors(())?;
     let demotes = readings.iter().any(|reading| reading.demotes);
     let mut found = if sweeps {
         from_sweeps(campaign, readings, settings)?

@@ -54,7 +54,8 @@ fn nul_bytes_of_a_power_cut_are_named() {
     let said = refusal(&[rows(500).as_bytes(), &[0; 4096]].concat());
     assert!(said.contains("row 502: NUL bytes begin here"), "{said}");
     let wide: Vec<u8> = rows(10).encode_utf16().flat_map(u16::to_le_bytes).collect();
-    assert!(refusal(&wide).contains("UTF-16"));
+    // Read as what it is, not taken for damage: too short is all that is wrong with it.
+    assert!(refusal(&wide).contains("has 10 samples"), "{}", refusal(&wide));
 }
 
 #[test]
