@@ -284,7 +284,7 @@ def value_nonsense(rng, lines):
 @toml_kind(REFUSED)
 def unit_unknown(rng, lines):
     index = rng.choice([index for index, line in enumerate(lines) if "unit = " in line])
-    unit = rng.choice(["", "sec", "degrees", "Nm", "kg", "1", "N  m", "A", "degC"])
+    unit = rng.choice(["", "fortnight", "furlong", "N m s", "kg", "1", "lbf", "degC"])
     return lines[:index] + [re.sub(r'unit = "[^"]*"', f'unit = "{unit}"', lines[index])] + lines[index + 1 :]
 
 
