@@ -4,7 +4,8 @@
 usage: scripts/guide.py [--binary target/release/tautline] [--list]
 
 Commands stand in ```sh blocks of the guide and in indented blocks of the README. Names that a reader would fill in (my-campaign,
-before, fleet, ...) are made first, small. Left out, and listed: what needs a bus, a cluster or a recorder, and cargo and pip.
+before, fleet, ...) are made first, small. Left out, and listed: what needs a bus, a cluster, a recorder or a diagnosis that
+proposes a motion, and cargo and pip.
 An output folder that an earlier command wrote is set aside first. Exit status 1 if a command fails. (Standard library only.)
 """
 import argparse
@@ -17,7 +18,7 @@ import tempfile
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 PAGES = ("identify", "campaign", "evaluate", "diagnose", "changes", "simulate", "capture", "model", "measured", "security")
-NEED_MORE = ("cargo ", "pip ", "sbatch ", "recorder ", "tautline rig ", "--rig rig.toml", "tautline import", "tautline completions", "tautline man")
+NEED_MORE = ("cargo ", "pip ", "sbatch ", "recorder ", "tautline rig ", "--rig rig.toml", "tautline import", "tautline excite next", "tautline completions", "tautline man")
 SMALL = "--rate-hz 50 --speeds 6 --slowest-rad-s 0.05 --repeats 1 --cosines 1 --quiet"
 
 
@@ -42,6 +43,7 @@ def fixtures(run):
     for seed in (1, 2, 3):
         run(f"tautline simulate --model {truth} -o fleet/elbow-1/2026-0{seed} {SMALL} --seed {seed}")
     run("tautline identify fleet/elbow-1/2026-01 -o before --quiet && tautline identify fleet/elbow-1/2026-02 -o after --quiet")
+    run("tautline identify my-campaign -o out --quiet")
     listed = "".join(f'[[campaigns]]\npath = "fleet/elbow-1/2026-0{seed}"\n' for seed in (1, 2, 3))
     for name in ("fleet.toml", "runs.toml"):
         pathlib.Path(name).write_text(f'format = "batch/1"\n{listed}')
@@ -71,8 +73,11 @@ def main():
                 left_out.append(command)
                 continue
             words = command.split("#")[0].split()
-            if "-o" in words and "batch" not in words:
-                shutil.rmtree(words[words.index("-o") + 1], ignore_errors=True)
+            if "-o" in words:
+                out = pathlib.Path(words[words.index("-o") + 1])
+                # A batch goes on in its own folder.
+                if "batch" not in words or not (out / "campaigns").is_dir():
+                    shutil.rmtree(out, ignore_errors=True)
             done = run(command)
             failed += done.returncode != 0
             print(f"{'ok' if done.returncode == 0 else 'FAILED':7}{page:10} {command}")

@@ -203,8 +203,10 @@ impl Dictionary {
     /// How many subindices an object has that can be accessed as a whole.
     fn count(&self, index: u16) -> Result<u8, Abort> {
         self.entry(index, 0)?;
+        // Mappings and assignments are lists even while they are empty.
+        let is_list = matches!(index, 0x1600..=0x17FF | 0x1A00..=0x1BFF | 0x1C00..=0x1C2F);
         let has_subs = self.entries.iter().any(|entry| entry.at.0 == index && entry.at.1 > 0);
-        if has_subs { Ok(self.unsigned(index, 0) as u8) } else { Err(Abort::Access) }
+        if is_list || has_subs { Ok(self.unsigned(index, 0) as u8) } else { Err(Abort::Access) }
     }
 
     /// The indexes of all objects, in order.
