@@ -57,13 +57,13 @@ def change(model, kind, by, rng):
             branch[name] *= 1 + by
     elif kind == "friction_per_load":
         new = branch["mu_c"] * (1 + by)
-        size = abs(math.log((1 - branch["mu_c"]) / (1 - new)))
+        size = abs((1 - branch["mu_c"]) / (1 - new) - 1)
         branch["mu_c"] = new
     elif kind == "change_over":
-        size, direction = abs(math.log(1 + by)), None
+        size, direction = abs(by), None
         after["joint"]["backlash_m"] *= 1 + by
     elif kind == "gravity":
-        size, direction = abs(math.log(1 + by)), None
+        size, direction = abs(by), None
         after["dynamics"]["gravity_nm"] *= 1 + by
     else:
         size, direction = by, None

@@ -283,6 +283,33 @@ fn campaigns_are_held_against_their_joints_reference() {
     assert_eq!(against("model = \"m.json\"\n", ""), [None, None, first]);
 }
 
+/// A campaign is judged by its own model, diagnosed against the reference's; a reference that fails leaves the others standing.
+#[test]
+fn a_reference_serves_the_diagnosis_alone() {
+    let fleet = dated("");
+    let mut after = truth();
+    after.friction.up.a_j *= 1.3;
+    let folder = fleet.path().join("joint/3");
+    fs::remove_dir_all(&folder).unwrap();
+    record_in(&folder, &after, &Plan { cosines: 1, ..small(3) });
+    let file = fleet.path().join("fleet.toml");
+    let (plain, told) = (TempDir::new().unwrap(), TempDir::new().unwrap());
+    batch(&file, plain.path(), &[]);
+    batch(&file, told.path(), &["--diagnose"]);
+    let (plain, with) = (table(plain.path()), table(told.path()));
+    assert_eq!(plain["joint/3"]["rmse_nm"], with["joint/3"]["rmse_nm"]);
+    assert_eq!((with["joint/3"]["against"].as_str(), with["joint/1"]["against"].as_str()), ("joint/1", "itself"));
+    assert!(with["joint/3"]["causes"].contains("coulomb"), "{:?}", with["joint/3"]);
+    fs::write(fleet.path().join("joint/1/campaign.toml"), "format = \"campaign/1\"\n").unwrap();
+    // Which joint it is of can no longer be read: the list says so.
+    let list = fs::read_to_string(&file).unwrap().replacen("date =", "joint = \"elbow\"\ndate =", 1);
+    fs::write(&file, list).unwrap();
+    let (_, status) = batch(&file, told.path(), &["--diagnose"]);
+    let with = table(told.path());
+    assert_eq!((status, with["joint/3"]["status"].as_str()), (1, "done"));
+    assert!(with["joint/3"]["warnings"].contains("not diagnosed: its reference"), "{:?}", with["joint/3"]);
+}
+
 #[test]
 fn what_retensioning_changed_is_told() {
     let fleet = dated("");
@@ -331,5 +358,7 @@ fn repeatability_finds_what_follows_a_condition() {
     assert_eq!(of("B(0.141 rad/s) moving up")["condition"], "payload_kg");
     assert_eq!(of("B(0.141 rad/s) moving down")["verdict"], "repeatable");
     assert_eq!(of("A moving up")["verdict"], "repeatable");
+    // Known to more than its own size: no run shows it.
+    assert_eq!(of("friction.down.d")["verdict"], "not_identifiable");
     assert!(out.join("report.html").is_file() && out.join("plots").is_dir());
 }

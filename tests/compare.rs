@@ -105,6 +105,21 @@ fn a_cause_comes_with_its_size() {
     assert!((cause.change / expected_nm - 1.0).abs() < 0.02, "{cause:?}");
 }
 
+/// A share is of what was, not of its logarithm.
+#[test]
+fn shares_are_relative_changes() {
+    let of = |change: &dyn Fn(&mut Model)| {
+        let mut after = truth();
+        change(&mut after);
+        let found = compare(&with_functions(truth()), &with_functions(after)).unwrap();
+        let [cause] = &found.attribution.causes[..] else { panic!("{:?}", found.attribution) };
+        cause.change
+    };
+    assert!((of(&|m| m.dynamics.gravity_nm *= 1.4) - 0.4).abs() < 1e-3);
+    let scaled = (1.0 - 0.41) / (1.0 - 0.5) - 1.0;
+    assert!((of(&|m| m.friction.up.mu_c = 0.5) - scaled).abs() < 1e-3);
+}
+
 #[test]
 fn functions_are_read_back_from_the_file() {
     let model = with_functions(truth());

@@ -12,6 +12,7 @@
 //! | `repeatability` | runs under the same conditions: what comes out the same |
 
 mod calendar;
+mod condition;
 mod digest;
 mod fleet;
 mod manifest;

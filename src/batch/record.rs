@@ -32,7 +32,7 @@ pub struct Record {
     pub figures: BTreeMap<String, f64>,
     /// What separates model and recordings, if that was asked.
     pub diagnosis: Option<Diagnosed>,
-    /// What to distrust.
+    /// Warnings.
     pub warnings: Vec<String>,
     /// How long it took, s: the only thing that may differ from one time to the next.
     pub duration_s: f64,

@@ -5,10 +5,11 @@
 //! squared with one degree less than there are runs if the intervals tell the whole scatter (Cochran's Q). What exceeds it is a
 //! variance between runs tau^2 by the method of moments of DerSimonian and Laird (Controlled Clinical Trials 7:177, 1986).
 
+use super::condition::{Condition, Known, about_mean};
 use super::table::Row;
 use crate::compare::parameters_of;
 use crate::model::{Direction, Model, Status};
-use crate::numerics::statistics::{HALF_WIDTH, chi_squared_tail, fisher_tail, mean, student_t};
+use crate::numerics::statistics::{HALF_WIDTH, chi_squared_tail, mean, student_t};
 use std::collections::BTreeMap;
 
 /// Fewest runs that can be judged.
@@ -21,6 +22,10 @@ const EXPLAINED: f64 = 0.01;
 const ABSORBED: f64 = 0.9;
 /// ... in at least so many runs.
 const ABSORBED_RUNS: usize = 5;
+/// A run does not show a parameter whose half width exceeds this many times its value.
+const WIDEST: f64 = 1.0;
+/// The parameter that may well be 0.
+const ZERO: &str = "dynamics.position_zero_rad";
 /// Speeds at which B(v) is compared: the slowest and the fastest that all runs have, and the middle on a logarithmic scale.
 const LEVELS: usize = 3;
 
@@ -86,12 +91,6 @@ impl Verdict {
     }
 }
 
-/// A condition of the runs.
-enum Condition<'a> {
-    Number(Vec<f64>),
-    Word(Vec<&'a str>),
-}
-
 impl Repeatability {
     /// Of each joint of which `rows` hold enough runs.
     pub fn of(rows: &[Row]) -> Vec<Self> {
@@ -107,7 +106,7 @@ impl Repeatability {
         let mut names: BTreeMap<&String, ()> = BTreeMap::new();
         rows.iter().for_each(|row| names.extend(row.entry.conditions.keys().map(|name| (name, ()))));
         let conditions: Vec<(&String, Condition)> =
-            names.into_keys().filter_map(|name| Some((name, condition(rows, name)?))).collect();
+            names.into_keys().filter_map(|name| Some((name, Condition::of(rows, name)?))).collect();
         let quantities = parameters(&models).into_iter().chain(functions(&models));
         let quantities: Vec<Quantity> =
             quantities.map(|(name, unit, values)| Quantity::new(name, unit, values, &conditions)).collect();
@@ -119,14 +118,6 @@ impl Repeatability {
             absorbed,
         }
     }
-}
-
-/// The condition called `name` of every run; `None` where one does not tell it, or all are the same.
-fn condition<'a>(rows: &[&'a Row], name: &String) -> Option<Condition<'a>> {
-    let texts: Option<Vec<&str>> = rows.iter().map(|row| row.entry.conditions.get(name).map(String::as_str)).collect();
-    let texts = texts.filter(|texts| texts.iter().any(|text| *text != texts[0]))?;
-    let numbers: std::result::Result<Vec<f64>, _> = texts.iter().map(|text| text.parse::<f64>()).collect();
-    Some(numbers.map_or(Condition::Word(texts), Condition::Number))
 }
 
 type Values = (String, &'static str, Vec<Option<(f64, f64)>>);
@@ -143,8 +134,10 @@ fn parameters(models: &[&Model]) -> Vec<Values> {
     let of = |name: &String, model: &Model| {
         let known = model.confidence.get(name)?;
         let se = (known.high - known.low) / 2.0 / HALF_WIDTH;
-        let shown = !matches!(known.status, Status::Flat | Status::AtBound) && se.is_finite() && se > 0.0;
         let value = parameters_of(model).into_iter().find(|row| row.0 == *name)?.2;
+        // A zero of the position is known where it is near 0, too.
+        let is_told = name == ZERO || HALF_WIDTH * se <= WIDEST * value.abs();
+        let shown = !matches!(known.status, Status::Flat | Status::AtBound) && is_told && se > 0.0;
         shown.then_some((value, se))
     };
     let row = |(name, unit): (String, &'static str)| {
@@ -197,7 +190,7 @@ impl Quantity {
         values: Vec<Option<(f64, f64)>>,
         conditions: &[(&String, Condition)],
     ) -> Self {
-        let known: Vec<(usize, f64, f64)> =
+        let known: Vec<Known> =
             values.iter().enumerate().filter_map(|(run, value)| value.map(|(x, se)| (run, x, se))).collect();
         if known.len() < RUNS_MIN || 2 * known.len() <= values.len() {
             let nan = f64::NAN;
@@ -220,7 +213,7 @@ impl Quantity {
         let honest = if excess > 0.0 { claimed.hypot(student_t(runs - 1.0) * excess.sqrt()) } else { claimed };
         let scatters = chi_squared_tail(q, runs - 1.0) < MORE_THAN_CLAIMED;
         let explained = || {
-            let fits = conditions.iter().filter_map(|(name, condition)| Some((name, explains(&known, condition, q)?)));
+            let fits = conditions.iter().filter_map(|(name, condition)| Some((name, condition.explains(&known, q)?)));
             fits.min_by(|a, b| a.1.0.total_cmp(&b.1.0))
         };
         let verdict = match scatters.then(explained).flatten() {
@@ -239,50 +232,12 @@ impl Quantity {
     }
 }
 
-/// Weighted mean and Cochran's Q.
-fn about_mean(known: &[(usize, f64, f64)]) -> (f64, f64) {
-    let weight: f64 = known.iter().map(|(.., se)| se.powi(-2)).sum();
-    let mean = known.iter().map(|(_, x, se)| x * se.powi(-2)).sum::<f64>() / weight;
-    (mean, known.iter().map(|(_, x, se)| ((x - mean) / se).powi(2)).sum())
-}
-
 /// Variance between runs beyond what their standard errors explain.
-fn between(known: &[(usize, f64, f64)], q: f64) -> f64 {
+fn between(known: &[Known], q: f64) -> f64 {
     let weights: Vec<f64> = known.iter().map(|(.., se)| se.powi(-2)).collect();
     let total: f64 = weights.iter().sum();
     let scale = total - weights.iter().map(|w| w * w).sum::<f64>() / total;
     ((q - (known.len() as f64 - 1.0)) / scale).max(0.0)
-}
-
-/// Chance that a condition that does not matter would explain as much of `q`, and the slope with its half width.
-///
-/// The scatter within equal conditions judges, by Fisher's F, but counts as no less than the intervals claim.
-fn explains(known: &[(usize, f64, f64)], condition: &Condition, q: f64) -> Option<(f64, Option<(f64, f64)>)> {
-    let runs = known.len() as f64;
-    match condition {
-        Condition::Number(all) => {
-            let weight = |se: f64| se.powi(-2);
-            let total: f64 = known.iter().map(|(.., se)| weight(*se)).sum();
-            let middle = known.iter().map(|(run, _, se)| weight(*se) * all[*run]).sum::<f64>() / total;
-            let spread: f64 = known.iter().map(|(run, _, se)| weight(*se) * (all[*run] - middle).powi(2)).sum();
-            let slope = known.iter().map(|(run, x, se)| weight(*se) * (all[*run] - middle) * x).sum::<f64>() / spread;
-            let gained = slope * slope * spread;
-            let freedom = runs - 2.0;
-            let left = (q - gained).max(freedom);
-            let chance = if freedom >= 1.0 { fisher_tail(gained / (left / freedom), 1.0, freedom) } else { 1.0 };
-            let half = student_t(freedom) * (left / freedom / spread).sqrt();
-            (spread > 0.0).then_some((chance, Some((slope, half))))
-        }
-        Condition::Word(all) => {
-            let mut groups: BTreeMap<&str, Vec<(usize, f64, f64)>> = BTreeMap::new();
-            known.iter().for_each(|one| groups.entry(all[one.0]).or_default().push(*one));
-            let (over, freedom) = (groups.len() as f64 - 1.0, runs - groups.len() as f64);
-            let within: f64 = groups.values().map(|group| about_mean(group).1).sum();
-            let left = within.max(freedom);
-            let enough = over >= 1.0 && freedom >= 1.0;
-            enough.then(|| (fisher_tail((q - within) / over / (left / freedom), over, freedom), None))
-        }
-    }
 }
 
 /// Pairs of parameters that scatter together.

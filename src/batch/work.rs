@@ -14,6 +14,9 @@ use std::collections::BTreeMap;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::time::Instant;
 
+/// What a campaign is diagnosed against that is its joint's reference itself.
+const ITSELF: &str = "itself";
+
 /// What is done with each campaign.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Settings {
@@ -53,18 +56,20 @@ fn reason(Problems(problems): &Problems) -> String {
 fn work(entry: &Entry, settings: &Settings, mut record: Record) -> Result<Record> {
     let campaign = read_campaign(&entry.path)?;
     let given = entry.model.as_deref().map(Model::read).transpose()?;
-    let (of_reference, against) = reference(entry, settings)?;
     let found = identify::run(&campaign, settings.identify, &|| ())?;
     record.route = if found.route.sweeps().is_some() { "sweeps" } else { "free" }.to_string();
     (record.trials, record.rows) = (found.trials, found.rows);
     identified(&found, &mut record.figures);
     record.warnings.extend(found.warnings.iter().cloned());
     record.model = Some(found.model.to_json());
-    let model = given.or(of_reference).unwrap_or(found.model);
-    let campaign = if model.needs_clock() { campaign.with_clock()? } else { campaign };
-    judged(&campaign, &model, &mut record)?;
+    let model = given.unwrap_or(found.model);
+    judged(&timed(&campaign, &model)?, &model, &mut record)?;
     if settings.diagnose {
-        diagnosed(&campaign, &model, against, &mut record)?;
+        match reference(entry, &model, settings) {
+            Ok((model, against)) => diagnosed(&timed(&campaign, &model)?, &model, against, &mut record)?,
+            // A fault of another campaign is none of this one.
+            Err(problems) => record.warnings.push(format!("not diagnosed: its reference: {}", reason(&problems))),
+        }
     }
     if let Some((name, _)) = record.figures.iter().find(|(name, figure)| figure.is_infinite() && !may_be_open(name)) {
         let what = format!("`{name}` is not a number: numbers grew beyond all measure");
@@ -75,15 +80,20 @@ fn work(entry: &Entry, settings: &Settings, mut record: Record) -> Result<Record
     Ok(record)
 }
 
-/// The model that `entry` is diagnosed against, where that is not its own, and whose it is.
-fn reference(entry: &Entry, settings: &Settings) -> Result<(Option<Model>, String)> {
+/// `campaign` with the clock that effects of `model` may need.
+fn timed(campaign: &Campaign, model: &Model) -> Result<Campaign> {
+    if model.needs_clock() { campaign.clone().with_clock() } else { Ok(campaign.clone()) }
+}
+
+/// The model that `entry` is diagnosed against, and whose it is; `own` is the one that it is judged by.
+fn reference(entry: &Entry, own: &Model, settings: &Settings) -> Result<(Model, String)> {
     match (&entry.model, &entry.against) {
-        (Some(file), _) => Ok((None, file.display().to_string())),
-        (None, Some(reference)) if settings.diagnose => {
+        (None, Some(reference)) => {
             let campaign = read_campaign(&reference.path)?;
-            Ok((Some(identify::run(&campaign, settings.identify, &|| ())?.model), reference.name.clone()))
+            Ok((identify::run(&campaign, settings.identify, &|| ())?.model, reference.name.clone()))
         }
-        (None, _) => Ok((None, "itself".to_string())),
+        (Some(file), _) => Ok((own.clone(), file.display().to_string())),
+        (None, None) => Ok((own.clone(), ITSELF.to_string())),
     }
 }
 
@@ -168,9 +178,10 @@ fn diagnosed(campaign: &Campaign, model: &Model, against: String, record: &mut R
             ("verdict_confidence", verdict.confidence),
         ],
     );
+    let is_its_own = against == ITSELF;
     let effects = verdict.effects.iter().map(|cause| cause.name().to_string()).collect();
     record.diagnosis = Some(Diagnosed { verdict: verdict.kind.name().to_string(), effects, against });
-    if record.diagnosis.as_ref().is_some_and(|diagnosis| diagnosis.against == "itself") {
+    if is_its_own {
         record.warnings.push(
             "diagnosed against the model identified from the same recordings: what that model has absorbed does not show"
                 .to_string(),

@@ -1,9 +1,12 @@
 //! Two models of one joint, before and after: what changed beyond its confidence, and what it does to the prediction.
 
 mod attribution;
+mod cause;
 mod effect;
+mod observed;
 
-pub use attribution::{Attribution, Cause, CauseKind, Measure};
+pub use attribution::Attribution;
+pub use cause::{Cause, CauseKind, Measure};
 pub use effect::{Effect, Level};
 
 use crate::dynamics::JointKind;

@@ -75,7 +75,7 @@ pub struct Diagnosis {
     pub held_out: &'static str,
     /// What separates the recordings in motion from a simulator's log of the same commands, where there is one.
     pub motion: Option<MotionGap>,
-    /// What to distrust.
+    /// Warnings.
     pub warnings: Vec<String>,
     /// What to record next, if that would say more.
     pub next: Option<NextExperiment>,

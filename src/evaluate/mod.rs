@@ -73,7 +73,7 @@ pub struct Evaluation {
     pub groups: Vec<Group>,
     /// The curves compared.
     pub rivals: Vec<Rival>,
-    /// What to distrust.
+    /// Warnings.
     pub warnings: Vec<String>,
     /// Cut-off of the low-pass, Hz.
     pub lowpass_hz: f64,

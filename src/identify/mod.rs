@@ -114,7 +114,7 @@ pub struct Identification {
     pub residuals: Vec<Residual>,
     /// One sweep to look at.
     pub trace: Option<Trace>,
-    /// What to distrust.
+    /// Warnings.
     pub warnings: Vec<String>,
     /// Checks of the model on the same data; what fails takes `pinned` from the parameters that it concerns.
     pub checks: Vec<Check>,

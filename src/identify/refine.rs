@@ -24,7 +24,7 @@ pub struct Refinement {
     pub kept: bool,
     /// The fit on all trials.
     pub fit: WholeFit,
-    /// What to distrust.
+    /// Warnings.
     pub warnings: Vec<String>,
 }
 

@@ -68,7 +68,7 @@ pub struct Extracted {
     pub change_nm: Vec<f64>,
     /// How late the torque is, s.
     pub filter_delay_s: f64,
-    /// What to distrust.
+    /// Warnings.
     pub warnings: Vec<String>,
 }
 

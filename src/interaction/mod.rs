@@ -62,7 +62,7 @@ pub struct Interaction {
     pub filter_delay_s: f64,
     /// Cut-off of the low-pass, Hz.
     pub lowpass_hz: f64,
-    /// What to distrust.
+    /// Warnings.
     pub warnings: Vec<String>,
 }
 

@@ -58,7 +58,7 @@ pub struct Quiet {
     pub quiet_s: f64,
     /// Quiet trials.
     pub trials: usize,
-    /// What to distrust.
+    /// Warnings.
     pub warnings: Vec<String>,
 }
 

@@ -20,7 +20,7 @@ pub struct Page {
     pub short: String,
     /// Its grounds, a sentence each.
     pub steps: Vec<String>,
-    /// What to distrust.
+    /// Warnings.
     pub warnings: Vec<String>,
     /// Numbers to see first.
     pub cards: Vec<Card>,

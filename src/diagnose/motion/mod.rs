@@ -55,7 +55,7 @@ pub struct MotionGap {
     pub follows: Option<Follows>,
     /// The same of the whole difference in torque.
     pub follows_whole: Option<Follows>,
-    /// What to distrust.
+    /// Warnings.
     pub warnings: Vec<String>,
 }
 

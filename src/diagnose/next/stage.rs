@@ -1,6 +1,6 @@
-//! How differently two refitted rivals foretell a motion that nobody has recorded yet.
+//! How differently two refitted rivals predict a motion that nobody has recorded yet.
 //!
-//! Rival a is taken for the truth along the motion and b is fitted to what it foretells: b's own numbers free, the base within
+//! Rival a is taken for the truth along the motion and b is fitted to what it predicts: b's own numbers free, the base within
 //! its confidence. What b cannot follow, root mean square, and the same with the two exchanged: the smaller counts (the
 //! T-optimal design of Atkinson & Fedorov, Biometrika 62:57, 1975, after Hunter & Reiner, Technometrics 7:307, 1965). An exact
 //! tie then shows as next to nothing along every motion.
@@ -49,7 +49,7 @@ pub struct Stage<'c> {
     pub load_nm: f64,
 }
 
-/// A rival along one motion: what it foretells, and how that changes with each of its numbers.
+/// A rival along one motion: what it predicts, and how that changes with each of its numbers.
 pub struct Foretold {
     reading_nm: Vec<f64>,
     columns: Vec<Vec<f64>>,

@@ -139,7 +139,7 @@ pub struct CombinationFit {
     pub samples: usize,
     /// Points of figure 6.
     pub crossings: Vec<Crossing>,
-    /// What to distrust.
+    /// Warnings.
     pub warnings: Vec<String>,
     /// Checks of the curve and of the clearance; `confidence` is demoted already where one fails.
     pub checks: Vec<Check>,

@@ -31,7 +31,7 @@ fn mend(causes: &[Cause]) -> Vec<String> {
     let of = |wanted: Option<Family>| causes.iter().copied().filter(move |cause| family(*cause) == wanted);
     let mut steps: Vec<String> = of(Some(Family::Fault)).map(|cause| mend_measurement(cause).to_string()).collect();
     if !steps.is_empty() {
-        let step = "The model.json written here holds the fault too: it foretells these recordings, not the joint.";
+        let step = "The model.json written here holds the fault too: it predicts these recordings, not the joint.";
         steps.push(step.to_string());
     }
     if of(Some(Family::Outside)).next().is_some() {

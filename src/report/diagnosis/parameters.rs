@@ -37,7 +37,7 @@ pub struct Shown {
     pub value: String,
     /// The 95 % interval, "low, high"; empty where none is known.
     pub interval: String,
-    /// What to distrust.
+    /// Warnings.
     pub doubt: Option<&'static str>,
 }
 

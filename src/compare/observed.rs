@@ -1,0 +1,262 @@
+//! A and B(v) of two models as whitened differences, and what each possible cause does to them.
+//!
+//! The observations are the relative change of A in each direction and the differences of B at the speeds that both models know, with the
+//! covariance that both identifications give them. Each possible cause moves them along a column of its own:
+//!
+//! | cause | A | B(v) |
+//! |---|---|---|
+//! | Coulomb friction | 0 | 1 |
+//! | viscous friction | 0 | v |
+//! | Stribeck friction | 0 | the exponentials of the earlier model |
+//! | load coefficient, one direction | 1 | B before: both go as 1 / (1 - mu_c) (18), (19) |
+//! | gain of the sensor, or both load coefficients | 1, both | B before, both |
+//! | gravity, or a spring about the joint | 1, both | 0 |
+//!
+//! Causes are taken one at a time, each time the one that explains most, while it explains more than chance would.
+
+use super::cause::{Cause, CauseKind, Measure};
+use crate::model::{Both, BranchFunctions, Direction, Level, Model};
+use crate::numerics::statistics::HALF_WIDTH;
+use nalgebra::{Cholesky, DMatrix, DVector};
+
+/// A rival that explains all but this of chi squared (2 standard errors) cannot be told apart from the cause taken.
+const RIVAL: f64 = 4.0;
+/// Differences of this share of A or B are none, however little scatters.
+const IMMATERIAL: f64 = 1e-3;
+/// Most causes that are named: more would be a new joint.
+const CAUSES: usize = 6;
+/// Speeds compared in one direction at most: those of the later model, thinned.
+const SPEEDS: usize = 24;
+/// Where the earlier model has no Stribeck term: the share of the fastest speed at which a typical one has fallen to 1/e.
+const STRIBECK_SHARE: f64 = 0.15;
+
+/// A column of what a cause does.
+struct Column {
+    kind: CauseKind,
+    direction: Option<Direction>,
+    /// Whitened, per unit of `change`.
+    whitened: DVector<f64>,
+    measure: Measure,
+}
+
+/// Whitened differences, and what each cause does to them.
+pub(super) struct Observed {
+    difference: DVector<f64>,
+    columns: Vec<Column>,
+}
+
+/// The rows of one direction.
+struct Rows {
+    direction: Direction,
+    /// Relative change of A with its variance, where a load shows A in both.
+    relative_a: Option<(f64, f64)>,
+    /// Speed, B before, difference, variance.
+    levels: Vec<(f64, f64, f64, f64)>,
+    /// Variance that all levels share, (N m)^2.
+    common: f64,
+}
+
+impl Rows {
+    fn new(direction: Direction, before: &BranchFunctions, after: &BranchFunctions) -> Self {
+        let relative = |of: &BranchFunctions| of.a_se_nm / of.a_nm;
+        let ratio = after.a_nm / before.a_nm;
+        let variance = ratio.powi(2) * (relative(before).powi(2) + relative(after).powi(2)) + IMMATERIAL.powi(2);
+        let relative_a = variance.is_finite().then_some((ratio - 1.0, variance));
+        let step = after.levels.len().div_ceil(SPEEDS).max(1);
+        let level = |level: &Level| {
+            let earlier = before.at(level.speed_rad_s)?;
+            let immaterial_nm = IMMATERIAL * earlier.b_nm.abs().max(level.b_nm.abs());
+            let variance = earlier.se_nm.powi(2) + level.se_nm.powi(2) + immaterial_nm.powi(2);
+            let known = variance.is_finite() && variance > 0.0;
+            known.then_some((level.speed_rad_s, earlier.b_nm, level.b_nm - earlier.b_nm, variance))
+        };
+        let levels = after.levels.iter().step_by(step).filter_map(level).collect();
+        Self { direction, relative_a, levels, common: before.common_se_nm.powi(2) + after.common_se_nm.powi(2) }
+    }
+
+    fn count(&self) -> usize {
+        usize::from(self.relative_a.is_some()) + self.levels.len()
+    }
+}
+
+impl Observed {
+    /// Of two models; `None` where they share neither A nor a speed.
+    pub fn new(before: &Model, after: &Model) -> Option<Self> {
+        let rows = |direction: Direction| {
+            let of = |model: &Model| model.functions.branches.of(direction).clone();
+            Some(Rows::new(direction, &of(before)?, &of(after)?))
+        };
+        let rows: Vec<Rows> = Direction::BOTH.into_iter().filter_map(rows).collect();
+        let count: usize = rows.iter().map(Rows::count).sum();
+        if count == 0 {
+            return None;
+        }
+        let (mut difference, mut covariance) = (DVector::zeros(count), DMatrix::zeros(count, count));
+        let mut place = Both { up: 0, down: 0 };
+        let mut at = 0;
+        for of in &rows {
+            *place.of_mut(of.direction) = at;
+            if let Some((change, variance)) = of.relative_a {
+                (difference[at], covariance[(at, at)]) = (change, variance);
+                at += 1;
+            }
+            for (i, level) in of.levels.iter().enumerate() {
+                difference[at + i] = level.2;
+                for j in 0..of.levels.len() {
+                    covariance[(at + i, at + j)] = of.common + if i == j { level.3 } else { 0.0 };
+                }
+            }
+            at += of.levels.len();
+        }
+        let cholesky = Cholesky::new(covariance)?;
+        let whiten = |values: DVector<f64>| cholesky.l().solve_lower_triangular(&values);
+        let columns = columns(&rows, &place, count, before);
+        let columns = columns.into_iter().filter_map(|column| {
+            let whitened = whiten(column.whitened)?;
+            (whitened.norm() > 0.0).then_some(Column { whitened, ..column })
+        });
+        Some(Self { columns: columns.collect(), difference: whiten(difference)? })
+    }
+
+    /// Chi squared left by the columns at `taken`, with their coefficients and the coefficients' covariance; `None` without
+    /// columns, or where they cannot be told apart.
+    fn left(&self, taken: &[usize]) -> Option<(f64, DVector<f64>, DMatrix<f64>)> {
+        if taken.is_empty() {
+            return None;
+        }
+        let design = DMatrix::from_fn(self.difference.len(), taken.len(), |i, j| self.columns[taken[j]].whitened[i]);
+        let gram = design.tr_mul(&design);
+        let scale = DVector::from_fn(taken.len(), |i, _| gram[(i, i)].sqrt());
+        let scaled = DMatrix::from_fn(taken.len(), taken.len(), |i, j| gram[(i, j)] / scale[i] / scale[j]);
+        /// Columns that are one but for this share of their length cannot be told apart.
+        const APART: f64 = 1e-4;
+        if scaled.clone().symmetric_eigenvalues().min() < APART {
+            return None;
+        }
+        let inverse = gram.try_inverse()?;
+        let coefficients = &inverse * design.tr_mul(&self.difference);
+        let left = (&self.difference - &design * &coefficients).norm_squared();
+        Some((left, coefficients, inverse))
+    }
+
+    /// Differences compared.
+    pub fn count(&self) -> usize {
+        self.difference.len()
+    }
+
+    /// Chi squared of an unchanged joint.
+    pub fn chi_squared(&self) -> f64 {
+        self.difference.norm_squared()
+    }
+
+    /// The causes that explain more than `explains` of chi squared each, the clearest first.
+    pub fn causes(&self, explains: f64) -> Vec<Cause> {
+        let mut taken: Vec<usize> = Vec::new();
+        let mut rivals: Vec<Vec<usize>> = Vec::new();
+        let mut here = self.difference.norm_squared();
+        while taken.len() < CAUSES {
+            let with = |i: usize| {
+                let all: Vec<usize> = taken.iter().copied().chain([i]).collect();
+                Some((i, self.left(&all)?.0))
+            };
+            let mut tried: Vec<(usize, f64)> =
+                (0..self.columns.len()).filter(|i| !taken.contains(i)).filter_map(with).collect();
+            tried.sort_by(|a, b| a.1.total_cmp(&b.1));
+            let Some(&(best, left)) = tried.first().filter(|(_, left)| here - left > explains) else { break };
+            let close = tried.iter().skip(1).filter(|(_, other)| other - left < RIVAL).map(|(i, _)| *i);
+            rivals.push(close.collect());
+            taken.push(best);
+            here = left;
+        }
+        self.settle(&mut taken, &mut rivals, explains);
+        let Some((_, coefficients, covariance)) = self.left(&taken) else { return Vec::new() };
+        let cause = |(at, i): (usize, &usize)| {
+            let column = &self.columns[*i];
+            let (change, half) = (coefficients[at], HALF_WIDTH * covariance[(at, at)].sqrt());
+            Cause {
+                kind: column.kind,
+                direction: column.direction,
+                change,
+                low: change - half,
+                high: change + half,
+                measure: column.measure,
+                rivals: rivals[at].iter().map(|i| (self.columns[*i].kind, self.columns[*i].direction)).collect(),
+            }
+        };
+        taken.iter().enumerate().map(cause).collect()
+    }
+
+    /// Drops causes that those taken after them made needless; a rival that was taken itself is none.
+    fn settle(&self, taken: &mut Vec<usize>, rivals: &mut Vec<Vec<usize>>, explains: f64) {
+        while let Some((all, ..)) = self.left(taken).filter(|_| taken.len() > 1) {
+            let without = |at: &usize| {
+                let rest: Vec<usize> = taken.iter().enumerate().filter(|(i, _)| i != at).map(|(_, c)| *c).collect();
+                self.left(&rest).map_or(f64::INFINITY, |(left, ..)| left - all)
+            };
+            let cheapest = (0..taken.len()).min_by(|a, b| without(a).total_cmp(&without(b)));
+            let Some(at) = cheapest.filter(|at| without(at) < explains) else { break };
+            taken.remove(at);
+            rivals.remove(at);
+        }
+        for of in rivals.iter_mut() {
+            of.retain(|i| !taken.contains(i));
+        }
+    }
+}
+
+/// What each cause does to the rows, not yet whitened.
+fn columns(rows: &[Rows], place: &Both<usize>, count: usize, before: &Model) -> Vec<Column> {
+    let mut columns = Vec::new();
+    let (mut gain, mut gravity) = (DVector::zeros(count), DVector::zeros(count));
+    for of in rows {
+        let first = *place.of(of.direction);
+        let levels = first + usize::from(of.relative_a.is_some());
+        let over_levels = |value: &dyn Fn(f64, f64) -> f64| {
+            let mut column = DVector::zeros(count);
+            for (i, (speed, b_nm, ..)) in of.levels.iter().enumerate() {
+                column[levels + i] = value(*speed, *b_nm);
+            }
+            column
+        };
+        let speeds = || of.levels.iter().map(|level| level.0);
+        let (slowest, fastest) = (speeds().fold(f64::INFINITY, f64::min), speeds().fold(0.0, f64::max));
+        let stribeck = stribeck_shape(before, of.direction, slowest, fastest);
+        let before_nm = of.levels.iter().map(|level| level.1.abs()).fold(0.0, f64::max);
+        let torque = Measure::Torque { before_nm };
+        let mut add = |kind, whitened: DVector<f64>, measure| {
+            columns.push(Column { kind, direction: Some(of.direction), whitened, measure });
+        };
+        add(CauseKind::Coulomb, over_levels(&|_, _| 1.0), torque);
+        if of.levels.len() > 1 {
+            add(CauseKind::Viscous, over_levels(&|v, _| v / fastest), torque);
+        }
+        if of.levels.len() > 2 {
+            add(CauseKind::Stribeck, over_levels(&|v, _| stribeck(v)), torque);
+        }
+        let mut scaled = over_levels(&|_, b_nm| b_nm);
+        if of.relative_a.is_some() {
+            scaled[first] = 1.0;
+            gravity[first] = 1.0;
+            gain += &scaled;
+            add(CauseKind::LoadCoefficient, scaled, Measure::Share);
+        }
+    }
+    if rows.iter().filter(|of| of.relative_a.is_some()).count() == 2 {
+        for (kind, whitened) in [(CauseKind::Gain, gain), (CauseKind::Gravity, gravity)] {
+            columns.push(Column { kind, direction: None, whitened, measure: Measure::Share });
+        }
+    }
+    columns
+}
+
+/// The Stribeck term of `before` over speed, 1 at `slowest_rad_s`.
+fn stribeck_shape(before: &Model, direction: Direction, slowest_rad_s: f64, fastest_rad_s: f64) -> impl Fn(f64) -> f64 {
+    let branch = *before.friction.of(direction);
+    let r2 = before.joint.pulley_radius_m;
+    let at =
+        move |v: f64| branch.b_c * (-(branch.c_c * r2).abs() * v).exp() + branch.b_j * (-branch.c_j.abs() * v).exp();
+    // Two terms of opposite signs may cancel at the slowest speed.
+    let usual = move |v: f64| (-v / (STRIBECK_SHARE * fastest_rad_s)).exp();
+    let falls = at(slowest_rad_s).abs() > 2.0 * at(fastest_rad_s).abs();
+    move |v| if falls { at(v) / at(slowest_rad_s) } else { usual(v) / usual(slowest_rad_s) }
+}
