@@ -24,6 +24,7 @@ mod free;
 mod friction;
 mod golden;
 mod health;
+mod histories;
 mod import;
 mod init;
 mod inputs;

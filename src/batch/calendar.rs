@@ -11,9 +11,32 @@ pub fn day(date: &str) -> Option<f64> {
     Some((365 * year + leaps + (153 * m + 2) / 5 + of_month - 1 - 719_468) as f64)
 }
 
+/// The date, ISO 8601, of the day `day` days after 1970-01-01.
+pub fn date_of(day: f64) -> String {
+    // Day of the 400 years (146,097 days) that began on a 1st of March, as in `day`.
+    let days = day.floor() as i64 + 719_468;
+    let (era, of_era) = (days.div_euclid(146_097), days.rem_euclid(146_097));
+    // The last day of 4, 100 and 400 years is the leap day, or would be.
+    let of_cycle = (of_era - of_era / 1_460 + of_era / 36_524 - of_era / 146_096) / 365;
+    let of_year = of_era - (365 * of_cycle + of_cycle / 4 - of_cycle / 100);
+    let month = (5 * of_year + 2) / 153;
+    let of_month = of_year - (153 * month + 2) / 5 + 1;
+    let (year, month) =
+        if month < 10 { (400 * era + of_cycle, month + 3) } else { (400 * era + of_cycle + 1, month - 9) };
+    format!("{year:04}-{month:02}-{of_month:02}")
+}
+
 #[cfg(test)]
 mod tests {
-    use super::day;
+    use super::{date_of, day};
+
+    #[test]
+    fn dates_come_back() {
+        for i in -200_000..200_000_i32 {
+            let text = date_of(f64::from(i));
+            assert_eq!(day(&text), Some(f64::from(i)), "{text}");
+        }
+    }
 
     #[test]
     fn days_are_counted_over_leap_years_and_centuries() {

@@ -1,27 +1,17 @@
-//! The fleet by joint, over time: what drifted since the cables were last retensioned, and what stands out.
+//! The fleet by joint, over time: what happened to each, when limits will be reached, and what stands out.
 
+use super::calendar::day;
+use super::life::{Forecast, Happened, Life, Limit, Part, Refusal, Sessions};
 use super::manifest::Batch;
-use super::table::{Row, parameter_names};
-use crate::compare::{Attribution, Verdict, compare_among};
+use super::outliers::{Outlier, outliers};
+use super::quantities::{self, Quantity};
+use super::table::Row;
+use crate::compare::{Attribution, compare_among};
 use crate::document::suggest;
-use crate::model::Status;
-use crate::numerics::statistics::{quantile, together};
+use crate::model::{Direction, Model};
+use crate::numerics::statistics::together;
 use rayon::prelude::*;
 use std::collections::BTreeMap;
-
-/// Standard deviations, from the median's absolute deviation, beyond which a campaign stands out.
-const FAR: f64 = 6.0;
-/// The median absolute deviation of a normal distribution, in standard deviations.
-const MAD_OF_NORMAL: f64 = 0.6745;
-/// With fewer campaigns nothing can be said to stand out.
-const FEW: usize = 8;
-/// Figures that drift beside the parameters: what these amount to, known well even where they are known only together.
-pub const LEVELS: [(&str, &str); 4] = [
-    ("a_up_nm", "a_up_half_width_nm"),
-    ("a_down_nm", "a_down_half_width_nm"),
-    ("level_up_nm", "level_up_half_width_nm"),
-    ("level_down_nm", "level_down_half_width_nm"),
-];
 
 /// A fleet.
 #[derive(Debug, Clone)]
@@ -32,9 +22,9 @@ pub struct Fleet {
     pub joints: Vec<Joint>,
     /// Values that stand out, farthest first.
     pub outliers: Vec<Outlier>,
-    /// Values compared over time.
+    /// Parameters and functions followed over time.
     pub compared: usize,
-    /// What of the retensionings could not be used.
+    /// What of the retensionings and limits could not be used.
     pub warnings: Vec<String>,
 }
 
@@ -49,27 +39,48 @@ pub struct Joint {
     pub retensioned: Option<String>,
     /// Place in `Fleet::rows` of the first campaign since then.
     pub since: usize,
-    /// What changed since, beyond its confidence.
+    /// What happened to each parameter and function.
+    pub lives: Vec<Life>,
+    /// What changed from the first campaign since retensioning to the last.
     pub drifts: Vec<Drift>,
-    /// What changed since, decided on A and B(v).
+    /// The same, decided on A and B(v) and told by its cause.
     pub changed: Attribution,
-    /// What each retensioning changed.
-    pub retensionings: Vec<Retensioning>,
+    /// Retensionings, and what else changed its level, in time.
+    pub events: Vec<Event>,
+    /// When the limits that concern it will be reached.
+    pub limits: Vec<Foreseen>,
     /// RMS of the predicted torque's change along the paper's cosine cascade, N m.
     pub change_nm: Option<f64>,
     /// Why its campaigns cannot be compared, where that is so.
     pub incomparable: Option<String>,
 }
 
-/// What retensioning the cables changed.
+/// A retensioning, or another time at which something changed its level.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Retensioning {
-    /// When.
-    pub date: String,
+pub struct Event {
+    /// When the cables were retensioned; `None` of another event.
+    pub retensioned: Option<String>,
     /// Places in `Fleet::rows` of the last campaign before and the first since.
     pub rows: [usize; 2],
-    /// What changed from one to the other.
+    /// Place of the first campaign in which it was over again.
+    pub until: Option<usize>,
+    /// What changed, judged by the whole history.
+    pub changes: Vec<(String, &'static str, Happened)>,
+    /// What changed from the one campaign to the other, told by its cause.
     pub changed: Attribution,
+}
+
+/// A limit and when it will be reached.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Foreseen {
+    /// The limit.
+    pub limit: Limit,
+    /// The quantity that it is of.
+    pub name: String,
+    /// Its unit.
+    pub unit: &'static str,
+    /// When.
+    pub forecast: Forecast,
 }
 
 impl Joint {
@@ -77,16 +88,21 @@ impl Joint {
     pub fn last(&self) -> usize {
         self.rows.last().copied().unwrap_or(self.since)
     }
+
+    /// Whether it changed since the cables were last retensioned.
+    pub fn drifted(&self) -> bool {
+        !self.drifts.is_empty() || self.changed.differs()
+    }
 }
 
 /// A value that changed beyond its confidence.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Drift {
-    /// The parameter's dotted name, or the figure's.
+    /// The parameter's dotted name, or the function's.
     pub name: String,
     /// Its unit.
     pub unit: &'static str,
-    /// In the first campaign since retensioning.
+    /// In the first campaign since retensioning, as the whole history has it.
     pub before: f64,
     /// In the last.
     pub after: f64,
@@ -96,21 +112,6 @@ pub struct Drift {
     pub high: f64,
 }
 
-/// A value that stands out from the fleet's.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Outlier {
-    /// Place of the campaign in `Fleet::rows`.
-    pub row: usize,
-    /// The parameter's dotted name, or the figure's.
-    pub name: String,
-    /// Its value.
-    pub value: f64,
-    /// The fleet's median.
-    pub median: f64,
-    /// How far it is from there, in standard deviations of the fleet's middle.
-    pub deviations: f64,
-}
-
 impl Fleet {
     /// `rows` of `batch`, by joint and over time.
     pub fn new(batch: &Batch, rows: Vec<Row>) -> Self {
@@ -118,23 +119,19 @@ impl Fleet {
         for (at, row) in rows.iter().enumerate().filter(|(_, row)| row.model.is_some()) {
             of_joint.entry(row.joint().to_string()).or_default().push(at);
         }
-        let count = of_joint.len();
-        let mut joints: Vec<Joint> =
-            of_joint.into_par_iter().map(|(name, of)| history(batch, &rows, name, of, count)).collect();
-        // Among thousands of intervals of 95 % many miss by chance: all are widened to hold together.
-        let compared: usize = joints.iter().map(|joint| joint.drifts.len()).sum();
-        let wider = together(compared);
-        for joint in &mut joints {
-            joint.drifts =
-                std::mem::take(&mut joint.drifts).into_iter().filter_map(|drift| drift.beyond(wider)).collect();
-        }
+        let histories: Vec<History> =
+            of_joint.into_iter().map(|(name, of)| History::new(batch, &rows, name, of)).collect();
+        let compared = histories.iter().flat_map(|history| &history.quantities).filter(|q| is_followed(q)).count();
+        let count = histories.len();
+        let joints: Vec<Joint> =
+            histories.into_par_iter().map(|history| history.joint(&rows, compared, count)).collect();
         let (outliers, warnings) = (outliers(&rows), unused(batch, &rows, &joints));
         Self { rows, joints, outliers, compared, warnings }
     }
 
-    /// Joints of which anything drifted.
+    /// Joints of which anything changed since their cables were last retensioned.
     pub fn drifted(&self) -> impl Iterator<Item = &Joint> {
-        self.joints.iter().filter(|joint| !joint.drifts.is_empty() || joint.changed.differs())
+        self.joints.iter().filter(|joint| joint.drifted())
     }
 
     /// Campaigns without a result.
@@ -143,133 +140,196 @@ impl Fleet {
     }
 }
 
-impl Drift {
-    /// With its interval `wider` times as wide, if the change is beyond that.
-    fn beyond(self, wider: f64) -> Option<Self> {
-        let change = self.after - self.before;
-        let (low, high) = (change - wider * (change - self.low), change + wider * (self.high - change));
-        (low > 0.0 || high < 0.0).then_some(Self { low, high, ..self })
-    }
+/// Whether two campaigns show it.
+fn is_followed(quantity: &Quantity) -> bool {
+    quantity.values.iter().flatten().nth(1).is_some()
 }
 
-/// The joint called `name`, one of `joints`, over its campaigns `of`; `drifts` holds all that is compared yet.
-fn history(batch: &Batch, rows: &[Row], name: String, mut of: Vec<usize>, joints: usize) -> Joint {
-    let date = |at: usize| rows[at].entry.date.as_deref();
-    // Without a date for each, time goes as they are listed.
-    let dated = of.iter().all(|at| date(*at).is_some());
-    if dated {
-        of.sort_by_key(|at| date(*at));
-    }
-    let (first, last) = (of[0], of[of.len() - 1]);
-    let dates = batch.retensioned.get(&name).filter(|_| dated);
-    let retensioned = dates.and_then(|dates| dates.iter().rev().find(|at| date(last) >= Some(at.as_str()))).cloned();
-    let since = of.iter().copied().find(|at| retensioned.as_deref() <= date(*at)).unwrap_or(first);
-    let retensionings = dates.iter().flat_map(|dates| dates.iter());
-    let retensionings = retensionings.filter_map(|at| retensioning(rows, &of, at, joints)).collect();
-    let mut joint = Joint {
-        name,
-        rows: of,
-        retensioned,
-        since,
-        drifts: Vec::new(),
-        changed: Attribution::default(),
-        retensionings,
-        change_nm: None,
-        incomparable: None,
-    };
-    if since == last {
-        return joint;
-    }
-    let (Some(before), Some(after)) = (&rows[since].model, &rows[last].model) else { return joint };
-    match compare_among(before, after, joints) {
-        Ok(found) => {
-            joint.changed = found.attribution.clone();
-            joint.change_nm = Some(found.effect.rms_nm);
-            let judged = found.changes.into_iter().filter(|c| matches!(c.verdict, Verdict::Changed | Verdict::Within));
-            joint.drifts.extend(judged.filter_map(|c| {
-                let known = before.confidence.contains_key(&c.name) && after.confidence.contains_key(&c.name);
-                let (a, b) = c.before.zip(c.after).filter(|_| known)?;
-                Some(Drift { name: c.name, unit: c.unit, before: a, after: b, low: c.low, high: c.high })
-            }));
-            joint.drifts.extend(LEVELS.iter().filter_map(|names| level(&rows[since], &rows[last], *names)));
+/// What is known of a joint over time.
+struct History {
+    name: String,
+    /// Places of its campaigns in the fleet's rows, in time.
+    of: Vec<usize>,
+    /// Dates at which its cables were retensioned; none where a campaign has no date.
+    dates: Vec<String>,
+    sessions: Sessions,
+    quantities: Vec<Quantity>,
+    /// Limits, each with the names of what they are of.
+    limits: Vec<(Limit, Vec<String>)>,
+}
+
+impl History {
+    fn new(batch: &Batch, rows: &[Row], name: String, mut of: Vec<usize>) -> Self {
+        let date = |at: usize| rows[at].entry.date.as_deref();
+        // Without a date for each, time goes as they are listed.
+        let dated = of.iter().all(|at| date(*at).is_some());
+        if dated {
+            of.sort_by_key(|at| date(*at));
         }
-        Err(problems) => joint.incomparable = Some(problems.to_string()),
+        let dates = batch.retensioned.get(&name).filter(|_| dated).cloned().unwrap_or_default();
+        let days: Option<Vec<f64>> = of.iter().map(|at| day(date(*at)?)).collect();
+        let first_since = |date: &String| of.iter().position(|at| rows[*at].entry.date.as_ref() >= Some(date));
+        let sessions = Sessions {
+            dated: days.is_some(),
+            days: days.unwrap_or_else(|| (0..of.len()).map(|i| i as f64).collect()),
+            temperatures_degc: of.iter().map(|at| rows[*at].temperature_degc()).collect(),
+            retensioned: dates.iter().filter_map(first_since).filter(|at| *at > 0).collect(),
+        };
+        let (all, models): (Vec<&Row>, Vec<&Model>) =
+            of.iter().filter_map(|at| Some((&rows[*at], rows[*at].model.as_ref()?))).unzip();
+        let unit = models.first().map_or("", |model| model.joint.kind.torque_unit());
+        let mut quantities = quantities::of(&models);
+        quantities.push(quantities::figure(&all, "rmse_nm", unit));
+        let concerns = |limit: &&Limit| limit.joint.as_ref().is_none_or(|joint| *joint == name);
+        let limited = |limit: &Limit| (limit.clone(), meant(limit, &models, &mut quantities));
+        let limits = batch.limits.iter().filter(concerns).map(limited).collect();
+        Self { name, of, dates, sessions, quantities, limits }
     }
-    joint
-}
 
-/// What retensioning on `date` changed, from the last of the campaigns `of` before it to the first since.
-fn retensioning(rows: &[Row], of: &[usize], date: &str, joints: usize) -> Option<Retensioning> {
-    let first = of.iter().position(|at| rows[*at].entry.date.as_deref() >= Some(date))?;
-    let pair = [of[first.checked_sub(1)?], of[first]];
-    let [before, after] = pair.map(|at| rows[at].model.as_ref());
-    let changed = compare_among(before?, after?, joints).ok()?.attribution;
-    Some(Retensioning { date: date.to_string(), rows: pair, changed })
-}
-
-/// The retensionings that tell nothing: of joints that no campaign is of, or whose campaigns have no dates.
-fn unused(batch: &Batch, rows: &[Row], joints: &[Joint]) -> Vec<String> {
-    let one = |name: &String| match joints.iter().find(|joint| joint.name == *name) {
-        None => Some(format!(
-            "`{name}` was retensioned, and no campaign that was identified is of it: {}",
-            suggest(name, "they are of", joints.iter().map(|joint| joint.name.as_str()))
-        )),
-        Some(joint) if joint.rows.iter().any(|at| rows[*at].entry.date.is_none()) => {
-            Some(format!("`{name}` was retensioned, and not all of its campaigns have a `date`: that is left out"))
+    /// One joint of `joints`, with `compared` quantities in the fleet.
+    fn joint(self, rows: &[Row], compared: usize, joints: usize) -> Joint {
+        let Self { name, of, dates, sessions, quantities, limits } = self;
+        let (first, last) = (of[0], of[of.len() - 1]);
+        let date = |at: usize| rows[at].entry.date.as_deref();
+        let retensioned = dates.iter().rev().find(|at| date(last) >= Some(at.as_str())).cloned();
+        let since = of.iter().copied().find(|at| retensioned.as_deref() <= date(*at)).unwrap_or(first);
+        let lives: Vec<Life> = quantities.into_iter().filter_map(|q| Life::new(q, &sessions, compared)).collect();
+        let mut joint = Joint {
+            events: events(rows, &of, &dates, &lives, joints),
+            limits: limits.iter().flat_map(|(limit, names)| foreseen(limit, names, &lives, &sessions)).collect(),
+            drifts: drifts(&lives, &of, since, compared),
+            name,
+            rows: of,
+            retensioned,
+            since,
+            lives,
+            changed: Attribution::default(),
+            change_nm: None,
+            incomparable: None,
+        };
+        if since != last
+            && let (Some(before), Some(after)) = (&rows[since].model, &rows[last].model)
+        {
+            match compare_among(before, after, joints) {
+                Ok(found) => {
+                    joint.change_nm = Some(found.effect.rms_nm);
+                    // Where the scatter between sessions is known, two of them alone do not decide.
+                    let is_decided = joint.lives.iter().any(|life| !life.scatter.is_nan()) && joint.drifts.is_empty();
+                    joint.changed = if is_decided { Attribution::default() } else { found.attribution };
+                }
+                Err(problems) => joint.incomparable = Some(problems.to_string()),
+            }
         }
-        Some(_) => None,
-    };
-    batch.retensioned.keys().filter_map(one).collect()
-}
-
-/// How a figure with a half width changed; a level belongs to a speed, which must be the same.
-fn level(before: &Row, after: &Row, (name, half_width): (&str, &str)) -> Option<Drift> {
-    let speed = |row: &Row| row.figure("level_speed_rad_s");
-    let same_speed = speed(before).zip(speed(after)).is_some_and(|(a, b)| (a / b - 1.0).abs() < 1e-6);
-    if name.starts_with("level") && !same_speed {
-        return None;
+        joint
     }
-    let (a, b) = (before.figure(name)?, after.figure(name)?);
-    let reach = before.figure(half_width)?.hypot(after.figure(half_width)?);
-    let unit = before.model.as_ref()?.joint.kind.torque_unit();
-    Some(Drift { name: name.into(), unit, before: a, after: b, low: b - a - reach, high: b - a + reach })
 }
 
-/// What lies far from the middle of the fleet: parameters that are known by themselves, levels, and how well models predict.
-fn outliers(rows: &[Row]) -> Vec<Outlier> {
-    let pinned = |row: &Row, name: &str| {
-        let known = row.model.as_ref()?.confidence.get(name)?;
-        row.value(name).filter(|_| known.status == Status::Pinned)
+/// What changed from the campaign at `since` to the last of those at `of`, with intervals that hold together.
+fn drifts(lives: &[Life], of: &[usize], since: usize, compared: usize) -> Vec<Drift> {
+    let wider = together(compared);
+    let from = of.iter().position(|at| *at == since).unwrap_or(0);
+    let one = |life: &Life| {
+        // Not every session shows every parameter.
+        let shown = || life.sessions.iter().copied().filter(|session| *session >= from);
+        let found = life.between(shown().next()?, shown().last()?)?;
+        let (change, reach) = (found.after - found.before, wider * found.half_width);
+        let (low, high) = (change - reach, change + reach);
+        let drift =
+            Drift { name: life.name.clone(), unit: life.unit, before: found.before, after: found.after, low, high };
+        (low > 0.0 || high < 0.0).then_some(drift)
     };
-    let figures = LEVELS.iter().map(|names| names.0).chain(["rmse_nm"]);
-    let figures = figures.map(|name| (name.to_string(), rows.iter().map(|row| row.figure(name)).collect()));
-    let parameters = parameter_names().into_iter().map(|name| {
-        let values = rows.iter().map(|row| pinned(row, &name)).collect();
-        (name, values)
-    });
-    let mut found: Vec<Outlier> = figures.chain(parameters).flat_map(|(name, values)| far(&name, values)).collect();
-    found.sort_by(|a, b| b.deviations.abs().total_cmp(&a.deviations.abs()));
-    found
+    lives.iter().filter_map(one).collect()
 }
 
-fn far(name: &str, values: Vec<Option<f64>>) -> Vec<Outlier> {
-    let mut known: Vec<f64> = values.iter().flatten().copied().collect();
-    if known.len() < FEW {
-        return Vec::new();
+/// The retensionings at `dates`, and at what other times a level of `lives` changed.
+fn events(rows: &[Row], of: &[usize], dates: &[String], lives: &[Life], joints: usize) -> Vec<Event> {
+    let first_since = |date: &String| of.iter().position(|at| rows[*at].entry.date.as_ref() >= Some(date));
+    let known = dates.iter().filter_map(|date| Some((first_since(date)?, None, Some(date.clone()))));
+    let mut times: Vec<(usize, Option<usize>, Option<String>)> = known.filter(|time| time.0 > 0).collect();
+    for happened in lives.iter().flat_map(|life| &life.parts) {
+        if let Part::Jump { at, until, retensioned: false } = happened.part
+            && !times.iter().any(|time| (time.0, time.1) == (at, until))
+        {
+            times.push((at, until, None));
+        }
     }
-    let median = quantile(&mut known, 0.5);
-    known.iter_mut().for_each(|value| *value = (*value - median).abs());
-    let deviation = quantile(&mut known, 0.5) / MAD_OF_NORMAL;
-    let one = |(row, value): (usize, Option<f64>)| {
-        let value = value?;
-        let deviations = (value - median) / deviation;
-        (deviation > 0.0 && deviations.abs() > FAR).then(|| Outlier {
-            row,
-            name: name.to_string(),
-            value,
-            median,
-            deviations,
+    times.sort_by_key(|time| time.0);
+    let event = |(at, until, retensioned): (usize, Option<usize>, Option<String>)| {
+        let is_then = |happened: &&Happened| match happened.part {
+            Part::Jump { at: then, until: end, .. } => (then, end) == (at, until),
+            _ => false,
+        };
+        let pair = [of[at - 1], of[at]];
+        let [before, after] = pair.map(|at| rows[at].model.as_ref());
+        let changes = lives.iter().flat_map(|life| {
+            life.parts.iter().filter(is_then).map(|happened| (life.name.clone(), life.unit, *happened))
+        });
+        Some(Event {
+            changes: changes.collect(),
+            changed: compare_among(before?, after?, joints).ok()?.attribution,
+            retensioned,
+            rows: pair,
+            until: until.map(|until| of[until]),
         })
     };
-    values.into_iter().enumerate().filter_map(one).collect()
+    times.into_iter().filter_map(event).collect()
+}
+
+/// When `limit` on the quantities called `names` will be reached.
+fn foreseen(limit: &Limit, names: &[String], lives: &[Life], sessions: &Sessions) -> Vec<Foreseen> {
+    let one = |name: &String| {
+        let life = lives.iter().find(|life| life.name == *name);
+        let forecast = life.map_or(Forecast::Unknown(Refusal::NotIdentified), |life| match life.forecast(limit) {
+            Forecast::In { .. } | Forecast::Unknown(_) if !sessions.dated => Forecast::Unknown(Refusal::Undated),
+            forecast => forecast,
+        });
+        let unit = life.map_or("", |life| life.unit);
+        Foreseen { limit: limit.clone(), name: name.clone(), unit, forecast }
+    };
+    names.iter().map(one).collect()
+}
+
+/// The names of the quantities that `limit` is of; friction at a speed that nobody looked at yet is added to `quantities`.
+fn meant(limit: &Limit, models: &[&Model], quantities: &mut Vec<Quantity>) -> Vec<String> {
+    match limit.what.as_str() {
+        "friction_nm" => {
+            let of = |direction: Direction| {
+                let (slowest, fastest) = quantities::speeds(models, direction)?;
+                let speed_rad_s = limit.speed_rad_s.unwrap_or((slowest * fastest).sqrt());
+                Some(quantities::friction(models, direction, speed_rad_s))
+            };
+            let found: Vec<Quantity> = Direction::BOTH.into_iter().filter_map(of).collect();
+            let names = found.iter().map(|quantity| quantity.name.clone()).collect();
+            for quantity in found {
+                if !quantities.iter().any(|known| known.name == quantity.name) {
+                    quantities.push(quantity);
+                }
+            }
+            names
+        }
+        "backlash_m" => vec!["joint.backlash_m".to_string()],
+        name => vec![name.to_string()],
+    }
+}
+
+/// The retensionings and limits that tell nothing: of joints that no campaign is of, or whose campaigns have no dates.
+fn unused(batch: &Batch, rows: &[Row], joints: &[Joint]) -> Vec<String> {
+    let unknown = |name: &String| {
+        let is_known = joints.iter().any(|joint| joint.name == *name);
+        (!is_known).then(|| suggest(name, "they are of", joints.iter().map(|joint| joint.name.as_str())))
+    };
+    let retensioned = |name: &String| match unknown(name) {
+        Some(others) => {
+            Some(format!("`{name}` was retensioned, and no campaign that was identified is of it: {others}"))
+        }
+        None if joints.iter().any(|j| j.name == *name && j.rows.iter().any(|at| rows[*at].entry.date.is_none())) => {
+            Some(format!("`{name}` was retensioned, and not all of its campaigns have a `date`: that is left out"))
+        }
+        None => None,
+    };
+    let limited = |limit: &Limit| {
+        let name = limit.joint.as_ref()?;
+        Some(format!("a limit is of `{name}`, and no campaign that was identified is of it: {}", unknown(name)?))
+    };
+    batch.retensioned.keys().filter_map(retensioned).chain(batch.limits.iter().filter_map(limited)).collect()
 }

@@ -1,6 +1,8 @@
 //! What a batch does: a list (`batch/1`), every campaign below a folder, or every one that a pattern finds.
 
-use crate::document::{Document, Section};
+use super::life::Limit;
+use super::table::parameter_names;
+use crate::document::{Document, Section, suggest};
 use crate::prepare::read_campaign;
 use crate::problem::{Problem, Result};
 use std::collections::{BTreeMap, BTreeSet};
@@ -8,6 +10,10 @@ use std::path::{Path, PathBuf};
 
 const FORMAT: &str = "batch/1";
 const CAMPAIGN: &str = "campaign.toml";
+/// The condition that everything over time is confounded with, degC.
+pub(super) const TEMPERATURE: &str = "temperature_degc";
+/// What a limit may be of beside a parameter.
+const LIMITED: [&str; 3] = ["friction_nm", "backlash_m", "rmse_nm"];
 
 /// What to do.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -16,6 +22,8 @@ pub struct Batch {
     pub entries: Vec<Entry>,
     /// Dates at which each joint's cables were retensioned, in order.
     pub retensioned: BTreeMap<String, Vec<String>>,
+    /// What no joint is to exceed.
+    pub limits: Vec<Limit>,
 }
 
 /// One campaign.
@@ -62,6 +70,7 @@ impl Batch {
                 path => Self::matching(path)?,
             };
             batch.entries.extend(found.entries);
+            batch.limits.extend(found.limits);
             for (joint, dates) in found.retensioned {
                 batch.retensioned.entry(joint).or_default().extend(dates);
             }
@@ -139,7 +148,8 @@ impl Batch {
             for (joint, date) in root.may("retensioned").sections(one).unwrap_or_default() {
                 retensioned.entry(joint).or_default().push(date);
             }
-            Some(Self { entries: entries?, retensioned })
+            let limits = root.may("limits").sections(limit).unwrap_or_default();
+            Some(Self { entries: entries?, retensioned, limits })
         })
     }
 
@@ -198,7 +208,13 @@ impl Entry {
         let model = section.may("model").text().map(|model| folder.join(model));
         let is_reference = section.may("reference").flag().unwrap_or(false);
         let read = |s: &Section<'_>| {
-            let one = |key: &str| Some((key.to_string(), s.may(key).word()?));
+            let one = |key: &str| {
+                let value = s.may(key).word()?;
+                if key == TEMPERATURE && value.parse::<f64>().is_err() {
+                    s.reject(key, "is not a number", "write the temperature in degC, or leave it out");
+                }
+                Some((key.to_string(), value))
+            };
             Some(s.keys().filter_map(one).collect::<BTreeMap<String, String>>())
         };
         let conditions = section.may("conditions").section(read).unwrap_or_default();
@@ -215,6 +231,31 @@ impl Entry {
             against: None,
         })
     }
+}
+
+/// One of `[[limits]]`.
+fn limit(s: &Section<'_>) -> Option<Limit> {
+    let what = s.need("what").such_as("\"friction_nm\"", "what is limited").text();
+    let (joint, speed_rad_s) = (s.may("joint").text(), s.may("speed_rad_s").positive());
+    let (most, least) = (s.may("at_most").positive(), s.may("at_least").positive());
+    if let Some(what) = &what {
+        let names = parameter_names();
+        let known = || LIMITED.into_iter().chain(names.iter().map(String::as_str));
+        if !known().any(|name| name == what) {
+            s.reject("what", format!("`{what}` is nothing that is followed"), suggest(what, "it may be", known()));
+        } else if speed_rad_s.is_some() && what != LIMITED[0] {
+            s.reject("speed_rad_s", "belongs to `friction_nm` alone", "leave it out");
+        }
+    }
+    let (value, is_upper) = match (most, least) {
+        (Some(value), None) => (value, true),
+        (None, Some(value)) => (value, false),
+        _ => {
+            s.reject("at_most", "one of `at_most` and `at_least` is needed", "say what its magnitude is not to pass");
+            return None;
+        }
+    };
+    Some(Limit { joint, what: what?, speed_rad_s, value, is_upper })
 }
 
 /// What `pattern` finds, in alphabetical order; `named` is what messages call it.

@@ -8,23 +8,31 @@
 //! | `record` | its result, as a file holds it |
 //! | `store` | the results' folder: a file each, whole or not at all |
 //! | `table` | a row for each campaign |
-//! | `fleet` | by joint, over time: what drifted, what stands out |
+//! | `quantities` | what several campaigns of a joint know of it: parameters and functions |
+//! | `life` | what happened to a parameter or function over time, and when a limit will be reached |
+//! | `fleet` | by joint, over time: what happened to it |
+//! | `outliers` | what stands out |
 //! | `repeatability` | runs under the same conditions: what comes out the same |
 
 mod calendar;
 mod condition;
 mod digest;
 mod fleet;
+mod life;
 mod manifest;
+mod outliers;
+mod quantities;
 mod record;
 mod repeatability;
 mod store;
 mod table;
 mod work;
 
-pub use calendar::day;
-pub use fleet::{Drift, Fleet, Joint, Outlier, Retensioning};
+pub use calendar::{date_of, day};
+pub use fleet::{Drift, Event, Fleet, Foreseen, Joint};
+pub use life::{Change, Forecast, Happened, Life, Limit, Part};
 pub use manifest::{Batch, Entry, Reference};
+pub use outliers::Outlier;
 pub use record::{Diagnosed, Record};
 pub use repeatability::{Quantity, RUNS_MIN, Repeatability, Verdict as Repeated};
 pub use store::Store;

@@ -6,9 +6,9 @@
 //! variance between runs tau^2 by the method of moments of DerSimonian and Laird (Controlled Clinical Trials 7:177, 1986).
 
 use super::condition::{Condition, Known, about_mean};
+use super::quantities;
 use super::table::Row;
-use crate::compare::parameters_of;
-use crate::model::{Direction, Model, Status};
+use crate::model::Model;
 use crate::numerics::statistics::{HALF_WIDTH, chi_squared_tail, mean, student_t};
 use std::collections::BTreeMap;
 
@@ -22,12 +22,6 @@ const EXPLAINED: f64 = 0.01;
 const ABSORBED: f64 = 0.9;
 /// ... in at least so many runs.
 const ABSORBED_RUNS: usize = 5;
-/// A run does not show a parameter whose half width exceeds this many times its value.
-const WIDEST: f64 = 1.0;
-/// The parameter that may well be 0.
-const ZERO: &str = "dynamics.position_zero_rad";
-/// Speeds at which B(v) is compared: the slowest and the fastest that all runs have, and the middle on a logarithmic scale.
-const LEVELS: usize = 3;
 
 /// Runs of one joint, judged.
 #[derive(Debug, Clone)]
@@ -107,9 +101,8 @@ impl Repeatability {
         rows.iter().for_each(|row| names.extend(row.entry.conditions.keys().map(|name| (name, ()))));
         let conditions: Vec<(&String, Condition)> =
             names.into_keys().filter_map(|name| Some((name, Condition::of(rows, name)?))).collect();
-        let quantities = parameters(&models).into_iter().chain(functions(&models));
         let quantities: Vec<Quantity> =
-            quantities.map(|(name, unit, values)| Quantity::new(name, unit, values, &conditions)).collect();
+            quantities::of(&models).into_iter().map(|of| Quantity::new(of, &conditions)).collect();
         let absorbed = absorbed(&quantities);
         Self {
             joint: joint.to_string(),
@@ -120,76 +113,9 @@ impl Repeatability {
     }
 }
 
-type Values = (String, &'static str, Vec<Option<(f64, f64)>>);
-
-/// Every parameter that was identified.
-fn parameters(models: &[&Model]) -> Vec<Values> {
-    let mut names: Vec<(String, &'static str)> = Vec::new();
-    for (name, unit, _) in models.iter().flat_map(|model| parameters_of(model)) {
-        let known = models.iter().any(|model| model.confidence.contains_key(&name));
-        if known && !names.iter().any(|(other, _)| *other == name) {
-            names.push((name, unit));
-        }
-    }
-    let of = |name: &String, model: &Model| {
-        let known = model.confidence.get(name)?;
-        let se = (known.high - known.low) / 2.0 / HALF_WIDTH;
-        let value = parameters_of(model).into_iter().find(|row| row.0 == *name)?.2;
-        // A zero of the position is known where it is near 0, too.
-        let is_told = name == ZERO || HALF_WIDTH * se <= WIDEST * value.abs();
-        let shown = !matches!(known.status, Status::Flat | Status::AtBound) && is_told && se > 0.0;
-        shown.then_some((value, se))
-    };
-    let row = |(name, unit): (String, &'static str)| {
-        let values = models.iter().map(|model| of(&name, model)).collect();
-        (name, unit, values)
-    };
-    names.into_iter().map(row).collect()
-}
-
-/// A of each direction and B(v) at some speeds.
-fn functions(models: &[&Model]) -> Vec<Values> {
-    let unit = models.first().map_or("", |model| model.joint.kind.torque_unit());
-    let mut all = Vec::new();
-    for direction in Direction::BOTH {
-        let branch = |model: &Model| model.functions.branches.of(direction).clone();
-        let a = |model: &&Model| {
-            let of = branch(model)?;
-            of.a_se_nm.is_finite().then_some((of.a_nm, of.a_se_nm))
-        };
-        all.push((format!("A moving {}", direction.name()), unit, models.iter().map(a).collect()));
-        let ends = |model: &Model| {
-            let levels = branch(model)?.levels;
-            Some((levels.first()?.speed_rad_s, levels.last()?.speed_rad_s))
-        };
-        let ranges: Vec<(f64, f64)> = models.iter().filter_map(|model| ends(model)).collect();
-        let slowest = ranges.iter().map(|range| range.0).fold(0.0, f64::max);
-        let fastest = ranges.iter().map(|range| range.1).fold(f64::INFINITY, f64::min);
-        if !(slowest > 0.0 && slowest < fastest && fastest.is_finite()) {
-            continue;
-        }
-        for at in 0..LEVELS {
-            let speed = slowest * (fastest / slowest).powf(at as f64 / (LEVELS - 1) as f64);
-            let b = |model: &&Model| {
-                let of = branch(model)?;
-                let level = of.at(speed.clamp(slowest, fastest))?;
-                let se = level.se_nm.hypot(of.common_se_nm);
-                se.is_finite().then_some((level.b_nm, se))
-            };
-            let name = format!("B({speed:.3} {}) moving {}", models[0].joint.kind.speed_unit(), direction.name());
-            all.push((name, unit, models.iter().map(b).collect()));
-        }
-    }
-    all
-}
-
 impl Quantity {
-    fn new(
-        name: String,
-        unit: &'static str,
-        values: Vec<Option<(f64, f64)>>,
-        conditions: &[(&String, Condition)],
-    ) -> Self {
+    fn new(of: quantities::Quantity, conditions: &[(&String, Condition)]) -> Self {
+        let quantities::Quantity { name, unit, values } = of;
         let known: Vec<Known> =
             values.iter().enumerate().filter_map(|(run, value)| value.map(|(x, se)| (run, x, se))).collect();
         if known.len() < RUNS_MIN || 2 * known.len() <= values.len() {

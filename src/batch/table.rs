@@ -1,6 +1,6 @@
 //! A row for each campaign.
 
-use super::manifest::Entry;
+use super::manifest::{Entry, TEMPERATURE};
 use super::record::Record;
 use super::store::Store;
 use crate::compare::parameters_of;
@@ -78,6 +78,11 @@ impl Row {
     pub fn value(&self, name: &str) -> Option<f64> {
         let rows = parameters_of(self.model.as_ref()?);
         rows.into_iter().find(|row| row.0 == name).map(|row| row.2)
+    }
+
+    /// The temperature at which it was recorded, where the list tells it, degC.
+    pub fn temperature_degc(&self) -> Option<f64> {
+        self.entry.conditions.get(TEMPERATURE)?.parse().ok()
     }
 
     /// A figure.

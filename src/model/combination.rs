@@ -63,6 +63,18 @@ impl<S: Scalar> Combination<S> {
     }
 }
 
+impl Combination {
+    /// The share u of the clearance's travel after which `share` of the change-over is done: the inverse of [`Self::share`].
+    pub fn done_by(&self, share: f64) -> f64 {
+        match *self {
+            Self::Sign => 0.0,
+            Self::Linear => share,
+            Self::Arctan { p, .. } => (share * (2.0 * p).atan()).tan() / (2.0 * p),
+            Self::Power { n } => share.powf(1.0 / n),
+        }
+    }
+}
+
 /// k of an arctan curve of steepness `p` that ends on the branch: 1 / atan(2 p).
 pub fn scale_of_arctan<S: Scalar>(p: S) -> S {
     S::from(1.0) / (p * 2.0).atan()

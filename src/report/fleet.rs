@@ -1,11 +1,12 @@
 //! Many campaigns as `fleet.json`, on the terminal, and as a page.
 
 use super::comparison::{cause_json, told_cause};
+use super::life;
 use super::number::{counted, interval, significant};
 use super::page::{Card, Drawing, Page, Table};
 use super::terminal::{BOLD, DIM, YELLOW, heading};
 use super::wording::{Units, moving};
-use crate::batch::{Drift, Fleet, Joint, Outlier, Retensioning, Row};
+use crate::batch::{Drift, Fleet, Joint, Outlier, Row};
 use crate::compare::{Attribution, parameters_of};
 use crate::model::Direction;
 use serde_json::{Value, json};
@@ -24,7 +25,6 @@ pub fn to_json(fleet: &Fleet) -> Value {
                 "change": d.after - d.before, "low": d.low, "high": d.high })
     };
     let causes = |of: &Attribution| of.causes.iter().map(cause_json).collect::<Vec<Value>>();
-    let retensioning = |r: &Retensioning| json!({ "date": r.date, "before": name(r.rows[0]), "after": name(r.rows[1]), "what_changed": causes(&r.changed) });
     let joint = |j: &Joint| {
         json!({
             "joint": j.name,
@@ -32,7 +32,10 @@ pub fn to_json(fleet: &Fleet) -> Value {
             "retensioned": j.retensioned,
             "since": name(j.since),
             "what_changed": causes(&j.changed),
-            "retensionings": j.retensionings.iter().map(retensioning).collect::<Vec<Value>>(),
+            "retensionings": life::events_json(fleet, j, true),
+            "events": life::events_json(fleet, j, false),
+            "quantities": j.lives.iter().map(|of| life::to_json(fleet, j, of)).collect::<Vec<Value>>(),
+            "limits": j.limits.iter().map(|of| life::foreseen_json(fleet, j, of)).collect::<Vec<Value>>(),
             "drifted": j.drifts.iter().map(drift).collect::<Vec<Value>>(),
             "prediction_rms_change_nm": j.change_nm,
             "incomparable": j.incomparable,
@@ -71,7 +74,7 @@ fn sentence(fleet: &Fleet) -> String {
 }
 
 /// The heads of a table with its rows.
-type Cells<const N: usize> = ([&'static str; N], Vec<[String; N]>);
+pub(super) type Cells<const N: usize> = ([&'static str; N], Vec<[String; N]>);
 
 /// A drift's or outlier's name as a reader understands it, of the campaign `row`.
 fn words(name: &str, row: &Row) -> String {
@@ -118,7 +121,7 @@ fn drifts(fleet: &Fleet) -> Cells<7> {
 }
 
 /// What A and B(v) say of a change, as a technician would.
-fn told(changed: &Attribution, units: &Units) -> String {
+pub(super) fn told(changed: &Attribution, units: &Units) -> String {
     let causes: Vec<String> = changed.causes.iter().map(|cause| told_cause(cause, units)).collect();
     match (changed.is_known(), causes.is_empty()) {
         (false, _) => "not known: no A and B(v) of both".to_string(),
@@ -126,16 +129,6 @@ fn told(changed: &Attribution, units: &Units) -> String {
         (true, true) if changed.differs() => "A and B(v) changed, as no single cause explains".to_string(),
         (true, true) => "nothing beyond the intervals".to_string(),
     }
-}
-
-fn retensionings(fleet: &Fleet) -> Cells<4> {
-    let row = |joint: &Joint, r: &Retensioning| {
-        let kind = fleet.rows[r.rows[1]].model.as_ref().map(|model| model.joint.kind).unwrap_or_default();
-        let span = format!("{} to {}", when(fleet, r.rows[0]), when(fleet, r.rows[1]));
-        [joint.name.clone(), r.date.clone(), span, told(&r.changed, &Units::of(kind))]
-    };
-    let rows = fleet.joints.iter().flat_map(|joint| joint.retensionings.iter().map(move |r| row(joint, r)));
-    (["joint", "retensioned", "campaigns", "what it changed"], rows.collect())
 }
 
 fn changes(fleet: &Fleet) -> Cells<3> {
@@ -193,7 +186,7 @@ fn joints(fleet: &Fleet) -> Cells<7> {
 }
 
 /// The day of the campaign at `at`, or its name.
-fn when(fleet: &Fleet, at: usize) -> String {
+pub(super) fn when(fleet: &Fleet, at: usize) -> String {
     let entry = &fleet.rows[at].entry;
     entry.date.clone().unwrap_or_else(|| entry.name.clone())
 }
@@ -217,11 +210,11 @@ fn table<const N: usize>(title: &str, intro: &str, (heads, mut rows): Cells<N>) 
 pub fn page(fleet: &Fleet, name: &str, drawings: Vec<Drawing>) -> Page {
     let card = |name: &str, value: String, note: &str| Card { name: name.into(), value, note: note.into() };
     let drift_intro = format!(
-        "First campaign since the cables were last retensioned, or the first of all, against the last. {} compared; the \
-         intervals are wide enough to hold all together with 95 %. They hold what a campaign knows of itself, not what differs \
-         between sessions (mounting, temperature): two campaigns on one day show that. A and, at one speed, B(v) are what parameters \
-         that are known only together amount to.",
-        counted(fleet.compared, "value", "values")
+        "First campaign since the cables were last retensioned, or the first of all, against the last, both as the whole history has \
+         them. {} followed; the intervals are wide enough to hold all together with 95 %. With five campaigns or more they hold the \
+         scatter between sessions, with fewer only what each campaign knows of itself. A and B(v) are what parameters that are known \
+         only together amount to.",
+        counted(fleet.compared, "parameter or function", "parameters and functions")
     );
     let tables = [
         table(
@@ -229,12 +222,11 @@ pub fn page(fleet: &Fleet, name: &str, drawings: Vec<Drawing>) -> Page {
             "Decided on A and B(v) of the first campaign since then and the last, with the intervals of both.",
             changes(fleet),
         ),
-        table(
-            "What each retensioning changed",
-            "The last campaign before against the first since; both as recorded, with the intervals of both.",
-            retensionings(fleet),
-        ),
-        table("What drifted", &drift_intro, drifts(fleet)),
+        table("When limits will be reached", life::LIMITS, life::limits(fleet)),
+        table("Retensionings, and other changes at one time", life::EVENTS, life::events(fleet)),
+        table("Slow drift", life::DRIFTS, life::drifts(fleet)),
+        table("What follows the temperature", life::TEMPERATURE, life::temperature(fleet)),
+        table("How much changed since", &drift_intro, drifts(fleet)),
         table("Campaigns that failed", "Each by itself; the others are not touched.", failures(fleet)),
         table(
             "What stands out",
@@ -272,8 +264,11 @@ pub fn write_summary(out: &mut impl Write, fleet: &Fleet, written: &Path) -> io:
         sentence(fleet)
     )?;
     lines(out, "Changed since the cables were last retensioned", changes(fleet).1)?;
-    lines(out, "Changed by retensioning", retensionings(fleet).1)?;
-    lines(out, "Drifted", drifts(fleet).1)?;
+    lines(out, "Limits", life::limits(fleet).1)?;
+    lines(out, "Changed at one time", life::events(fleet).1)?;
+    lines(out, "Drifts slowly", life::drifts(fleet).1)?;
+    lines(out, "Follows the temperature", life::temperature(fleet).1)?;
+    lines(out, "Since the cables were last retensioned", drifts(fleet).1)?;
     lines(out, "Stand out", outliers(fleet).1)?;
     lines(out, "Failed", failures(fleet).1)?;
     lines(out, "Warnings", fleet.warnings.iter().map(|warning| [warning.clone()]).collect())?;

@@ -39,6 +39,7 @@ pub mod gate;
 pub mod html;
 pub mod identification;
 pub mod interaction;
+mod life;
 pub mod number;
 pub mod output;
 pub mod page;

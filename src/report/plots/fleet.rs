@@ -3,9 +3,8 @@
 //! Drawn are changes since the campaign that the joint is held against: a drift of a tenth of the friction, in a panel that held both
 //! directions' friction, would be a line's width.
 
-use crate::batch::{Fleet, Joint, Row, day};
-use crate::compare::parameters_of;
-use crate::model::{Direction, Status, Term};
+use crate::batch::{Fleet, Joint, Life, Part, day};
+use crate::model::{Direction, Term};
 use crate::report::chart::{Anchor, Axis, Canvas, Drawn, Frame, LABEL_PX, Mark, Panel, Stroke, palette, span, svg};
 use crate::report::number::significant;
 use crate::report::page::Drawing;
@@ -13,22 +12,19 @@ use crate::report::wording::{Units, moving};
 
 /// Joints drawn: those that drifted, then those that changed most.
 const DRAWN: usize = 12;
-/// Parameters drawn below A and B(v): those that drifted, then those that are known by themselves.
-const MORE: usize = 3;
-/// Those that may be known by themselves and say something that A and B(v) do not.
+/// Panels of a joint: A and B(v), those in which anything happened, then those that say something of their own.
+const PANELS: usize = 5;
+/// Parameters that say something that A and B(v) do not.
 const OF_THEIR_OWN: [&str; 3] = ["combination.p", "combination.n", "joint.backlash_m"];
 /// Height of a panel with its room, of its heading and of its axis, px.
 const STEP_PX: f64 = 205.0;
 const HEADING_PX: f64 = 30.0;
 const AXIS_PX: f64 = 34.0;
 
-/// A value over time with the ends of its interval, as changes in the panel's unit.
-type Series = Vec<(f64, f64, f64, f64)>;
-
 /// A figure for each joint that has two campaigns, the most telling first.
 pub fn drawings(fleet: &Fleet) -> Drawn<Vec<Drawing>> {
     let mut joints: Vec<&Joint> = fleet.joints.iter().filter(|joint| joint.rows.len() > 1).collect();
-    let key = |joint: &Joint| (!joint.drifts.is_empty(), joint.change_nm.unwrap_or(0.0));
+    let key = |joint: &Joint| (joint.drifted(), joint.change_nm.unwrap_or(0.0));
     joints.sort_by(|a, b| {
         let ((x, p), (y, q)) = (key(a), key(b));
         y.cmp(&x).then(q.total_cmp(&p))
@@ -37,25 +33,23 @@ pub fn drawings(fleet: &Fleet) -> Drawn<Vec<Drawing>> {
 }
 
 /// What a panel shows: one quantity, moving up and moving down, or the same in both.
-struct Quantity {
+struct Shown<'a> {
     title: String,
-    /// In the table, by direction.
-    names: Vec<(Option<Direction>, String)>,
-    /// Unit of the values, unit of their changes, and how many of the latter are one of the former.
+    lives: Vec<(Option<Direction>, &'a Life)>,
+    /// Unit of their changes, and how many of those are one of the values'.
     unit: &'static str,
-    shown: &'static str,
     factor: f64,
 }
 
 /// A joint over time.
 struct History<'a> {
-    fleet: &'a Fleet,
     joint: &'a Joint,
+    units: Units,
     /// When each campaign was, and what that is measured in: days since the first, or its number.
     times: Vec<f64>,
     label: String,
-    /// When the cables were last retensioned.
-    retensioned: Option<f64>,
+    /// When the cables were retensioned.
+    retensioned: Vec<f64>,
 }
 
 impl<'a> History<'a> {
@@ -64,159 +58,169 @@ impl<'a> History<'a> {
         let days: Option<Vec<f64>> = joint.rows.iter().map(|at| day(date(*at)?)).collect();
         let (times, label, retensioned) = match days.zip(date(joint.rows[0]).and_then(|date| date.get(..10))) {
             Some((days, date)) => {
-                let retensioned = joint.retensioned.as_deref().and_then(day).map(|then| then - days[0]);
+                let then = joint.events.iter().filter_map(|event| day(event.retensioned.as_deref()?));
+                let retensioned = then.map(|then| then - days[0]).collect();
                 (days.iter().map(|d| d - days[0]).collect(), format!("days since {date}"), retensioned)
             }
-            None => ((1..=joint.rows.len()).map(|i| i as f64).collect(), "campaign".to_string(), None),
+            None => ((1..=joint.rows.len()).map(|i| i as f64).collect(), "campaign".to_string(), Vec::new()),
         };
-        Self { fleet, joint, times, label, retensioned }
-    }
-
-    fn row(&self, at: usize) -> &'a Row {
-        &self.fleet.rows[at]
+        let kind = fleet.rows[joint.since].model.as_ref().map(|model| model.joint.kind).unwrap_or_default();
+        Self { joint, units: Units::of(kind), times, label, retensioned }
     }
 
     fn drawing(&self, at: usize) -> Drawn<Drawing> {
-        let quantities = self.quantities();
-        let height = 60.0 + STEP_PX * quantities.len() as f64;
+        let panels = self.panels();
+        let height = 60.0 + STEP_PX * panels.len() as f64;
         let picture = svg(860, height as u32, &format!("{} over time", self.joint.name), |canvas| {
-            for (i, quantity) in quantities.iter().enumerate() {
+            for (i, shown) in panels.iter().enumerate() {
                 let top = 40.0 + STEP_PX * i as f64;
                 let (top, bottom) = (top + HEADING_PX, top + STEP_PX - AXIS_PX);
                 let frame = Frame { left: 92.0, top, right: 840.0, bottom };
-                let x = Axis::around(self.label.as_str(), self.times.iter().copied().chain(self.retensioned), 0.04);
-                let x = if i + 1 == quantities.len() { x } else { x.without_texts() };
-                canvas.text((12.0, top - 14.0), &self.heading(quantity), LABEL_PX, palette::INK, Anchor::Left)?;
-                self.panel(canvas, frame, x, quantity)?;
+                let times = self.times.iter().chain(&self.retensioned);
+                let x = Axis::around(self.label.as_str(), times.copied(), 0.04);
+                let x = if i + 1 == panels.len() { x } else { x.without_texts() };
+                canvas.text((12.0, top - 14.0), &self.heading(shown), LABEL_PX, palette::INK, Anchor::Left)?;
+                self.panel(canvas, frame, x, shown)?;
             }
             let mut legend: Vec<_> =
                 Direction::BOTH.map(|d| (Mark::of(d), palette::direction(d), moving(d).to_string())).to_vec();
-            if self.retensioned.is_some() {
+            if !self.retensioned.is_empty() {
                 legend.push((Mark::Line(1.4, Some((5.0, 4.0))), palette::GREY, "cables retensioned".to_string()));
             }
             canvas.legend((92.0, 840.0), 22.0, &legend)
         })?;
         let caption = "Changes since the first campaign after the cables were last retensioned, or the first of all; bars are each \
-                       campaign's own 95 % intervals. A: how the torque at the winch grows with gravity's. B(v): friction without \
-                       load at the middle of the sweeps' speeds. Both directions shifting alike is a sensor's zero; apart, friction. \
-                       Parameters that drifted stand below, then those that are known by themselves.";
+                       campaign's own 95 % intervals, lines what was fitted: levels, jumps and drift. A: how the torque at the \
+                       winch grows with gravity's. B(v): friction without load. Both directions shifting alike is a sensor's zero; \
+                       apart, friction. Parameters to which something happened stand below.";
         let name = format!("joint_{:02}", at + 1);
         Ok(Drawing { name, title: self.joint.name.clone(), caption: caption.to_string(), svg: picture })
     }
 
-    /// A and B(v), what drifted, what is known by itself.
-    fn quantities(&self) -> Vec<Quantity> {
-        let since = self.row(self.joint.since);
-        let units = Units::of(since.model.as_ref().map(|model| model.joint.kind).unwrap_or_default());
-        let (unit, shown) = (units.torque, units.milli_torque);
-        let of_figure = |name: &str, title: String| {
-            let names = Direction::BOTH.map(|d| (Some(d), format!("{name}_{}_nm", d.name()))).to_vec();
-            Quantity { title, names, unit, shown, factor: 1e3 }
-        };
-        let speed = since.figure("level_speed_rad_s").map(|v| format!(" at {} {}", significant(v, 3), units.speed));
-        let level = of_figure("level", format!("B(v){}", speed.unwrap_or_default()));
-        let mut all = vec![of_figure("a", "A".to_string()), level];
-        let known = self.row(self.joint.last()).model.as_ref();
-        let is_pinned = |name: &&&str| {
-            known.and_then(|model| model.confidence.get(**name)).is_some_and(|c| c.status == Status::Pinned)
-        };
-        let drifted = self.joint.drifts.iter().map(|drift| drift.name.as_str()).filter(|name| name.contains('.'));
-        for name in drifted.chain(OF_THEIR_OWN.iter().filter(is_pinned).copied()) {
-            if all.len() < 2 + MORE && !all.iter().any(|q| q.names.iter().any(|(_, known)| known == name)) {
-                all.extend(self.parameter(name));
+    /// A, B(v) at the middle speed, those to which anything happened, those that say something of their own.
+    fn panels(&self) -> Vec<Shown<'a>> {
+        let mut all: Vec<Shown> = Vec::new();
+        for life in &self.joint.lives {
+            let (title, direction) = title(&life.name);
+            match all.iter_mut().find(|shown| shown.title == title) {
+                Some(shown) => shown.lives.push((direction, life)),
+                None => all.push(self.shown(title, direction, life)),
             }
         }
+        let levels: Vec<String> =
+            all.iter().map(|of| of.title.clone()).filter(|title| title.starts_with("B(")).collect();
+        let middle = levels.get(levels.len() / 2);
+        let rank = |shown: &Shown| match shown.title.as_str() {
+            "A" => 0,
+            title if middle.is_some_and(|middle| middle == title) => 1,
+            _ if shown.lives.iter().any(|(_, life)| !life.parts.is_empty()) => 2,
+            title if OF_THEIR_OWN.contains(&title) => 3,
+            _ => 4,
+        };
+        all.retain(|shown| rank(shown) < 4);
+        all.sort_by_key(rank);
+        all.truncate(PANELS);
         all
     }
 
-    /// The parameter called `name`; both directions of one share a panel.
-    fn parameter(&self, name: &str) -> Option<Quantity> {
-        let model = self.row(self.joint.since).model.as_ref()?;
-        let (_, unit, _) = parameters_of(model).into_iter().find(|row| row.0 == name)?;
-        let of_direction = name.strip_prefix("friction.").and_then(|rest| rest.split_once('.'));
-        let (title, names) = match of_direction.filter(|(_, name)| Term::find(name).is_some()) {
-            Some((_, name)) => {
-                (name, Direction::BOTH.map(|d| (Some(d), format!("friction.{}.{name}", d.name()))).to_vec())
-            }
-            None => (name, vec![(None, name.to_string())]),
+    fn shown(&self, title: String, direction: Option<Direction>, life: &'a Life) -> Shown<'a> {
+        let (unit, factor) = match life.unit {
+            unit if unit == self.units.torque => (self.units.milli_torque, 1e3),
+            "m" => ("mm", 1e3),
+            unit => (unit, 1.0),
         };
-        let (shown, factor) = if unit == "m" { ("mm", 1e3) } else { (unit, 1.0) };
-        Some(Quantity { title: title.to_string(), names, unit, shown, factor })
+        Shown { title, lives: vec![(direction, life)], unit, factor }
     }
 
-    /// "B(v) at 0.11 rad/s: moving up 0.781 to 0.635 N m, drifted; moving down ...": what the panel's zero is, and where it ended.
-    fn heading(&self, quantity: &Quantity) -> String {
-        let (since, last) = (self.row(self.joint.since), self.row(self.joint.last()));
-        let told = quantity.names.iter().filter_map(|(direction, name)| {
-            let (before, after) = (bar(since, name)?.0, bar(last, name)?.0);
-            let drifted = self.joint.drifts.iter().any(|drift| drift.name == *name);
-            let (before, after) = (significant(before, 4), significant(after, 4));
+    /// Where `life` of the joint begins to be held against: its session since retensioning, or the first since that shows it.
+    fn since(&self, life: &Life) -> usize {
+        let since = self.joint.rows.iter().position(|at| *at == self.joint.since).unwrap_or(0);
+        life.sessions.iter().position(|session| *session >= since).unwrap_or(0)
+    }
+
+    /// "B(0.110 rad/s): moving up 0.781 to 0.635 N m (changed); moving down ...": what the panel's zero is, and where it ended.
+    fn heading(&self, shown: &Shown) -> String {
+        let told = shown.lives.iter().filter_map(|(direction, life)| {
+            let values: Vec<f64> = life.claimed().map(|claimed| claimed.0).collect();
+            let (before, after) = (significant(values[self.since(life)], 4), significant(*values.last()?, 4));
+            let changed = self.joint.drifts.iter().any(|drift| drift.name == life.name);
             let words = [
                 direction.map(moving).unwrap_or_default(),
                 &format!("{before} to {after}"),
-                quantity.unit,
-                if drifted { "(drifted)" } else { "" },
+                life.unit,
+                if changed { "(changed)" } else { "" },
             ];
             Some(words.into_iter().filter(|word| !word.is_empty()).collect::<Vec<_>>().join(" "))
         });
-        format!("{}: {}", quantity.title, told.collect::<Vec<_>>().join("; "))
+        format!("{}: {}", shown.title, told.collect::<Vec<_>>().join("; "))
     }
 
-    fn series(&self, quantity: &Quantity, name: &str) -> Series {
-        let Some((zero, ..)) = bar(self.row(self.joint.since), name) else { return Vec::new() };
-        let change = |x: f64| (x - zero) * quantity.factor;
-        let one = |(at, time): (&usize, &f64)| {
-            bar(self.row(*at), name).map(|(y, low, high)| (*time, change(y), change(low), change(high)))
+    fn panel(&self, canvas: &Canvas, frame: Frame, x: Axis, shown: &Shown) -> Drawn {
+        let points = |life: &Life| {
+            let claimed: Vec<(f64, f64)> = life.claimed().collect();
+            let zero = claimed[self.since(life)].0;
+            let change = move |value: f64| (value - zero) * shown.factor;
+            let one = move |((session, (value, half)), fitted): ((&usize, (f64, f64)), f64)| {
+                let [y, low, high, fitted] = [value, value - half, value + half, fitted].map(change);
+                (*session, y, low, high, fitted)
+            };
+            life.sessions.iter().zip(claimed).zip(life.fitted()).map(one).collect::<Vec<_>>()
         };
-        self.joint.rows.iter().zip(&self.times).filter_map(one).collect()
-    }
-
-    fn panel(&self, canvas: &Canvas, frame: Frame, x: Axis, quantity: &Quantity) -> Drawn {
-        let look = |direction: &Option<Direction>| match direction {
-            Some(direction) => (Mark::of(*direction), palette::direction(*direction)),
-            None => (Mark::Disc(4.5), palette::INK),
-        };
-        let all: Vec<_> =
-            quantity.names.iter().map(|(direction, name)| (look(direction), self.series(quantity, name))).collect();
-        let points = || all.iter().flat_map(|(_, series)| series);
+        let all: Vec<_> = shown.lives.iter().map(|(direction, life)| (*direction, *life, points(life))).collect();
+        let every = || all.iter().flat_map(|(.., points)| points);
         // Intervals that are open say nothing of where the values are.
-        let (low, high) = span(points().map(|point| point.1));
+        let (low, high) = span(every().map(|point| point.1));
         let room = 2.0 * (high - low);
-        let ends = points().flat_map(|(_, y, low, high)| [*y, *low, *high]);
-        let label =
-            if quantity.shown.is_empty() { "change".to_string() } else { format!("change ({})", quantity.shown) };
+        let ends = every().flat_map(|(_, y, low, high, _)| [*y, *low, *high]);
+        let label = if shown.unit.is_empty() { "change".to_string() } else { format!("change ({})", shown.unit) };
         let y = Axis::around(label, ends.filter(|y| (low - room..=high + room).contains(y)), 0.1);
         let (bottom, top) = (y.value(y.places.0), y.value(y.places.1));
         let (left, right) = (x.value(x.places.0), x.value(x.places.1));
         let panel: Panel = canvas.panel(frame, x, y.sparse())?;
         panel.line([(left, 0.0), (right, 0.0)], Stroke::solid(palette::GREY, 1.0))?;
-        if let Some(time) = self.retensioned {
-            panel.line([(time, bottom), (time, top)], Stroke::dashed(palette::GREY, 1.4, 5.0, 4.0))?;
+        for time in &self.retensioned {
+            panel.line([(*time, bottom), (*time, top)], Stroke::dashed(palette::GREY, 1.4, 5.0, 4.0))?;
         }
-        for ((mark, color), series) in &all {
-            let color = *color;
-            // What happened as the cables were retensioned is no change over time.
-            let (before, after): (Vec<_>, Vec<_>) =
-                series.iter().map(|p| (p.0, p.1)).partition(|p| self.retensioned.is_some_and(|time| p.0 < time));
-            for part in [before, after] {
-                panel.line(part, Stroke::solid(palette::lighter(color), 1.2))?;
+        for (direction, life, points) in &all {
+            let (mark, color) = match direction {
+                Some(direction) => (Mark::of(*direction), palette::direction(*direction)),
+                None => (Mark::Disc(4.5), palette::INK),
+            };
+            let breaks = breaks(life);
+            // What happened at once is no line from one session to the next.
+            for part in points.chunk_by(|a, b| !breaks.iter().any(|at| a.0 < *at && *at <= b.0)) {
+                let line = part.iter().map(|point| (self.times[point.0], point.4));
+                panel.line(line.collect::<Vec<_>>(), Stroke::solid(palette::lighter(color), 1.4))?;
             }
-            for (time, value, low, high) in series {
-                panel.line([(*time, low.max(bottom)), (*time, high.min(top))], Stroke::solid(color, 1.4))?;
-                panel.mark((*time, *value), *mark, color)?;
+            for (session, value, low, high, _) in points {
+                let time = self.times[*session];
+                panel.line([(time, low.max(bottom)), (time, high.min(top))], Stroke::solid(color, 1.4))?;
+                panel.mark((time, *value), mark, color)?;
             }
         }
         Ok(())
     }
 }
 
-/// The figure or parameter of `row` called `name`, with the ends of its interval.
-fn bar(row: &Row, name: &str) -> Option<(f64, f64, f64)> {
-    if let Some(figure) = name.strip_suffix("_nm").filter(|name| !name.contains('.')) {
-        let (value, half) = (row.figure(name)?, row.figure(&format!("{figure}_half_width_nm")).unwrap_or(0.0));
-        return Some((value, value - half, value + half));
+/// The sessions at which the level of `life` changed at once.
+fn breaks(life: &Life) -> Vec<usize> {
+    let ends = |part: Part| match part {
+        Part::Jump { at, until, .. } => [Some(at), until],
+        _ => [None, None],
+    };
+    life.parts.iter().flat_map(|happened| ends(happened.part)).flatten().collect()
+}
+
+/// What a panel with the quantity called `name` is called, both directions in one, and the direction.
+fn title(name: &str) -> (String, Option<Direction>) {
+    for direction in Direction::BOTH {
+        if let Some(title) = name.strip_suffix(&format!(" moving {}", direction.name())) {
+            return (title.to_string(), Some(direction));
+        }
+        let of = name.strip_prefix(&format!("friction.{}.", direction.name()));
+        if let Some(title) = of.filter(|title| Term::find(title).is_some()) {
+            return (title.to_string(), Some(direction));
+        }
     }
-    let value = row.value(name)?;
-    let known = row.model.as_ref()?.confidence.get(name);
-    Some((value, known.map_or(value, |c| c.low), known.map_or(value, |c| c.high)))
+    (name.to_string(), None)
 }
