@@ -308,6 +308,7 @@ fn meant(limit: &Limit, models: &[&Model], quantities: &mut Vec<Quantity>) -> Ve
             names
         }
         "backlash_m" => vec!["joint.backlash_m".to_string()],
+        "change_over_m" => vec![quantities::CHANGE_OVER.to_string()],
         name => vec![name.to_string()],
     }
 }

@@ -13,7 +13,7 @@ const CAMPAIGN: &str = "campaign.toml";
 /// The condition that everything over time is confounded with, degC.
 pub(super) const TEMPERATURE: &str = "temperature_degc";
 /// What a limit may be of beside a parameter.
-const LIMITED: [&str; 3] = ["friction_nm", "backlash_m", "rmse_nm"];
+const LIMITED: [&str; 4] = ["friction_nm", "backlash_m", "change_over_m", "rmse_nm"];
 
 /// What to do.
 #[derive(Debug, Clone, PartialEq, Default)]

@@ -2,7 +2,7 @@
 //! each with its standard error.
 
 use super::table::Row;
-use crate::compare::parameters_of;
+use crate::compare::{change_over_m, parameters_of};
 use crate::model::{Direction, Model, Status};
 use crate::numerics::statistics::HALF_WIDTH;
 
@@ -24,9 +24,14 @@ pub struct Quantity {
     pub values: Vec<Option<(f64, f64)>>,
 }
 
-/// Every identified parameter, then A and B(v) of each direction.
+/// What the travel of the change-over after a reversal is called.
+pub(super) const CHANGE_OVER: &str = "change-over travel";
+
+/// Every identified parameter, then A and B(v) of each direction, then the travel of the change-over.
 pub(super) fn of(models: &[&Model]) -> Vec<Quantity> {
-    parameters(models).into_iter().chain(functions(models)).collect()
+    let values = models.iter().map(|model| change_over_m(model).filter(|(_, se)| *se > 0.0)).collect();
+    let travel = Quantity { name: CHANGE_OVER.to_string(), unit: "m", values };
+    parameters(models).into_iter().chain(functions(models)).chain([travel]).collect()
 }
 
 /// Every parameter that was identified.

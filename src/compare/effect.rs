@@ -1,12 +1,13 @@
 //! What a change of parameters amounts to: friction at some speeds, and the torque predicted along the paper's motions.
 
+use super::functions::known_nm;
 use crate::model::{Direction, Model};
 use crate::numerics::statistics::root_mean_square;
 use crate::simulate::torque_nm;
 use crate::trajectory::Trajectory;
 
 /// Speeds at which friction is compared, rad/s: those of the paper's sweeps from the slowest to the fastest.
-const REFERENCE_SPEEDS_RAD_S: [f64; 5] = [0.02, 0.05, 0.1, 0.2, 0.4];
+pub(super) const REFERENCE_SPEEDS_RAD_S: [f64; 5] = [0.02, 0.05, 0.1, 0.2, 0.4];
 /// Samples a second of the motions compared: enough for their fastest period of 1.6 s.
 const RATE_HZ: f64 = 200.0;
 
@@ -38,6 +39,8 @@ pub struct Effect {
     pub mean_nm: f64,
     /// Its largest magnitude, N m.
     pub peak_nm: f64,
+    /// RMS that the intervals of A and B(v) of both models may make of it, 95 %, N m; infinite where one of them is open.
+    pub explained_nm: f64,
 }
 
 impl Effect {
@@ -49,6 +52,7 @@ impl Effect {
         Self {
             time_s: (0..positions_rad.len()).map(|i| i as f64 / RATE_HZ).collect(),
             rms_nm: root_mean_square(&difference),
+            explained_nm: known_nm(before, &positions_rad, RATE_HZ).hypot(known_nm(after, &positions_rad, RATE_HZ)),
             mean_nm: crate::numerics::statistics::mean(&difference),
             peak_nm: difference.iter().fold(0.0, |peak: f64, y| peak.max(y.abs())),
             before_nm,

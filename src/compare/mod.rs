@@ -3,11 +3,13 @@
 mod attribution;
 mod cause;
 mod effect;
+mod functions;
 mod observed;
 
 pub use attribution::Attribution;
 pub use cause::{Cause, CauseKind, Measure};
 pub use effect::{Effect, Level};
+pub use functions::{FunctionChange, FunctionKind, change_over_m};
 
 use crate::dynamics::JointKind;
 use crate::model::{Combination, Confidence, Direction, Friction, Model, Status, Term};
@@ -27,6 +29,8 @@ pub struct Comparison {
     pub after: Model,
     /// Every parameter of either.
     pub changes: Vec<Change>,
+    /// What both models know with its interval even where parameters trade off.
+    pub functions: Vec<FunctionChange>,
     /// Friction at some speeds, by direction: what the parameters amount to.
     pub levels: Vec<Level>,
     /// What the change does to the predicted torque.
@@ -105,6 +109,7 @@ pub fn compare_among(before: &Model, after: &Model, count: usize) -> Result<Comp
         before: before.clone(),
         after: after.clone(),
         changes,
+        functions: functions::functions(before, after, &effect::REFERENCE_SPEEDS_RAD_S),
         levels: effect::levels(before, after),
         effect: Effect::new(before, after),
         attribution: Attribution::new(before, after, count),

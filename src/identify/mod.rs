@@ -316,7 +316,7 @@ fn from_free_motion(campaign: &Campaign, readings: Vec<Reading>, settings: Setti
     if settings.refine {
         warnings.push("--refine changes nothing here: without sweeps all parameters are fitted together anyway".into());
     }
-    model.functions = functions::of_free_motion(&fit.fit, &prepared);
+    model.functions = functions::of_free_motion(&fit.of_functions, &prepared);
     let rests_on = rests_on::of_free_motion(&model);
     let residuals = residuals(&prepared, &entries, &model);
     warnings.splice(0..0, zero::warning_of_fit(&model));

@@ -4,7 +4,7 @@ use super::number::{counted, interval, significant};
 use super::page::{Card, Drawing, Page, Table};
 use super::terminal::{BOLD, DIM, heading};
 use super::wording::{Units, moving};
-use crate::compare::{Cause, CauseKind, Change, Comparison, Level, Measure, Verdict};
+use crate::compare::{Cause, CauseKind, Change, Comparison, FunctionChange, FunctionKind, Level, Measure, Verdict};
 use crate::model::Direction;
 use serde_json::{Value, json};
 use std::io::{self, Write};
@@ -43,6 +43,14 @@ pub fn to_json(found: &Comparison, names: &[String; 2]) -> Value {
             "after_nm": l.after_nm, "change_nm": l.after_nm - l.before_nm,
         })
     };
+    let function = |f: &FunctionChange| {
+        let unit = function_unit(found, f);
+        json!({
+            "function": f.kind.name(), "direction": f.direction.map(Direction::name), "speed_rad_s": f.speed_rad_s, "unit": unit,
+            "before": f.before.0, "before_half_width": f.before.1, "after": f.after.0, "after_half_width": f.after.1,
+            "change": f.change(), "half_width": f.half_width(),
+        })
+    };
     let known = found.attribution.is_known();
     json!({
         "format": "comparison/1",
@@ -51,6 +59,7 @@ pub fn to_json(found: &Comparison, names: &[String; 2]) -> Value {
         "chance": known.then_some(found.attribution.chance),
         "what_changed": found.attribution.causes.iter().map(cause_json).collect::<Vec<Value>>(),
         "parameters": found.changes.iter().map(change).collect::<Vec<Value>>(),
+        "functions": found.functions.iter().map(function).collect::<Vec<Value>>(),
         "friction": found.levels.iter().map(level).collect::<Vec<Value>>(),
         "combination": [found.before.combination.name(), found.after.combination.name()],
         "prediction": {
@@ -59,6 +68,7 @@ pub fn to_json(found: &Comparison, names: &[String; 2]) -> Value {
             "rms_change_nm": found.effect.rms_nm,
             "mean_change_nm": found.effect.mean_nm,
             "peak_change_nm": found.effect.peak_nm,
+            "explained_by_intervals_nm": found.effect.explained_nm.is_finite().then_some(found.effect.explained_nm),
         },
         "provenance": { "tautline": env!("CARGO_PKG_VERSION"), "before": names[0], "after": names[1] },
     })
@@ -146,7 +156,13 @@ fn told(found: &Comparison, units: &Units) -> String {
         (true, true) if found.attribution.differs() => {
             format!("A and B(v) changed beyond their intervals, as no single cause explains; {parameters}")
         }
-        (true, true) => format!("A and B(v) are the same within their intervals; {parameters}"),
+        (true, true) if found.effect.explained_nm.is_infinite() => format!(
+            "An interval of A or B(v) is open, so whether the prediction's change is real is not known; {parameters}"
+        ),
+        (true, true) => format!(
+            "A and B(v) are the same within their intervals, which explain up to {} of the prediction's change; {parameters}",
+            units.torque(found.effect.explained_nm)
+        ),
         (false, _) => {
             let mut parameters = parameters;
             parameters[..1].make_ascii_uppercase();
@@ -195,6 +211,39 @@ fn parameters_table(found: &Comparison) -> Table {
     }
 }
 
+/// The unit of `f` in files.
+fn function_unit(found: &Comparison, f: &FunctionChange) -> &'static str {
+    if f.kind == FunctionKind::ChangeOver { "m" } else { found.before.joint.kind.torque_unit() }
+}
+
+fn functions_table(found: &Comparison, units: &Units) -> Table {
+    let row = |f: &FunctionChange| {
+        let written = |value: f64| match f.kind {
+            FunctionKind::ChangeOver => format!("{} mm", significant(1e3 * value, 3)),
+            _ => units.torque(value),
+        };
+        let speed = f.speed_rad_s.map(|speed| format!("{} {}", significant(speed, 2), units.speed));
+        let known = |(value, half): (f64, f64)| format!("{} ± {}", written(value), written(half));
+        vec![
+            f.kind.words().to_string(),
+            f.direction.map_or(String::new(), |direction| moving(direction).to_string()),
+            speed.unwrap_or_default(),
+            known(f.before),
+            known(f.after),
+            known((f.change(), f.half_width())),
+            if f.change().abs() > f.half_width() { "changed" } else { "within" }.to_string(),
+        ]
+    };
+    Table {
+        title: "Functions".to_string(),
+        intro: "What is known well even where parameters trade off, with the half width of its 95 % interval. Each row is judged by \
+                itself: of twenty that did not change one is called changed by chance; what changed is decided on all together, above."
+            .to_string(),
+        heads: ["", "direction", "speed", "before", "after", "change", "verdict"].map(String::from).to_vec(),
+        rows: found.functions.iter().map(row).collect(),
+    }
+}
+
 fn friction_table(found: &Comparison, units: &Units) -> Table {
     let row = |l: &Level| {
         vec![
@@ -229,7 +278,7 @@ pub fn page(found: &Comparison, names: &[String; 2], drawings: Vec<Drawing>) -> 
             card("prediction, mean", units.torque(found.effect.mean_nm), "a level, as a tare would take away"),
             card("prediction, peak", units.torque(found.effect.peak_nm), "largest change"),
         ],
-        tables: vec![parameters_table(found), friction_table(found, &units)],
+        tables: vec![functions_table(found, &units), parameters_table(found), friction_table(found, &units)],
         drawings,
         provenance: vec![
             ("tautline", env!("CARGO_PKG_VERSION").to_string()),
@@ -258,8 +307,17 @@ pub fn write_summary(out: &mut impl Write, found: &Comparison, names: &[String; 
         let [name, unit, before, after, change, range, verdict] = &row[..] else { continue };
         writeln!(out, "  {name:<22} {unit:<8} {before:>10} -> {after:>10}  {change:>10}  {range:<26} {verdict}")?;
     }
-    heading(out, "Friction without load, B(v)")?;
-    for row in friction_table(found, &units).rows {
+    if !found.functions.is_empty() {
+        heading(out, "What is known even where parameters trade off, with 95 % intervals")?;
+    }
+    for row in functions_table(found, &units).rows {
+        let [what, direction, speed, before, after, change, verdict] = &row[..] else { continue };
+        writeln!(out, "  {what:<34} {direction:<12} {speed:<12} {before:>24} -> {after:>24}  {change:>24}  {verdict}")?;
+    }
+    if found.functions.is_empty() {
+        heading(out, "Friction without load, B(v)")?;
+    }
+    for row in friction_table(found, &units).rows.iter().filter(|_| found.functions.is_empty()) {
         let [direction, speed, before, after, change] = &row[..] else { continue };
         writeln!(out, "  {direction:<12} {speed:<12} {before:>12} -> {after:>12}  {change:>12}")?;
     }

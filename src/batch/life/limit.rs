@@ -13,7 +13,7 @@ const SESSIONS_MIN: usize = 6;
 pub struct Limit {
     /// The joint, or all.
     pub joint: Option<String>,
-    /// The quantity: `friction_nm`, `backlash_m`, `rmse_nm` or a parameter's dotted name.
+    /// The quantity: `friction_nm`, `backlash_m`, `change_over_m`, `rmse_nm` or a parameter's dotted name.
     pub what: String,
     /// The speed at which friction is meant, rad/s; the middle of the sweeps' where that is not told.
     pub speed_rad_s: Option<f64>,

@@ -1,14 +1,16 @@
 //! Which parts the history of a quantity has: jumps, at retensionings or at any other time, episodes that end, drift.
 //!
 //! One criterion decides all: a part is there when chance would explain as much less often than `OUTSIDE`, counting everywhere it
-//! was looked for: the places at which a part of its kind could begin and end, times all the quantities of the fleet. A retensioning
-//! is a place that is known, so a jump there needs less evidence than one found anywhere. Parts are taken one at a time, the
+//! was looked for: the kinds of parts, the places at which one of its kind could begin and end, all the quantities of the fleet. A
+//! retensioning is a place that is known, so a jump there needs less evidence than one found anywhere. Parts are taken one at a time, the
 //! clearest first; after each, every one is moved where another place explains more, and dropped where the others made it needless.
 
 use super::regression::{Course, Fit, Part};
 
 /// Share of fleets in which nothing happened and anything is found.
 pub(super) const OUTSIDE: f64 = 0.05;
+/// Kinds of parts: jumps at retensionings, at any time, for some time; drift from the first session on, from a later one on.
+const KINDS: f64 = 5.0;
 /// Most parts of one quantity.
 const PARTS: usize = 12;
 /// Columns of which less than this share is their own say nothing.
@@ -59,7 +61,7 @@ impl Search<'_> {
         fit
     }
 
-    /// Chance times the number of places and quantities at which a part like `part` was looked for.
+    /// Chance times the number of kinds, places and quantities in which a part like `part` was looked for.
     fn odds(&self, fit: &Fit, part: Part) -> f64 {
         let n = self.course.len() as f64;
         let places = match part {
@@ -68,7 +70,7 @@ impl Search<'_> {
             Part::Jump { until: Some(_), .. } => n * (n - 1.0) / 2.0,
             Part::Drift { .. } => n - 2.0,
         };
-        fit.chance_of(self.course, part) * places * self.compared as f64
+        fit.chance_of(self.course, part) * KINDS * places * self.compared as f64
     }
 
     /// `fit` with the part that is clearest beside its own, and that part's odds.

@@ -75,6 +75,9 @@ pub struct FreeFit {
     pub held_out_nm: f64,
     /// The fit on all samples.
     pub fit: WholeFit,
+    /// The fit that tells what A and B(v) are known to: with a load that changes never without mu_c, which the form taken may
+    /// leave at 0.
+    pub of_functions: WholeFit,
     /// The curves side by side, with the form taken.
     pub combination: CombinationFit,
 }
@@ -103,6 +106,10 @@ pub fn fit_free(
     let choice = Choice::new(&search, settings.wanted);
     let Choice { form, kind, .. } = choice;
     let fit = search.fit(kind, form, choice.judged(kind, form));
+    let of_functions = match form {
+        FreeForm::Viscous if is_loaded => search.fit(kind, FreeForm::Load, choice.judged(kind, FreeForm::Load)),
+        _ => fit.clone(),
+    };
     let spread_nm = spread_nm(trials);
     let curve = |other: &CurveKind| {
         let judged = choice.judged(*other, form);
@@ -130,6 +137,7 @@ pub fn fit_free(
         held_out_nm: rmse_nm(&choice.judged(kind, form).sums),
         form,
         fit,
+        of_functions,
         combination,
     })
 }
