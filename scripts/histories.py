@@ -8,9 +8,9 @@ A fleet is four joints over two years, a session each month, 30 +- 8 days apart:
 one that is retensioned twice (friction by -30 to 40 %, or by nothing). In every second fleet friction follows a recorded
 temperature of the seasons, by 0.2 to 1 % per K. What a session finds is drawn, not recorded: A, B(v) and the parameters scatter by the intervals that
 `identify` gives them for one simulated campaign, and from session to session friction by 0.5 to 2 %, A by 0.1 to 0.4 %. They go
-where `batch` keeps its results, and `batch` is run after each session from the fifth on, with all until then.
+where `batch` keeps its results, and `batch` is run with all until then after every third session, and after each of the three that follow a jump.
 
-Told: the share of joints to which nothing happened that are ever, over two years, told that something did; after how many sessions a jump
+Told: the share of joints to which nothing happened of which any of these runs, over two years, tells that something did; after how many sessions a jump
 is told, at the right place within one session; how often the interval of a forecast holds the true time.
 --need: exits with 1 beyond these shares. (Standard library only.)
 """
@@ -29,7 +29,7 @@ import sys
 import tempfile
 
 TRUTH = pathlib.Path("data/elbow/truth/model.json")
-SESSIONS, FIRST = 24, 5
+SESSIONS, FIRST, EVERY = 24, 6, 3
 DAY_0 = datetime.date(2024, 1, 10)
 HALF_WIDTH = 1.96
 LIMIT_SPEED_RAD_S = 0.1
@@ -144,7 +144,8 @@ def fleet(a, base, number):
             model = session(rng, base, name, {d: x[0] for d, x in at.items()}, {d: x[1] for d, x in at.items()}, scatter, scatter_a)
             file.write_text(json.dumps(record | {"failure": None, "route": "sweeps", "model": model, "trials": 1, "rows": 1}))
         alarmed, found = False, None
-        for sessions in range(FIRST, SESSIONS + 1):
+        at = joints["jump"][2]["at"]
+        for sessions in sorted({*range(FIRST, SESSIONS + 1, EVERY), *range(at + 1, at + 4)}):
             listed.write_text(written(joints, days, degc if warmth else None, sessions, limits))
             of = {joint["joint"]: joint for joint in batch(a.binary, listed, out)["joints"]}
             happened = lambda name: [(q["name"], h) for q in of[name]["quantities"] for h in q["happened"] if h["kind"] != "temperature"]

@@ -6,7 +6,7 @@ use super::manifest::Batch;
 use super::outliers::{Outlier, outliers};
 use super::quantities::{self, Quantity};
 use super::table::Row;
-use crate::compare::{Attribution, compare_among};
+use crate::compare::{Attribution, attribution_among, compare_among};
 use crate::document::suggest;
 use crate::model::{Direction, Model};
 use crate::numerics::statistics::together;
@@ -266,7 +266,7 @@ fn events(rows: &[Row], of: &[usize], dates: &[String], lives: &[Life], joints: 
         });
         Some(Event {
             changes: changes.collect(),
-            changed: compare_among(before?, after?, joints).ok()?.attribution,
+            changed: attribution_among(before?, after?, joints).ok()?,
             retensioned,
             rows: pair,
             until: until.map(|until| of[until]),

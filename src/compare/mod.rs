@@ -116,6 +116,14 @@ pub fn compare_among(before: &Model, after: &Model, count: usize) -> Result<Comp
     })
 }
 
+/// What A and B(v) alone say of one of `count` pairs.
+///
+/// Errors: they are of different joints.
+pub fn attribution_among(before: &Model, after: &Model, count: usize) -> Result<Attribution> {
+    one_joint(before, after)?;
+    Ok(Attribution::new(before, after, count))
+}
+
 fn one_joint(before: &Model, after: &Model) -> Result<()> {
     let (a, b) = (&before.joint, &after.joint);
     let mut problems = Vec::new();
