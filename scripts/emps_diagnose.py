@@ -6,10 +6,10 @@ usage: scripts/emps_diagnose.py SOURCE [--binary BINARY] [--keep FOLDER]      (n
 SOURCE is a download, DATA_EMPS.mat (scripts/emps.py says where from), or the campaign that scripts/emps.py made of one.
 
 Each of the four cycles is left out in turn: `tautline diagnose` sees the other three, and the model that it writes predicts the
-one that it never saw. The error is the authors' own: |measured - predicted| / |measured|, both decimated by ten after an
+held-out one. The error is the authors' own: |measured - predicted| / |measured|, both decimated by ten after an
 8th-order Chebyshev filter. Of a download their two fits are done over, as in their scripts, and must give what they published.
 
-Asserts: on cycles that the fit did not see the error lies below the one published for friction that differs by direction
+Asserts: on held-out cycles the error lies below the one published for friction that differs by direction
 (fitted to all of the record), and below that fit's own on these cycles; among the causes named each time is viscous friction of
 its own in each direction, the authors' finding. The verdict as a whole may stay `unknown`, and is printed: beside the asymmetry
 the slide has more than the library holds (torque ripple at the screw's lead, friction along the stroke), and where much of a gap

@@ -86,6 +86,9 @@ pub mod report;
 /// `Model` -> code for a controller, a simulator's joint, tables.
 pub mod export;
 
+/// What may stand in files, as JSON Schemas.
+pub mod schema;
+
 /// Pages of the guide, as the documentation and `tautline guide` show them.
 pub mod guide;
 

@@ -10,14 +10,20 @@ use tempfile::TempDir;
 const CAMPAIGN: &str = "data/davinci_l4";
 const MODEL: &str = "data/davinci_l4/base_model.json";
 /// Every figure that this campaign has data for, with labels that it must bear.
-const FIGURES: [(&str, &[&str]); 6] = [
-    ("budget", &["of the square", "RMS", "unexplained"]),
-    ("map", &["position (deg)", "speed (rad/s)", "as delivered", "floor"]),
+const FIGURES: [(&str, &[&str]); 11] = [
+    ("budget", &["share of the residual's mean square (%)", "as delivered", "unexplained", "100"]),
+    ("map", &["position (deg)", "speed (rad/s)", "as delivered", "▸ floor"]),
     ("candidates", &["how far the gap above the floor shrinks (%)", "taken", "flexible fit"]),
     ("where", &["share of the gap's energy above the floor (%)"]),
-    ("residual_time", &["time (s)", "position (deg)", "as delivered: RMS"]),
-    ("residual_position", &["position (deg)", "moving up", "moving down", "median"]),
+    ("residual_time", TRACE),
+    ("residual_time_02", TRACE),
+    ("residual_time_03", TRACE),
+    ("residual_time_04", TRACE),
+    ("residual_time_05", TRACE),
+    ("residual_time_06", TRACE),
+    ("residual_position", &["position (deg)", "sample, moving up", "sample, moving down", "median"]),
 ];
+const TRACE: &[&str] = &["time (s)", "position (deg)", "as delivered: RMS"];
 
 /// A run with `--json`: its folder and what it printed.
 struct Run {
@@ -78,14 +84,18 @@ fn every_figure_is_well_formed_and_labelled() {
 
 #[test]
 fn the_report_stands_alone() {
-    let page = read("report.html").replace("xmlns=\"http://www.w3.org/2000/svg\"", "");
-    for link in ["http:", "https:", "src=", "href=", "@import", "url("] {
+    let page = read("report.html").replace("xmlns=\"http://www.w3.org/2000/svg\"", "").replace("href=\"#", "");
+    let page = page.replace("const SVG = \"http://www.w3.org/2000/svg\"", "");
+    for link in ["http:", "https:", "src=", "href=", "@import", "url(http", "url(\"http"] {
         assert!(!page.contains(link), "the report links to something outside: {link}");
     }
-    for heading in ["What to do next", "At a glance", "Causes tried", "Where the gap lies", "Provenance"] {
+    for heading in ["What to do next", "Candidate causes", "Where the gap lies", "The traces behind it", "Provenance"] {
         assert!(page.contains(heading), "{heading}");
     }
     assert_eq!(page.matches("<svg").count(), FIGURES.len());
+    let verdict = page.find("class=\"short\"").unwrap();
+    let place = |text: &str| page.find(text).unwrap();
+    assert!(verdict < place("id=\"budget\"") && place("id=\"budget\"") < place("What to do next"), "figure first");
 }
 
 #[test]

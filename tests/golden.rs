@@ -10,9 +10,17 @@ use tautline::simulate::Plan;
 /// The page without its drawings, styles and numbers, one tag or text a line: what a change of wording or order shows in.
 fn skeleton(page: &str) -> String {
     let mut text = page.to_string();
-    for (open, close) in [("<svg", "</svg>"), ("<style", "</style>")] {
-        while let (Some(start), Some(end)) = (text.find(open), text.find(close)) {
-            text.replace_range(start..end + close.len(), "");
+    let parts = [
+        ("<svg", "</svg>"),
+        ("<style", "</style>"),
+        ("<script", "</script>"),
+        ("<meta http", ">"),
+        ("<dl class=\"prov", "</dl>"),
+    ];
+    for (open, close) in parts {
+        while let Some(start) = text.find(open) {
+            let end = text[start..].find(close).map_or(text.len(), |at| start + at + close.len());
+            text.replace_range(start..end, "");
         }
     }
     let mut out = String::new();

@@ -144,7 +144,7 @@ fn half_width_nm(model: &Model, fit: &FrictionFit, speed_rad_s: f64) -> f64 {
 /// How well `model` predicts the cosine and free trials, if there are any.
 fn judged(campaign: &Campaign, model: &Model, record: &mut Record) -> Result<()> {
     if !campaign.trials.iter().any(|trial| matches!(trial.protocol, Protocol::Cosine | Protocol::Free)) {
-        record.warnings.push("not judged: there is no cosine or free trial".to_string());
+        record.warnings.push("not evaluated: there is no cosine or free trial".to_string());
         return Ok(());
     }
     let found = evaluate::run(campaign, model, &evaluate::Settings::default(), &|| ())?;

@@ -40,7 +40,7 @@ pub struct Arguments {
     form: FormArguments,
     #[command(flatten)]
     curve: CurveArguments,
-    /// Polish all parameters together on the whole series, if trials that the fit did not see gain by it
+    /// Refine all parameters together on the whole series, if that lowers the error on held-out trials
     #[arg(long)]
     refine: bool,
     /// Only this part of the campaigns, as K/N, for one of many machines; writes results, no table
@@ -156,6 +156,7 @@ fn tell_all(arguments: &Arguments, all: &Batch, store: &Store, tally: &Tally, ta
     let fleet = Fleet::new(all, rows);
     let written = arguments.fleet();
     let output = interrupt::output(&written, true, FLEET)?;
+    arguments.what.iter().filter(|what| what.is_file()).for_each(|what| output.made_from("list", what));
     let named = arguments.what.first().and_then(|path| path.file_stem());
     let name = named.map_or_else(|| "fleet".to_string(), |name| name.to_string_lossy().into_owned());
     write_fleet(&fleet, &name, &output, arguments.png)?;

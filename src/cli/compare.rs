@@ -38,6 +38,10 @@ pub fn run(arguments: &Arguments, talk: &Talk) -> Result<ExitCode> {
     let names = [&arguments.before, &arguments.after].map(|file| model_name(file));
     let begin = |folder| interrupt::output(folder, arguments.force, "compare");
     let output = arguments.output.as_deref().map(begin).transpose()?;
+    if let Some(output) = &output {
+        output.made_from("model before", &arguments.before);
+        output.made_from("model after", &arguments.after);
+    }
     output.iter().try_for_each(|output| write_comparison(&found, &names, output, arguments.png))?;
     talk.finish(
         output,

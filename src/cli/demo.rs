@@ -2,10 +2,11 @@
 
 use super::outcome::{Talk, say};
 use crate::problem::{Problem, Result};
+use crate::report::number::significant;
 use clap::Parser;
 use serde_json::{Value, json};
 use std::io::Write;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::time::Instant;
 
@@ -20,7 +21,7 @@ const STEPS: [(&str, &str); 6] = [
     ),
     ("Its model is identified from the sweeps.", "identify DEMO/recorded -o DEMO/identified"),
     (
-        "The model is judged on the cosines, which it has not seen.",
+        "The model is evaluated on the cosines, which are held-out data.",
         "evaluate DEMO/recorded --model DEMO/identified -o DEMO/judged",
     ),
     (
@@ -65,15 +66,51 @@ pub fn run(arguments: &Arguments, talk: &Talk) -> Result<ExitCode> {
     for (words, command) in STEPS {
         told.push(step(words, &command.replace("DEMO", name), arguments.force, talk)?);
     }
+    let found = Found::read(&folder.join("diagnosed/diagnosis.json"))?;
+    let page = folder.join("diagnosed/report.html");
     talk.result(
         || json!({ "format": "demo/1", "folder": folder, "steps": told }),
         |out| {
-            let page = |of: &str| folder.join(of).join("report.html").display().to_string();
-            writeln!(out, "\nNow open {} and {}.", page("identified"), page("diagnosed"))?;
-            writeln!(out, "With recordings of your own: tautline validate --help")
+            writeln!(out, "\nWithheld from tautline: {WITHHELD}")?;
+            writeln!(out, "Found from the logs:    {}", found.causes)?;
+            writeln!(
+                out,
+                "Gap above the floor:    {} mN m before, {} mN m with it",
+                found.before_mnm, found.after_mnm
+            )?;
+            writeln!(out, "Figure:                 {}", page.display())?;
+            writeln!(out, "Your own logs:          tautline init FOLDER -o my-campaign")
         },
     )?;
     Ok(ExitCode::SUCCESS)
+}
+
+/// What was changed before the second recording, and no command was told.
+const WITHHELD: &str = "an elastic spring of 0.25 N m/rad (a stiffened sheath)";
+
+/// What the diagnosis found.
+struct Found {
+    causes: String,
+    before_mnm: String,
+    after_mnm: String,
+}
+
+impl Found {
+    /// Of the file that `diagnose` wrote.
+    fn read(path: &Path) -> Result<Self> {
+        let text = std::fs::read_to_string(path)
+            .or_else(|error| Problem::error(path, format!("cannot be read: {error}"), "run the demo again").alone())?;
+        let written: Value = serde_json::from_str(&text)
+            .or_else(|error| Problem::error(path, format!("is no JSON: {error}"), "report this").alone())?;
+        let verdict = &written["verdict"];
+        let torque = |key: &str| verdict[key].as_f64().map_or("?".to_string(), |x| significant(1e3 * x, 3));
+        let causes: Vec<&str> = verdict["effects"].as_array().into_iter().flatten().filter_map(Value::as_str).collect();
+        Ok(Self {
+            causes: if causes.is_empty() { "nothing".to_string() } else { causes.join(", ") },
+            before_mnm: torque("gap_before_nm"),
+            after_mnm: torque("gap_after_nm"),
+        })
+    }
 }
 
 /// Shows and runs one command.
@@ -86,7 +123,7 @@ fn step(words: &str, command: &str, force: bool, talk: &Talk) -> Result<Value> {
     let parsed = super::Arguments::try_parse_from(typed)
         .or_else(|error| Problem::error("demo", error.to_string(), "report this").alone())?;
     let began = Instant::now();
-    super::act(parsed.command, &Talk { json: false, quiet })?;
+    super::act(parsed.command, &Talk { json: false, quiet, open: false })?;
     Ok(json!({ "command": format!("tautline {command}"), "means": words, "took_s": began.elapsed().as_secs_f64() }))
 }
 

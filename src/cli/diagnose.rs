@@ -24,7 +24,7 @@ pub struct Arguments {
     #[arg(long, value_name = "CAMPAIGN")]
     simulated: Option<PathBuf>,
     /// Folder to write: diagnosis.json, model.json with what was added, report.html, plots/
-    #[arg(short, long)]
+    #[arg(short, long, default_value = "diagnosed")]
     output: PathBuf,
     /// Write the plots as PNG too
     #[arg(long)]
@@ -38,6 +38,8 @@ pub fn run(arguments: &Arguments, talk: &Talk) -> Result<ExitCode> {
     let (campaign, model) = arguments.judged.read()?;
     let simulated = arguments.simulated.as_ref().map(|path| campaign_for(&model, path)).transpose()?;
     let output = interrupt::output(&arguments.output, arguments.force, "diagnose")?;
+    output.made_from("campaign file", &campaign.file);
+    output.made_from("model file", &arguments.judged.model_file());
     let trials = campaign.trials.len() + simulated.as_ref().map_or(0, |simulated| simulated.trials.len());
     let bar = progress::bar(talk, "reading", trials);
     let step = || progress::step(&bar, "trying causes");

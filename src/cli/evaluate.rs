@@ -22,7 +22,7 @@ pub struct Arguments {
     #[command(flatten)]
     judged: Judged,
     /// Folder to write: evaluation.json, report.html, plots/
-    #[arg(short, long)]
+    #[arg(short, long, default_value = "evaluated")]
     output: PathBuf,
     /// Judge the uniform sweeps too
     #[arg(long)]
@@ -46,6 +46,8 @@ pub fn run(arguments: &Arguments, talk: &Talk) -> Result<ExitCode> {
     let settings =
         Settings { sweeps: arguments.sweeps, recorded_curves: recorded_curves(&arguments.judged.model_file())? };
     let output = interrupt::output(&arguments.output, arguments.force, "evaluate")?;
+    output.made_from("campaign file", &campaign.file);
+    output.made_from("model file", &arguments.judged.model_file());
     let bar = progress::bar(talk, "judging", campaign.trials.len());
     let found = evaluate::run(&campaign, &model, &settings, &|| progress::step(&bar, "drawing"));
     bar.finish_and_clear();

@@ -22,7 +22,7 @@ pub struct Arguments {
     /// Folder with a campaign.toml and its logs
     campaign: PathBuf,
     /// Folder to write: model.json, report.html, trials.csv, plots/
-    #[arg(short, long)]
+    #[arg(short, long, default_value = "identified")]
     output: PathBuf,
     #[command(flatten)]
     form: FormArguments,
@@ -30,7 +30,7 @@ pub struct Arguments {
     curve: CurveArguments,
     #[command(flatten)]
     zero: ZeroArguments,
-    /// Polish all parameters together on the whole series, if trials that the fit did not see gain by it
+    /// Refine all parameters together on the whole series, if that lowers the error on held-out trials
     #[arg(long)]
     refine: bool,
     /// Write the plots as PNG too
@@ -125,6 +125,7 @@ impl CurveArguments {
 pub fn run(arguments: &Arguments, talk: &Talk) -> Result<ExitCode> {
     let campaign = read_campaign(&arguments.campaign)?;
     let output = interrupt::output(&arguments.output, arguments.force, "identify")?;
+    output.made_from("campaign file", &campaign.file);
     let bar = progress::bar(talk, "reading", campaign.trials.len());
     let settings = Settings {
         form: arguments.form.form(),

@@ -87,6 +87,8 @@ pub fn run(arguments: &Arguments, talk: &Talk) -> Result<ExitCode> {
     let touched = campaign.trials.iter().filter(|trial| trial.protocol == Protocol::Interaction);
     let tables = csv_names(&campaign, touched)?;
     let output = interrupt::output(folder, arguments.force, "interaction")?;
+    output.made_from("campaign file", &campaign.file);
+    output.made_from("model file", &arguments.judged.model_file());
     let bar = progress::bar(talk, "extracting", campaign.trials.len());
     let found = interaction::run(&campaign, &model, settings, &|| progress::step(&bar, "drawing"));
     bar.finish_and_clear();

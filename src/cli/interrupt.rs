@@ -2,6 +2,7 @@
 
 use crate::problem::Result;
 use crate::report::Output;
+use console::Term;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Mutex, PoisonError};
@@ -39,6 +40,11 @@ fn end(signal: i32) {
     }
     for folder in STAGING.lock().unwrap_or_else(PoisonError::into_inner).iter() {
         let _ = std::fs::remove_dir_all(folder);
+    }
+    // A progress bar may stand on the line, its cursor hidden.
+    let terminal = Term::stderr();
+    if terminal.is_term() {
+        let _ = terminal.clear_line().and_then(|()| terminal.show_cursor());
     }
     std::process::exit(128 + signal);
 }

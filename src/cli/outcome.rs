@@ -8,6 +8,8 @@ use clap::Args;
 use serde_json::Value;
 use std::collections::HashMap;
 use std::io::{self, Write};
+use std::path::Path;
+use std::process::Command;
 
 /// Exit status of a judgement that failed.
 pub const JUDGED_BAD: u8 = 1;
@@ -26,6 +28,9 @@ pub struct Talk {
     /// Say nothing but errors
     #[arg(long, short, global = true)]
     pub quiet: bool,
+    /// Open the report in the browser once it is written
+    #[arg(long, global = true)]
+    pub open: bool,
 }
 
 impl Talk {
@@ -58,11 +63,37 @@ impl Talk {
         let (json, text) = (json(), written(text));
         gate::json(STDOUT, &json)?;
         gate::shown(STDOUT, &text)?;
-        output.into().map_or(Ok(()), Output::finish)?;
+        let output = output.into();
+        let report = output.as_ref().map(|output| output.path().join(REPORT)).filter(|_| self.open);
+        output.map_or(Ok(()), Output::finish)?;
+        report.filter(|report| report.is_file()).map_or(Ok(()), |report| open(&report))?;
         match self {
             Self { json: true, .. } => say(|out| out.write_all(json_text(&json).as_bytes())),
             Self { quiet: true, .. } => Ok(()),
             _ => say(|out| out.write_all(text.as_bytes())),
+        }
+    }
+}
+
+/// The page that `--open` opens.
+const REPORT: &str = "report.html";
+
+/// Opens `page` in the system's browser, without waiting for it.
+///
+/// Errors: the system has no program that opens files.
+fn open(page: &Path) -> Result<()> {
+    let (program, first): (&str, &[&str]) = match std::env::consts::OS {
+        "macos" => ("open", &[]),
+        "windows" => ("cmd", &["/C", "start", ""]),
+        _ => ("xdg-open", &[]),
+    };
+    let silent = std::process::Stdio::null;
+    let started = Command::new(program).args(first).arg(page).stdin(silent()).stdout(silent()).stderr(silent()).spawn();
+    match started {
+        Ok(_) => Ok(()),
+        Err(error) => {
+            let what = format!("cannot be opened: {program}: {error}");
+            Problem::error(page, what, "the page is written; open it in a browser").alone()
         }
     }
 }

@@ -127,15 +127,12 @@ pub fn run(
     }
     refuse_copies(campaign, &prints)?;
     if trials.iter().all(|t| t.filtered.all.samples == 0) {
-        let what = "no sample can be judged: the joint never moves through its clearance";
+        let what = "no sample can be evaluated: the joint never moves through its clearance";
         return Problem::error(&campaign.file, what, "record motion in both directions").alone();
     }
-    warnings.extend(
-        trials
-            .iter()
-            .filter(|t| t.filtered.all.samples == 0)
-            .map(|t| format!("{}: not judged, for the joint never moves through its clearance there", t.entry.file)),
-    );
+    warnings.extend(trials.iter().filter(|t| t.filtered.all.samples == 0).map(|t| {
+        format!("{}: not evaluated, because the joint never moves through its clearance there", t.entry.file)
+    }));
     let groups = groups(&trials);
     let lowpass_hz = campaign.signal.lowpass_hz;
     Ok(Evaluation { model: model.clone(), trials, groups, rivals, warnings, lowpass_hz })

@@ -93,7 +93,7 @@ pub fn doubts(model: &Model, sweeps: bool) -> Vec<String> {
         model.confidence.iter().filter(|(_, c)| known(c)).map(|(name, _)| name.as_str()).collect()
     };
     for (status, meaning) in [
-        (Status::TradeOff, "known only together with others (trade_off): do not read as separate values"),
+        (Status::TradeOff, "correlated with other parameters (trade_off): do not read as separate values"),
         (
             Status::Merged,
             "several parameters of the two-exponential form in one (merged): do not read as the single parameter",

@@ -177,7 +177,7 @@ fn r_squared(form: &ExponentialFit, b_nm: &[f64]) -> f64 {
     1.0 - (form.rmse_nm / spread_nm).powi(2)
 }
 
-/// What to distrust of the friction of one direction.
+/// Warnings about the friction of one direction.
 pub fn warnings(fit: &FrictionFit) -> Vec<String> {
     let moving = fit.direction.name();
     let mut words: Vec<String> = warning(fit).into_iter().collect();

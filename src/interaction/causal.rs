@@ -128,7 +128,7 @@ impl Estimator {
     }
 
     /// A sample was lost: what the filters give is known again once they have forgotten the gap.
-    pub fn distrust(&mut self) {
+    pub fn discard_state(&mut self) {
         self.known_in = self.known_in.map(|_| self.forgotten);
     }
 

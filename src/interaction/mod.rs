@@ -209,7 +209,7 @@ fn unknown_warning(trial: &TrialInteraction) -> Option<String> {
     (share > LITTLE).then(|| {
         format!(
             "{}: in {:.0} % of it ({:.1} s) K_f is not known yet or the sensor was at its limit: no figure and no contact \
-             smaller than the whole change of friction is to be had there",
+             smaller than the whole change of friction can be extracted there",
             trial.entry.file,
             100.0 * share,
             unknown as f64 / trial.extracted.rate_hz

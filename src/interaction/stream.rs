@@ -154,7 +154,7 @@ impl Stream {
     pub fn step(&mut self, sample: &Sample) -> StreamOutput {
         if self.fault(sample).is_some() {
             self.left_out += 1;
-            self.estimator.distrust();
+            self.estimator.discard_state();
             return self.held(sample.time_s);
         }
         if self.last_s.is_some_and(|last_s| sample.time_s - last_s > GAP * self.period_s) {

@@ -1,8 +1,9 @@
 //! A comparison of two models as `comparison.json`, on the terminal, and as a page.
 
 use super::number::{counted, interval, significant};
-use super::page::{Card, Drawing, Page, Table};
-use super::terminal::{BOLD, DIM, heading};
+use super::page::{Block, Card, Page, Section, Table, cells};
+use super::plots;
+use super::terminal::{BOLD, DIM, heading, table, wrapped};
 use super::wording::{Units, moving};
 use crate::compare::{Cause, CauseKind, Change, Comparison, FunctionChange, FunctionKind, Level, Measure, Verdict};
 use crate::model::Direction;
@@ -78,7 +79,7 @@ fn verdict_word(verdict: Verdict) -> &'static str {
     match verdict {
         Verdict::Changed => "changed",
         Verdict::Within => "within its confidence",
-        Verdict::Together => "known only with others",
+        Verdict::Together => "correlated",
         Verdict::Unknown => "not known",
     }
 }
@@ -201,13 +202,13 @@ fn parameters_table(found: &Comparison) -> Table {
         ]
     };
     Table {
-        title: "Parameters".to_string(),
+        title: String::new(),
         intro: "The change with its 95 % interval, from the confidence of both models; a parameter without any is taken as known \
-                within 5 %. Parameters known only together with others are not judged one by one: see the friction that they \
+                within 5 %. Parameters that are correlated with others are not compared one by one: see the friction that they \
                 amount to."
             .to_string(),
         heads: ["parameter", "unit", "before", "after", "change", "95 % interval", "verdict"].map(String::from).to_vec(),
-        rows: found.changes.iter().map(row).collect(),
+        rows: found.changes.iter().map(row).map(cells).collect(),
     }
 }
 
@@ -235,12 +236,12 @@ fn functions_table(found: &Comparison, units: &Units) -> Table {
         ]
     };
     Table {
-        title: "Functions".to_string(),
+        title: String::new(),
         intro: "What is known well even where parameters trade off, with the half width of its 95 % interval. Each row is judged by \
                 itself: of twenty that did not change one is called changed by chance; what changed is decided on all together, above."
             .to_string(),
         heads: ["", "direction", "speed", "before", "after", "change", "verdict"].map(String::from).to_vec(),
-        rows: found.functions.iter().map(row).collect(),
+        rows: found.functions.iter().map(row).map(cells).collect(),
     }
 }
 
@@ -255,15 +256,17 @@ fn friction_table(found: &Comparison, units: &Units) -> Table {
         ]
     };
     Table {
-        title: "Friction without load, B(v)".to_string(),
+        title: String::new(),
         intro: "What the friction parameters amount to at the sensor.".to_string(),
         heads: ["direction", "speed", "before", "after", "change"].map(String::from).to_vec(),
-        rows: found.levels.iter().map(row).collect(),
+        rows: found.levels.iter().map(row).map(cells).collect(),
     }
 }
 
-/// The page of `found`, with its `drawings`.
-pub fn page(found: &Comparison, names: &[String; 2], drawings: Vec<Drawing>) -> Page {
+/// The page of `found`.
+pub fn page(found: &Comparison, names: &[String; 2]) -> Page {
+    let mut figures = plots::comparison::figures(found);
+    let rest = figures.split_off(1);
     let units = Units::of(found.before.joint.kind);
     let card = |name: &str, value: String, note: &str| Card { name: name.into(), value, note: note.into() };
     let changed = found.changes.iter().filter(|c| c.verdict == Verdict::Changed).count();
@@ -278,13 +281,14 @@ pub fn page(found: &Comparison, names: &[String; 2], drawings: Vec<Drawing>) -> 
             card("prediction, mean", units.torque(found.effect.mean_nm), "a level, as a tare would take away"),
             card("prediction, peak", units.torque(found.effect.peak_nm), "largest change"),
         ],
-        tables: vec![functions_table(found, &units), parameters_table(found), friction_table(found, &units)],
-        drawings,
-        provenance: vec![
-            ("tautline", env!("CARGO_PKG_VERSION").to_string()),
-            ("before", names[0].clone()),
-            ("after", names[1].clone()),
+        lead: figures,
+        sections: vec![
+            Section::open("What it does to the prediction", rest.into_iter().rev().map(Block::Figure).collect()),
+            Section::open("What is known even where parameters trade off", vec![Block::Table(functions_table(found, &units))]),
+            Section::open("Parameters", vec![Block::Table(parameters_table(found))]),
+            Section::folded("Friction without load, B(v)", vec![Block::Table(friction_table(found, &units))]),
         ],
+        provenance: vec![("before", names[0].clone()), ("after", names[1].clone())],
         ..Page::default()
     }
 }
@@ -297,29 +301,13 @@ pub fn write_summary(out: &mut impl Write, found: &Comparison, names: &[String; 
         out,
         "Parameters, and their change with its 95 % interval (5 % of a value where nobody said how well it is known)",
     )?;
-    let head = ["", "unit", "before", "after", "change", "95 % interval", "verdict"];
-    writeln!(
-        out,
-        "  {DIM}{:<22} {:<8} {:>10}    {:>10}  {:>10}  {:<26} {}{DIM:#}",
-        head[0], head[1], head[2], head[3], head[4], head[5], head[6]
-    )?;
-    for row in parameters_table(found).rows {
-        let [name, unit, before, after, change, range, verdict] = &row[..] else { continue };
-        writeln!(out, "  {name:<22} {unit:<8} {before:>10} -> {after:>10}  {change:>10}  {range:<26} {verdict}")?;
-    }
-    if !found.functions.is_empty() {
-        heading(out, "What is known even where parameters trade off, with 95 % intervals")?;
-    }
-    for row in functions_table(found, &units).rows {
-        let [what, direction, speed, before, after, change, verdict] = &row[..] else { continue };
-        writeln!(out, "  {what:<34} {direction:<12} {speed:<12} {before:>24} -> {after:>24}  {change:>24}  {verdict}")?;
-    }
-    if found.functions.is_empty() {
-        heading(out, "Friction without load, B(v)")?;
-    }
-    for row in friction_table(found, &units).rows.iter().filter(|_| found.functions.is_empty()) {
-        let [direction, speed, before, after, change] = &row[..] else { continue };
-        writeln!(out, "  {direction:<12} {speed:<12} {before:>12} -> {after:>12}  {change:>12}")?;
-    }
-    writeln!(out, "\n  {}", sentence(found, &units))
+    let parameters = parameters_table(found);
+    table(out, &parameters.heads, &parameters.texts())?;
+    let (known, title) = match found.functions.is_empty() {
+        true => (friction_table(found, &units), "Friction without load, B(v)"),
+        false => (functions_table(found, &units), "What is known even where parameters trade off, with 95 % intervals"),
+    };
+    heading(out, title)?;
+    table(out, &known.heads, &known.texts())?;
+    writeln!(out, "\n  {}", wrapped(&sentence(found, &units), 2))
 }

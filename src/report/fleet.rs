@@ -3,7 +3,8 @@
 use super::comparison::{cause_json, told_cause};
 use super::life;
 use super::number::{counted, interval, significant};
-use super::page::{Card, Drawing, Page, Table};
+use super::page::{Block, Card, Page, Section, Table, Warning, cells};
+use super::plots;
 use super::terminal::{BOLD, DIM, YELLOW, heading};
 use super::wording::{Units, moving};
 use crate::batch::{Drift, Fleet, Joint, Outlier, Row};
@@ -202,20 +203,29 @@ fn table<const N: usize>(title: &str, intro: &str, (heads, mut rows): Cells<N>) 
         title: title.to_string(),
         intro: format!("{intro}{more}"),
         heads: heads.map(String::from).to_vec(),
-        rows: rows.into_iter().map(Vec::from).collect(),
+        rows: rows.into_iter().map(Vec::from).map(cells).collect(),
     })
 }
 
-/// The page of `fleet`, called `name`, with its `drawings`.
-pub fn page(fleet: &Fleet, name: &str, drawings: Vec<Drawing>) -> Page {
+/// The page of `fleet`, called `name`.
+pub fn page(fleet: &Fleet, name: &str) -> Page {
     let card = |name: &str, value: String, note: &str| Card { name: name.into(), value, note: note.into() };
     let drift_intro = format!(
         "First campaign since the cables were last retensioned, or the first of all, against the last, both as the whole history has \
          them. {} followed; the intervals are wide enough to hold all together with 95 %. With five campaigns or more they hold the \
-         scatter between sessions, with fewer only what each campaign knows of itself. A and B(v) are what parameters that are known \
-         only together amount to.",
+         scatter between sessions, with fewer only what each campaign knows of itself. A and B(v) are what parameters that are \
+         correlated amount to.",
         counted(fleet.compared, "parameter or function", "parameters and functions")
     );
+    let drawn = plots::fleet::figures(fleet);
+    // From a row to the joint's figure.
+    let linked = |mut table: Table| {
+        for row in &mut table.rows {
+            let figure = drawn.iter().find(|(joint, _)| joint.name == row[0].text);
+            row[0].link = figure.map_or_else(String::new, |(_, figure)| figure.name.clone());
+        }
+        table
+    };
     let tables = [
         table(
             "What changed since the cables were last retensioned",
@@ -227,15 +237,25 @@ pub fn page(fleet: &Fleet, name: &str, drawings: Vec<Drawing>) -> Page {
         table("Slow drift", life::DRIFTS, life::drifts(fleet)),
         table("What follows the temperature", life::TEMPERATURE, life::temperature(fleet)),
         table("How much changed since", &drift_intro, drifts(fleet)),
-        table("Campaigns that failed", "Each by itself; the others are not touched.", failures(fleet)),
+        table("Campaigns that failed", "The others are complete.", failures(fleet)),
         table(
-            "What stands out",
-            "More than six standard deviations from the fleet's median, told from the middle of the fleet; only parameters that are known \
-             by themselves.",
+            "Outliers",
+            "More than six standard deviations from the fleet's median, with the deviation estimated from the middle of the fleet; \
+             only pinned parameters.",
             outliers(fleet),
         ),
         table("Joints", "RMSE and verdict are of the last campaign.", joints(fleet)),
     ];
+    let mut sections: Vec<Section> = tables
+        .into_iter()
+        .flatten()
+        .map(|mut table| Section::open(&std::mem::take(&mut table.title), vec![Block::Table(linked(table))]))
+        .collect();
+    let options: Vec<_> = drawn.into_iter().map(|(joint, figure)| (joint.name.clone(), vec![figure])).collect();
+    if !options.is_empty() {
+        let at = sections.len().min(1);
+        sections.insert(at, Section::open("Joints over time", vec![Block::Choice("joint", options)]));
+    }
     Page {
         kicker: "tautline batch".to_string(),
         title: name.to_string(),
@@ -247,10 +267,8 @@ pub fn page(fleet: &Fleet, name: &str, drawings: Vec<Drawing>) -> Page {
             card("joints drifted", fleet.drifted().count().to_string(), "beyond their confidence"),
             card("stand out", fleet.outliers.len().to_string(), "values far from the fleet's"),
         ],
-        warnings: fleet.warnings.clone(),
-        tables: tables.into_iter().flatten().collect(),
-        drawings,
-        provenance: vec![("tautline", env!("CARGO_PKG_VERSION").to_string())],
+        warnings: fleet.warnings.iter().map(Warning::from).collect(),
+        sections,
         ..Page::default()
     }
 }

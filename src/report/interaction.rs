@@ -1,8 +1,9 @@
 //! An interaction as `interaction.json`, tables, on the terminal, and as a page.
 
 use super::number::{count, counted, significant};
-use super::page::{Card, Drawing, Page, Table};
-use super::terminal::{BOLD, DIM, distrust, heading};
+use super::page::{Block, Card, Page, Section, Table, Warning, cells};
+use super::plots;
+use super::terminal::{BOLD, DIM, heading, table as write_table, wrapped, write_warnings};
 use super::wording::Units;
 use crate::interaction::{Comparison, Contact, Interaction, Quiet, TrialInteraction};
 use crate::log::table::{Numbers, csv_bytes};
@@ -114,7 +115,7 @@ fn threshold_sentence(found: &Interaction, units: &Units) -> String {
             significant(rate, 2),
             significant(most, 2)
         ),
-        None => format!("{levels}; how often that is a false alarm could not be tried on quiet trials."),
+        None => format!("{levels}; the false-alarm rate is unknown, because there are no quiet trials."),
     }
 }
 
@@ -135,13 +136,14 @@ fn agreement_sentence(found: &Interaction, units: &Units) -> Option<String> {
     })
 }
 
-/// The page of `found`, with its `drawings`.
-pub fn page(found: &Interaction, campaign: &str, model: &str, drawings: Vec<Drawing>) -> Page {
+/// The page of `found`.
+pub fn page(found: &Interaction, campaign: &str, model: &str) -> Page {
     let units = Units::of(found.model.joint.kind);
     let contacts: usize = found.trials.iter().map(|t| t.contacts.len()).sum();
     let card = |name: &str, value: String, note: &str| Card { name: name.into(), value, note: note.into() };
     let mut steps = vec![threshold_sentence(found, &units)];
     steps.extend(agreement_sentence(found, &units));
+    let trials = plots::interaction::figures(found).into_iter().map(|(name, figure)| (name, vec![figure])).collect();
     Page {
         kicker: format!("tautline interaction · campaign {campaign} · model {model}"),
         title: found.model.joint.name.clone(),
@@ -157,8 +159,7 @@ pub fn page(found: &Interaction, campaign: &str, model: &str, drawings: Vec<Draw
                 String::new()
             }
         ),
-        steps,
-        warnings: found.warnings.clone(),
+        warnings: found.warnings.iter().map(Warning::from).collect(),
         cards: vec![
             card("contacts", count(contacts), "longer than half a period of the low-pass"),
             card("threshold", units.torque(found.quiet.levels.stable_nm), "stable state"),
@@ -169,10 +170,12 @@ pub fn page(found: &Interaction, campaign: &str, model: &str, drawings: Vec<Draw
                 "95 % of quiet samples, stable state",
             ),
         ],
-        tables: vec![trials_table(found, &units), contacts_table(found, &units)],
-        drawings,
+        sections: vec![
+            Section::open("Torque over time", vec![Block::List(steps), Block::Choice("trial", trials)]),
+            Section::open("By trial", vec![Block::Table(trials_table(found, &units))]),
+            Section::folded("Contacts", vec![Block::Table(contacts_table(found, &units))]),
+        ],
         provenance: vec![
-            ("tautline", env!("CARGO_PKG_VERSION").to_string()),
             ("campaign", campaign.to_string()),
             ("model", model.to_string()),
             ("quiet trials", count(found.quiet.trials)),
@@ -210,12 +213,12 @@ fn trials_table(found: &Interaction, units: &Units) -> Table {
     let heads =
         ["trial", "contacts", "RMSE", "MAE", "peak error", "delay (ms)", "onset delay (ms)", "missed / spurious"];
     Table {
-        title: "By trial".to_string(),
+        title: String::new(),
         intro: "Against the torque measured independently, where there is one, through the same low-pass. The peak error is the \
                 difference of the peaks of each contact, averaged; the delay is where the two correlate best, the reference being filtered as late as the torque."
             .to_string(),
         heads: heads.map(String::from).to_vec(),
-        rows: found.trials.iter().map(row).collect(),
+        rows: found.trials.iter().map(row).map(cells).collect(),
     }
 }
 
@@ -231,10 +234,10 @@ fn contacts_table(found: &Interaction, units: &Units) -> Table {
     };
     let rows = found.trials.iter().flat_map(|t| t.contacts.iter().map(move |c| (t, c)));
     Table {
-        title: "Contacts".to_string(),
+        title: String::new(),
         intro: "Onset and release as the torque crosses the threshold, and the largest torque between.".to_string(),
         heads: ["trial", "onset (s)", "release (s)", "peak", ""].map(String::from).to_vec(),
-        rows: rows.map(|(t, c)| row(&t.entry.file, c)).collect(),
+        rows: rows.map(|(t, c)| cells(row(&t.entry.file, c))).collect(),
     }
 }
 
@@ -249,13 +252,10 @@ pub fn write_summary(out: &mut impl Write, found: &Interaction, campaign: &str, 
     )?;
     heading(out, "Trials")?;
     let table = trials_table(found, &units);
-    writeln!(out, "  {DIM}{:<28} {}{DIM:#}", table.heads[0], columns(&table.heads[1..]))?;
-    for row in &table.rows {
-        writeln!(out, "  {:<28} {}", row[0], columns(&row[1..]))?;
-    }
-    writeln!(out, "\n  {}", threshold_sentence(found, &units))?;
+    write_table(out, &table.heads, &table.texts())?;
+    writeln!(out, "\n  {}", wrapped(&threshold_sentence(found, &units), 2))?;
     if let Some(sentence) = agreement_sentence(found, &units) {
-        writeln!(out, "  {sentence}")?;
+        writeln!(out, "  {}", wrapped(&sentence, 2))?;
     }
     if found.settings.causal {
         writeln!(
@@ -264,7 +264,7 @@ pub fn write_summary(out: &mut impl Write, found: &Interaction, campaign: &str, 
             significant(found.filter_delay_s, 2)
         )?;
     }
-    distrust(out, &found.warnings)?;
+    write_warnings(out, &found.warnings)?;
     writeln!(
         out,
         "\nwritten to {BOLD}{}{BOLD:#}: interaction.json, a table per trial, report.html, plots",
@@ -275,8 +275,4 @@ pub fn write_summary(out: &mut impl Write, found: &Interaction, campaign: &str, 
 /// To a tenth of a millisecond: what lies below is rounding.
 fn milliseconds(time_s: f64) -> String {
     if time_s.is_finite() { format!("{:.1}", 1e3 * time_s) } else { "–".to_string() }
-}
-
-fn columns(cells: &[String]) -> String {
-    cells.iter().map(|cell| format!("{cell:>16}")).collect::<Vec<_>>().join(" ")
 }

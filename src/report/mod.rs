@@ -20,10 +20,12 @@
 //! | `predicted` | a trial's prediction, sample by sample |
 //! | `verdict` | the result in plain words |
 //! | `terminal` | the summary on the terminal |
-//! | `plots` | one figure per file, drawn on `chart`: canvas, panels, axes, thinning |
+//! | `chart` | figures as data: panels, series, axes; drawn as SVG, or sent to the page's script |
+//! | `plots` | results as figures, one file each |
 //! | `png` | a figure as a picture, with the bundled font |
 //! | `forms` | the forms of B(v) side by side, for the page |
-//! | `html` | `report.html`: all of it in one file |
+//! | `page` | `report.html`: a list of sections in one file, with its script and style |
+//! | `protocol` | the page of an identification |
 //! | `parameters`, `number`, `wording` | what all of these share: rows, digits, units and words |
 
 pub mod chart;
@@ -36,7 +38,6 @@ pub mod excitation;
 pub mod fleet;
 mod forms;
 pub mod gate;
-pub mod html;
 pub mod identification;
 pub mod interaction;
 mod life;
@@ -47,6 +48,7 @@ pub mod parameters;
 pub mod plots;
 pub mod png;
 pub mod predicted;
+mod protocol;
 pub mod repeatability;
 pub mod tables;
 pub mod terminal;
@@ -64,8 +66,6 @@ use crate::identify::{Identification, LegFit};
 use crate::interaction::Interaction;
 use crate::log::mixed;
 use crate::problem::{Problem, Result, acts};
-use plots::{FIGURES, Figure};
-use rayon::prelude::*;
 
 /// Writes `model.json`, `trials.csv` (its header alone without sweeps), `plots/` and `report.html` of `found` to `output`.
 ///
@@ -73,26 +73,13 @@ use rayon::prelude::*;
 pub fn write_identification(found: &Identification, campaign: &str, output: &Output, png: bool) -> Result<()> {
     output.write("model.json", json_text(&identification::to_json(found, campaign)))?;
     write_trials(&found.legs, &found.model.joint.name, output)?;
-    let drawn: Vec<(&Figure, String)> = draw_figures(found, output)?;
-    for (figure, svg) in &drawn {
-        output.write(&format!("plots/{}.svg", figure.name), svg)?;
-    }
-    if png {
-        drawn.par_iter().try_for_each(|(figure, svg)| {
-            let name = format!("plots/{}.png", figure.name);
-            let picture = png::render(svg).or_else(|error| unmade(output, &name, error))?;
-            output.write(&name, picture)
-        })?;
-    }
-    let page = html::report(found, campaign, &drawn).or_else(|error| unmade(output, "report.html", error))?;
-    output.write("report.html", page)
+    protocol::page(found, campaign).write(output, png)
 }
 
 /// Writes `evaluation.json`, `plots/` and `report.html` of `found` to `output`.
 pub fn write_evaluation(found: &Evaluation, campaign: &str, model: &str, output: &Output, png: bool) -> Result<()> {
     output.write("evaluation.json", json_text(&evaluation::to_json(found, campaign, model)))?;
-    let drawings = plots::evaluation::drawings(found).or_else(|error| unmade(output, "plots", error))?;
-    evaluation::page(found, campaign, model, drawings).write(output, png)
+    evaluation::page(found, campaign, model).write(output, png)
 }
 
 /// Writes `interaction.json`, a table per trial called as `names` says, `plots/` and `report.html` of `found` to `output`.
@@ -108,8 +95,7 @@ pub fn write_interaction(
     for (trial, name) in found.trials.iter().zip(names) {
         output.write(name, interaction::trial_csv(trial, &found.quiet))?;
     }
-    let drawings = plots::interaction::drawings(found).or_else(|error| unmade(output, "plots", error))?;
-    interaction::page(found, campaign, model, drawings).write(output, png)
+    interaction::page(found, campaign, model).write(output, png)
 }
 
 /// Writes `table.csv`, `table.parquet`, `fleet.json`, `plots/` and `report.html` of `fleet`, called `name`, to `output`.
@@ -119,22 +105,19 @@ pub fn write_fleet(fleet: &Fleet, name: &str, output: &Output, png: bool) -> Res
     output.write("table.csv", mixed::csv_bytes(&shown("table.csv"), &columns)?)?;
     output.write("table.parquet", mixed::parquet_bytes(&shown("table.parquet"), &columns)?)?;
     output.write("fleet.json", json_text(&fleet::to_json(fleet)))?;
-    let drawings = plots::fleet::drawings(fleet).or_else(|error| unmade(output, "plots", error))?;
-    fleet::page(fleet, name, drawings).write(output, png)
+    fleet::page(fleet, name).write(output, png)
 }
 
 /// Writes `comparison.json`, `plots/` and `report.html` of `found` between the models called `names` to `output`.
 pub fn write_comparison(found: &Comparison, names: &[String; 2], output: &Output, png: bool) -> Result<()> {
     output.write("comparison.json", json_text(&comparison::to_json(found, names)))?;
-    let drawings = plots::comparison::drawings(found).or_else(|error| unmade(output, "plots", error))?;
-    comparison::page(found, names, drawings).write(output, png)
+    comparison::page(found, names).write(output, png)
 }
 
 /// Writes `repeatability.json`, the page and the plots to `output`.
 pub fn write_repeatability(found: &[Repeatability], output: &Output, png: bool) -> Result<()> {
     output.write("repeatability.json", json_text(&repeatability::to_json(found)))?;
-    let drawings = plots::repeatability::drawings(found).or_else(|error| unmade(output, "plots", error))?;
-    repeatability::page(found, drawings).write(output, png)
+    repeatability::page(found).write(output, png)
 }
 
 /// Writes a file for each motion of `asked`, `excitation.json` and `plan.svg` to `output`; `png` asks for a picture too.
@@ -143,11 +126,7 @@ pub fn write_excitation(asked: &[Asked], limits: &Limits, output: &Output, pictu
     for one in asked {
         output.write(&excitation::file_of(one), one.trajectory.to_toml())?;
     }
-    let svg = plots::excitation::draw(asked, limits).or_else(|error| unmade(output, "plan.svg", error))?;
-    if picture {
-        output.write("plan.png", png::render(&svg).or_else(|error| unmade(output, "plan.png", error))?)?;
-    }
-    output.write("plan.svg", svg)
+    page::write_figure(&plots::excitation::figure(asked, limits), "", output, picture)
 }
 
 /// Writes `legs` of the joint called `joint` to `trials.csv`.
@@ -170,17 +149,6 @@ pub fn json_text(value: &serde_json::Value) -> String {
         }
     }
     plain
-}
-
-/// The figures that there are data for, in their order.
-fn draw_figures<'a>(found: &Identification, output: &Output) -> Result<Vec<(&'a Figure, String)>> {
-    let draw = |figure: &'a Figure| {
-        let name = format!("plots/{}.svg", figure.name);
-        let svg = (figure.draw)(found).or_else(|error| unmade(output, &name, error))?;
-        Ok(svg.map(|svg| (figure, svg)))
-    };
-    let drawn: Vec<Option<(&Figure, String)>> = FIGURES.par_iter().map(draw).collect::<Result<_>>()?;
-    Ok(drawn.into_iter().flatten().collect())
 }
 
 /// An output that could not be made: a fault of this program, not of its input.

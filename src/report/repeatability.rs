@@ -1,8 +1,9 @@
 //! Runs of one joint under nominally the same conditions as `repeatability.json`, on the terminal, and as a page.
 
 use super::number::{counted, significant};
-use super::page::{Card, Drawing, Page, Table};
-use super::terminal::{BOLD, DIM, heading};
+use super::page::{Block, Card, Page, Section, Table, cells};
+use super::plots;
+use super::terminal::{BOLD, DIM, heading, table as write_table};
 use crate::batch::{Quantity, Repeatability, Repeated};
 use serde_json::{Value, json};
 use std::io::{self, Write};
@@ -80,7 +81,7 @@ fn table(of: &Repeatability) -> Table {
                 (honest). Not identifiable: half of the runs or fewer show it."
             .to_string(),
         heads: ["", "mean", "claimed", "honest", "verdict"].map(String::from).to_vec(),
-        rows: of.quantities.iter().map(row).collect(),
+        rows: of.quantities.iter().map(row).map(cells).collect(),
     }
 }
 
@@ -89,12 +90,12 @@ fn absorbed(of: &Repeatability) -> Option<Table> {
         title: format!("What absorbs what, {}", of.joint),
         intro: "Parameters that change together from run to run: each takes up what the other leaves.".to_string(),
         heads: ["parameter", "with", "correlation"].map(String::from).to_vec(),
-        rows: of.absorbed.iter().map(|(a, b, r)| vec![a.clone(), b.clone(), format!("{r:+.2}")]).collect(),
+        rows: of.absorbed.iter().map(|(a, b, r)| cells(vec![a.clone(), b.clone(), format!("{r:+.2}")])).collect(),
     })
 }
 
-/// The page of `found`, with its `drawings`.
-pub fn page(found: &[Repeatability], drawings: Vec<Drawing>) -> Page {
+/// The page of `found`.
+pub fn page(found: &[Repeatability]) -> Page {
     let quantities = || found.iter().flat_map(|of| &of.quantities);
     let count = |name: &str| quantities().filter(|q| q.verdict.name() == name).count().to_string();
     let card = |name: &str, value: String, note: &str| Card { name: name.into(), value, note: note.into() };
@@ -109,10 +110,14 @@ pub fn page(found: &[Repeatability], drawings: Vec<Drawing>) -> Page {
             card("depend", count("depends_on_condition"), "on a named condition"),
             card("not identifiable", count("not_identifiable"), "in most of the runs"),
         ],
-        tables: found.iter().flat_map(|of| [Some(table(of)), absorbed(of)]).flatten().collect(),
-        leading: drawings.len(),
-        drawings,
-        provenance: vec![("tautline", env!("CARGO_PKG_VERSION").to_string())],
+        lead: plots::repeatability::figures(found),
+        sections: found
+            .iter()
+            .map(|of| {
+                let tables = [Some(table(of)), absorbed(of)].into_iter().flatten();
+                Section::open(&of.joint, tables.map(Block::Table).collect())
+            })
+            .collect(),
         ..Page::default()
     }
 }
@@ -122,10 +127,8 @@ pub fn write_summary(out: &mut impl Write, found: &[Repeatability]) -> io::Resul
     for of in found {
         writeln!(out, "{BOLD}{}{BOLD:#}  {DIM}{}{DIM:#}", of.joint, sentence(of))?;
         heading(out, "Mean, half width as claimed and as the scatter shows it, verdict")?;
-        for row in table(of).rows {
-            let [name, mean, claimed, honest, verdict] = &row[..] else { continue };
-            writeln!(out, "  {name:<34} {mean:>10}  {claimed:>9}  {honest:>9}  {verdict}")?;
-        }
+        let quantities = table(of);
+        write_table(out, &quantities.heads, &quantities.texts())?;
         for (a, b, r) in &of.absorbed {
             writeln!(out, "  {DIM}{a} and {b} change together from run to run (correlation {r:+.2}){DIM:#}")?;
         }

@@ -3,9 +3,11 @@
 //! Colours only repeat what words say. Written through anstream's streams, which drop them where `NO_COLOR` asks for it or
 //! nobody looks.
 
+use super::chart::{Figure, characters};
 use super::identification::{overall_rmse_nm, parameter};
 use super::number::{counted, r_squared, significant};
 use super::parameters::{Parameter, combination, friction, rests_on};
+use super::plots;
 use super::verdict::refinement;
 use super::wording::{LEFT_OUT, Units, met, moving, status_word};
 use crate::identify::stribeck::exponentials;
@@ -15,8 +17,12 @@ use anstyle::{AnsiColor, Style};
 use std::io::{self, Write};
 use std::path::Path;
 
-/// Columns of running text.
+/// Columns of running text: no wider than reads well, and where nobody looks.
 const WIDTH: usize = 112;
+/// No narrower, however narrow the terminal is.
+const WIDTH_MIN: usize = 40;
+/// Columns that both directions' parameters take side by side.
+const SIDE_BY_SIDE: usize = 20 + 2 * CELL;
 
 pub(super) const BOLD: Style = Style::new().bold();
 pub(super) const DIM: Style = Style::new().dimmed();
@@ -34,7 +40,10 @@ pub fn write_summary(
     let name = &found.model.joint.name;
     writeln!(out, "{BOLD}{name}{BOLD:#}  {DIM}campaign {campaign}: {trials}, {rows}{DIM:#}")?;
     match &found.route {
-        Route::Sweeps(fits) => sweeps(out, fits, &units)?,
+        Route::Sweeps(fits) => {
+            sweeps(out, fits, &units)?;
+            plots::friction::figure(found).map_or(Ok(()), |figure| picture(out, &figure))?;
+        }
         Route::Free(free) => free_motion(out, free, &units)?,
     }
     parameter_table(out, &found.model)?;
@@ -50,7 +59,7 @@ pub fn write_summary(
     if let Some(refined) = &found.refinement {
         writeln!(out, "  {}", wrapped(&refinement(refined, &units), 2))?;
     }
-    distrust(out, &found.warnings)?;
+    write_warnings(out, &found.warnings)?;
     if let Some(path) = written {
         let table = if found.legs.is_empty() { "" } else { "trials.csv, " };
         writeln!(out, "\nwritten to {BOLD}{}{BOLD:#}: model.json, {table}report.html, plots", path.display())?;
@@ -58,8 +67,8 @@ pub fn write_summary(
     Ok(())
 }
 
-/// Writes what to distrust, if anything.
-pub(super) fn distrust(out: &mut impl Write, warnings: &[String]) -> io::Result<()> {
+/// Writes the warnings, if there are any.
+pub(super) fn write_warnings(out: &mut impl Write, warnings: &[String]) -> io::Result<()> {
     if !warnings.is_empty() {
         heading(out, "Warnings")?;
     }
@@ -70,14 +79,55 @@ pub(super) fn heading(out: &mut impl Write, text: &str) -> io::Result<()> {
     writeln!(out, "\n{BOLD}{text}{BOLD:#}")
 }
 
-/// `text` in lines of at most `WIDTH` columns, all but the first set in by `indent`.
+/// Columns to write in: the terminal's.
+pub(super) fn width() -> usize {
+    let terminal = console::Term::stdout();
+    match terminal.is_term() {
+        true => usize::from(terminal.size().1).clamp(WIDTH_MIN, WIDTH),
+        false => WIDTH,
+    }
+}
+
+/// Writes `rows` below `heads` in columns: the first to the left, the others to the right but for words. What does not fit the
+/// terminal's width goes on in a line below.
+pub(super) fn table(out: &mut impl Write, heads: &[String], rows: &[Vec<String>]) -> io::Result<()> {
+    let all = || std::iter::once(heads).chain(rows.iter().map(Vec::as_slice));
+    let wide: Vec<usize> = (0..heads.len())
+        .map(|at| all().filter_map(|row| row.get(at)).map(|cell| cell.chars().count()).max().unwrap_or(0))
+        .collect();
+    let is_number = |at: usize| {
+        let starts = |cell: &String| cell.starts_with(|c: char| c.is_ascii_digit() || "-+–\u{2212}".contains(c));
+        at > 0 && rows.iter().filter_map(|row| row.get(at)).all(|cell| cell.is_empty() || starts(cell))
+    };
+    let room = width();
+    for (row, style) in all().zip(std::iter::once(DIM).chain(std::iter::repeat(Style::new()))) {
+        let (mut line, mut column) = (String::from("  "), 2);
+        for (at, cell) in row.iter().enumerate() {
+            if column + wide[at] > room && at > 0 {
+                line = format!("{}\n      ", line.trim_end());
+                column = 6;
+            }
+            let fill = " ".repeat(wide[at] - cell.chars().count());
+            line += &if is_number(at) { format!("{fill}{cell}  ") } else { format!("{cell}{fill}  ") };
+            column += wide[at] + 2;
+        }
+        writeln!(out, "{style}{}{style:#}", line.trim_end())?;
+    }
+    Ok(())
+}
+
+/// `text` in lines of at most `width()` columns, all but the first set in by `indent`.
 pub(super) fn wrapped(text: &str, indent: usize) -> String {
+    wrapped_to(text, indent, width())
+}
+
+fn wrapped_to(text: &str, indent: usize, width: usize) -> String {
     let mut lines = String::new();
     let mut column = indent;
     // Spaces that do not break stay within their word, and are written as plain ones.
     for word in text.split_ascii_whitespace() {
         let length = word.chars().count();
-        if column + length > WIDTH && column > indent {
+        if column + length > width && column > indent {
             lines.push('\n');
             lines.push_str(&" ".repeat(indent));
             column = indent;
@@ -116,11 +166,18 @@ fn free_motion(out: &mut impl Write, free: &FreeFit, units: &Units) -> io::Resul
     Ok(())
 }
 
-/// Friction in both directions side by side.
+/// Friction in both directions, side by side where the terminal is wide enough.
 pub fn parameter_table(out: &mut impl Write, model: &Model) -> io::Result<()> {
     let [up, down] = Direction::BOTH.map(|direction| friction(model, direction));
     heading(out, "Friction parameters, with 95 % intervals")?;
     let head = |direction| format!("{:<width$}", moving(direction), width = CELL);
+    if width() < SIDE_BY_SIDE.min(WIDTH) {
+        for (direction, rows) in [(Direction::Up, &up), (Direction::Down, &down)] {
+            writeln!(out, "  {DIM}{:<6} {:<8} {}{DIM:#}", "", "unit", head(direction).trim_end())?;
+            rows.iter().try_for_each(|row| writeln!(out, "  {:<6} {:<8} {}", row.name, row.unit, cell(row, 0)))?;
+        }
+        return Ok(());
+    }
     writeln!(out, "  {DIM}{:<6} {:<8} {} {}{DIM:#}", "", "unit", head(Direction::Up), head(Direction::Down))?;
     for (up, down) in up.iter().zip(&down) {
         writeln!(out, "  {:<6} {:<8} {} {}", up.name, up.unit, cell(up, CELL), cell(down, 0))?;
@@ -181,4 +238,40 @@ pub fn curves(out: &mut impl Write, fit: &CombinationFit, units: &Units) -> io::
         writeln!(out, "  {name:<10} {own:<14} RMSE {rmse:>11}   R² {r_squared:>7}   {}", note.join(", "))?;
     }
     Ok(())
+}
+
+/// Writes `figure`'s panels as characters, where somebody looks at a terminal.
+pub(super) fn picture(out: &mut impl Write, figure: &Figure) -> io::Result<()> {
+    if !console::Term::stdout().is_term() {
+        return Ok(());
+    }
+    for panel in figure.rows.iter().take(1).flat_map(|row| &row.panels) {
+        let title = if panel.title.is_empty() { &figure.title } else { &panel.title };
+        writeln!(out, "\n  {DIM}{title}{DIM:#}")?;
+        characters(panel, width().min(PICTURE)).iter().try_for_each(|line| writeln!(out, "  {line}"))?;
+    }
+    Ok(())
+}
+
+/// Columns of a picture.
+const PICTURE: usize = 78;
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn text_and_tables_fit_a_narrow_terminal() {
+        let text = "a diagnosis of the joint that moves up and down between two cables of one length ".repeat(6);
+        assert!(wrapped_to(&text, 2, 80).lines().all(|line| line.chars().count() <= 80));
+        let heads = ["trial", "RMSE", "what"].map(String::from);
+        let rows = vec![["a long name of a trial".repeat(3), "1.2".into(), "words about it ".repeat(3)].to_vec(); 2];
+        let mut out = Vec::new();
+        table(&mut out, &heads, &rows).unwrap();
+        let text = String::from_utf8(out).unwrap();
+        assert!(
+            text.lines().all(|line| anstream::adapter::strip_str(line).to_string().chars().count() <= WIDTH),
+            "{text}"
+        );
+    }
 }

@@ -1,4 +1,4 @@
-//! An identification in plain words with its numbers: what was found, how sure, what to distrust.
+//! An identification in plain words with its numbers: what was found, how certain, and its warnings.
 
 use super::identification::{overall_rmse_nm, parameter};
 use super::number::{counted, r_squared, significant};
@@ -71,15 +71,14 @@ fn friction(fits: &Both<FrictionFit>, units: &Units) -> String {
             return format!("{}, {} taken, exactly determined by the points", moving(d), exponentials(taken));
         }
         let (rmse, r_squared) = (units.torque(fit.taken.rmse_nm), r_squared(fit.r_squared));
-        format!("{}, {} meet it to {rmse} RMSE (R² {r_squared}), {advice}", moving(d), exponentials(taken))
+        format!("{}, {} with a fit RMSE of {rmse} (R² {r_squared}), {advice}", moving(d), exponentials(taken))
     };
     format!("Of the friction B(v): {}; {}.", met(Direction::Up), met(Direction::Down))
-        .replace("exponential meet", "exponential meets")
 }
 
 fn free_motion(free: &FreeFit, units: &Units) -> String {
     let (form, held_out) = (free.form.name(free.is_loaded), units.torque(free.held_out_nm));
-    format!("The friction taken is {form}: it leaves {held_out} RMSE on strokes that its fit did not see.")
+    format!("The friction taken is {form}: it leaves {held_out} RMSE on held-out strokes.")
 }
 
 fn combination(fit: &CombinationFit, units: &Units) -> String {
@@ -94,7 +93,7 @@ fn combination(fit: &CombinationFit, units: &Units) -> String {
     let rest: Vec<String> = rest.map(|(_, c)| format!("{} {}", c.kind.name(), units.torque(c.rmse_nm))).collect();
     let there = match fit.judged_on {
         JudgedOn::Reversals => "there",
-        JudgedOn::UnseenStrokes => "on strokes that the fit did not see",
+        JudgedOn::UnseenStrokes => "on held-out strokes",
     };
     format!(
         "After {} friction changes over by the {} curve{own}, which leaves {} {there}{advice}; the others leave {}.",
@@ -118,7 +117,7 @@ pub fn refinement(refined: &Refinement, units: &Units) -> String {
         (false, false) => "no certain gain, so the protocol's model is kept",
     };
     format!(
-        "Refining all parameters on the whole series changes the RMSE from {before} to {after} on trials not seen: {kept}."
+        "Refining all parameters on the whole series changes the RMSE from {before} to {after} on held-out trials: {kept}."
     )
 }
 
@@ -127,10 +126,10 @@ fn sureness(found: &Identification) -> String {
         parameters(&found.model).iter().filter(|p| !p.left_out).filter_map(|p| Some(p.confidence?.status)).collect();
     let count = |status: Status| known.iter().filter(|s| **s == status).count();
     let parts = [
-        (count(Status::Pinned), "known by themselves"),
-        (count(Status::TradeOff), "known only together with others"),
+        (count(Status::Pinned), "well determined"),
+        (count(Status::TradeOff), "correlated with other parameters"),
         (count(Status::Merged), "merged with others in a smaller form"),
-        (count(Status::Flat), "not shown by these data"),
+        (count(Status::Flat), "not determined by these data"),
         (count(Status::AtBound), "at the limit of what these data could show"),
     ];
     let told: Vec<String> = parts.iter().filter(|(n, _)| *n > 0).map(|(n, what)| format!("{n} {what}")).collect();

@@ -91,9 +91,9 @@ pub fn status_word(status: Status) -> &'static str {
 /// What the status says.
 pub fn status_meaning(status: Status) -> &'static str {
     match status {
-        Status::Pinned => "known by itself: its standard error is at most 10 % of it",
+        Status::Pinned => "well determined: its standard error is at most 10 % of it",
         Status::TradeOff => {
-            "known only together with others: a change is made up for by theirs, so do not read it alone"
+            "correlated with other parameters: they compensate for a change in it, so do not read it alone"
         }
         Status::Merged => {
             "several parameters of the two-exponential form (19) in one: the interval is of their sum, not of the single parameter"

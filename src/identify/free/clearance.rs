@@ -55,7 +55,7 @@ pub fn doubt(trials: &[Prepared], declared: &Search, asked: &Question) -> Option
         None => format!("near {:.3} mm", 1e3 * fit.model.joint.backlash_m),
     };
     let failure = format!(
-        "the reversals ask for a clearance {clearance}, not the declared backlash_m = {:.3} mm: on strokes not seen it leaves \
+        "the reversals ask for a clearance {clearance}, not the declared backlash_m = {:.3} mm: on held-out strokes it leaves \
          {:.2} mN m, the declared one {:.2}; try --estimate-backlash",
         1e3 * declared.start.joint.backlash_m,
         1e3 * free_nm,

@@ -30,7 +30,22 @@ pub struct Axis {
     pub ticks: Vec<(f64, String)>,
     /// Places of grid lines without text.
     pub minor: Vec<f64>,
+    /// Whether its ticks are names, not values.
+    pub is_names: bool,
+    /// Whether its ticks have no texts, because a neighbour has them.
+    pub is_hidden: bool,
     scale: Scale,
+}
+
+/// `axis` with values as ticks.
+fn of_values(
+    label: impl Into<String>,
+    places: (f64, f64),
+    ticks: Vec<(f64, String)>,
+    minor: Vec<f64>,
+    scale: Scale,
+) -> Axis {
+    Axis { label: label.into(), places, ticks, minor, is_names: false, is_hidden: false, scale }
 }
 
 impl Axis {
@@ -38,7 +53,7 @@ impl Axis {
     pub fn linear(label: impl Into<String>, low: f64, high: f64) -> Self {
         let places = widened(low, high);
         let ticks = linear_ticks(places, step((places.1 - places.0) / TICKS));
-        Self { label: label.into(), places, ticks, minor: Vec::new(), scale: Scale::Linear }
+        of_values(label, places, ticks, Vec::new(), Scale::Linear)
     }
 
     /// Evenly spaced from -`reach` to `reach`, with three to five ticks: for a low panel.
@@ -79,7 +94,7 @@ impl Axis {
                 }
             }
         }
-        Self { label: label.into(), places: (low.log10(), high.log10()), ticks, minor, scale: Scale::Log }
+        of_values(label, (low.log10(), high.log10()), ticks, minor, Scale::Log)
     }
 
     /// Logarithmic on both sides of zero, from `low` to `high`; what is smaller than `from` gathers about zero.
@@ -98,7 +113,31 @@ impl Axis {
                 }
             }
         }
-        Self { label: label.into(), places: widened(place(low), place(high)), ticks, minor: Vec::new(), scale }
+        of_values(label, widened(place(low), place(high)), ticks, Vec::new(), scale)
+    }
+
+    /// Rows with names from above, the first at -0.5, the next at -1.5.
+    pub fn names(names: impl IntoIterator<Item = String>) -> Self {
+        let ticks: Vec<(f64, String)> =
+            names.into_iter().enumerate().map(|(at, name)| (-(at as f64) - 0.5, name)).collect();
+        let axis = of_values("", (-(ticks.len().max(1) as f64), 0.0), ticks, Vec::new(), Scale::Linear);
+        Self { is_names: true, ..axis }
+    }
+
+    /// Columns with names from the left, the first at 0, the next at 1.
+    pub fn columns(names: impl IntoIterator<Item = String>) -> Self {
+        let ticks: Vec<(f64, String)> = names.into_iter().enumerate().map(|(at, name)| (at as f64, name)).collect();
+        let axis = of_values("", (-0.6, ticks.len().max(1) as f64 - 0.4), ticks, Vec::new(), Scale::Linear);
+        Self { is_names: true, ..axis }
+    }
+
+    /// What it is called in the page's script, and where a signed logarithmic one becomes linear.
+    pub fn kind(&self) -> (&'static str, f64) {
+        match self.scale {
+            Scale::Linear => ("linear", 0.0),
+            Scale::Log => ("log", 0.0),
+            Scale::SignedLog { from } => ("signed", from),
+        }
     }
 
     /// Without its label: the neighbour below or beside shows it.
@@ -110,6 +149,7 @@ impl Axis {
     /// Without the ticks' texts.
     pub fn without_texts(mut self) -> Self {
         self.ticks.iter_mut().for_each(|(_, text)| text.clear());
+        self.is_hidden = true;
         self.without_label()
     }
 
@@ -117,12 +157,6 @@ impl Axis {
     pub fn sparse(mut self) -> Self {
         let mut at = 0..;
         self.ticks.retain(|_| at.next().is_some_and(|at: usize| at.is_multiple_of(2)));
-        self
-    }
-
-    /// Without ticks: for an axis of names.
-    pub fn without_ticks(mut self) -> Self {
-        self.ticks.clear();
         self
     }
 
@@ -226,7 +260,7 @@ fn minus(text: String) -> String {
 
 #[cfg(test)]
 mod tests {
-    use super::super::{Canvas, Frame, Mark, Panel, Stroke, palette, svg};
+    use super::super::{Columns, Figure, Mark, Panel, Stroke, palette, svg};
     use super::*;
     use proptest::prelude::*;
 
@@ -237,11 +271,13 @@ mod tests {
         prop_oneof![prop::num::f64::ANY, prop::sample::select(edges.to_vec()), -10.0..10.0]
     }
 
-    fn filled(panel: &Panel, points: &[(f64, f64)]) -> super::super::Drawn {
-        panel.line(points.iter().copied(), Stroke::solid(palette::BLUE, 1.0))?;
-        panel.dots(points.iter().copied(), 2.0, palette::BLUE, 0.5)?;
-        panel.band(points, points, palette::BLUE, 0.5)?;
-        points.iter().try_for_each(|point| panel.mark(*point, Mark::Diamond, palette::BLUE))
+    fn filled(x: &Axis, y: &Axis, points: &[(f64, f64)]) -> Figure {
+        let mut panel = Panel::new(x.clone(), y.clone());
+        panel.line("line", points.to_vec(), Stroke::solid(palette::BLUE, 1.0));
+        panel.dots("dots", points.to_vec(), 2.0, palette::BLUE, 0.5);
+        panel.band("band", [points.to_vec(), points.to_vec()], palette::BLUE, 0.5);
+        panel.marks("marks", points.to_vec(), Mark::Diamond, palette::BLUE);
+        Figure::single("any", "any", "", 200.0, panel)
     }
 
     proptest! {
@@ -263,13 +299,11 @@ mod tests {
                 prop_assert!(axis.places.0 < axis.places.1 && (axis.places.1 - axis.places.0).is_finite(), "{axis:?}");
                 prop_assert!(axis.ticks.iter().all(|(place, text)| place.is_finite() && text.len() < 24), "{axis:?}");
                 prop_assert!(axis.ticks.len() < 1400);
-                let frame = Frame { left: 60.0, top: 20.0, right: 300.0, bottom: 200.0 };
-                let draw = |canvas: &Canvas| {
-                    let panel = canvas.panel(frame, axis.clone(), axes[0].clone())?;
-                    assert!(points.iter().all(|point| panel.px(*point).0.abs() < 1e9 || point.0.is_nan()));
-                    filled(&panel, &points)
-                };
-                let drawn = svg(320, 240, "any", draw).unwrap();
+                let figure = filled(axis, &axes[0], &points);
+                let drawn = svg(&figure, 3).unwrap();
+                let mut columns = Columns::of(1);
+                let sent = format!("{}{}", figure.to_json(&mut columns), columns.into_json());
+                prop_assert!(!sent.contains("NaN") && !sent.contains("inf"));
                 prop_assert!(!drawn.contains("NaN") && !drawn.contains("inf"));
             }
         }

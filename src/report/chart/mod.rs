@@ -1,63 +1,55 @@
-//! Drawing: a canvas in pixels, panels with axes, marks that do not rely on colour alone.
-//!
-//! Plotters writes whole pixels, which turns a flat curve into a staircase. So the canvas is drawn `FINENESS` times as
-//! large and scaled down by the SVG's view box.
+//! Figures as data: rows of panels, each with its axes and series. Born in `plots`; drawn as SVG (`draw`), from that as PNG, or
+//! sent to the page's script (`data`), which draws the same value and lets a reader hover, zoom and select; or, on a terminal, as
+//! characters (`characters`).
 
 mod axis;
-mod cells;
-mod panel;
+mod canvas;
+mod characters;
+mod data;
+mod draw;
+mod layout;
 pub mod thin;
 
 pub use axis::{Axis, span};
-pub use cells::Colors;
-pub use panel::{Frame, Mark, Panel, Stroke};
+pub use canvas::Drawn;
+pub use characters::characters;
+pub use data::Columns;
+pub use draw::{FOR_FILES, FOR_PAGES, svg};
 
-use plotters::coord::Shift;
-use plotters::drawing::DrawingAreaErrorKind;
-use plotters::prelude::{DrawingArea, IntoDrawingArea, PathElement, RGBColor, Rectangle, SVGBackend, Text};
-use plotters::style::text_anchor::{HPos, Pos, VPos};
-use plotters::style::{Color, FontTransform, IntoFont, TextStyle, WHITE};
-
-/// Steps per pixel.
-const FINENESS: f64 = 10.0;
-/// Plotters divides a font's size by this before it writes it.
-const FONT_FACTOR: f64 = 1.24;
-/// Half the height of capitals less half an x-height, in font sizes.
-const CENTRE: f64 = 0.09;
 /// The bundled font first (`png`), then what browsers have that looks like it.
 pub const FONT_FAMILY: &str = "DejaVu Sans, Verdana, sans-serif";
 
-/// Size of ticks' texts and legends, px.
-pub const TEXT_PX: f64 = 13.0;
-/// Size of axis labels and headings, px.
-pub const LABEL_PX: f64 = 14.0;
-
 /// Colours that colour-blind readers tell apart (Okabe and Ito), and greys.
 pub mod palette {
-    use super::RGBColor;
+    use super::{Color, Hue};
     use crate::model::{Direction, Status};
 
+    const fn plain(hue: Hue) -> Color {
+        Color { hue, light: false }
+    }
     /// Vermilion.
-    pub const VERMILION: RGBColor = RGBColor(213, 94, 0);
+    pub const VERMILION: Color = plain(Hue::Vermilion);
     /// Blue.
-    pub const BLUE: RGBColor = RGBColor(0, 114, 178);
+    pub const BLUE: Color = plain(Hue::Blue);
     /// Bluish green.
-    pub const GREEN: RGBColor = RGBColor(0, 158, 115);
+    pub const GREEN: Color = plain(Hue::Green);
     /// Orange.
-    pub const ORANGE: RGBColor = RGBColor(230, 159, 0);
+    pub const ORANGE: Color = plain(Hue::Orange);
     /// Reddish purple.
-    pub const PURPLE: RGBColor = RGBColor(204, 121, 167);
+    pub const PURPLE: Color = plain(Hue::Purple);
     /// Text and axes.
-    pub const INK: RGBColor = RGBColor(40, 44, 52);
+    pub const INK: Color = plain(Hue::Ink);
     /// What stands back.
-    pub const GREY: RGBColor = RGBColor(130, 136, 145);
+    pub const GREY: Color = plain(Hue::Grey);
     /// Raw data behind others.
-    pub const PALE: RGBColor = RGBColor(190, 195, 202);
+    pub const PALE: Color = plain(Hue::Pale);
     /// Grid lines.
-    pub const GRID: RGBColor = RGBColor(226, 229, 233);
+    pub const GRID: Color = plain(Hue::Grid);
+    /// The ground.
+    pub const PAPER: Color = plain(Hue::Paper);
 
     /// The colour of a direction, the same in every figure.
-    pub fn direction(direction: Direction) -> RGBColor {
+    pub fn direction(direction: Direction) -> Color {
         match direction {
             Direction::Up => VERMILION,
             Direction::Down => BLUE,
@@ -65,13 +57,12 @@ pub mod palette {
     }
 
     /// `color`, standing back.
-    pub fn lighter(color: RGBColor) -> RGBColor {
-        let mixed = |part: u8| 255 - (255 - part) / 5 * 2;
-        RGBColor(mixed(color.0), mixed(color.1), mixed(color.2))
+    pub fn lighter(color: Color) -> Color {
+        Color { light: true, ..color }
     }
 
     /// The colour of a status.
-    pub fn status(status: Status) -> RGBColor {
+    pub fn status(status: Status) -> Color {
         match status {
             Status::Pinned => GREEN,
             Status::TradeOff => ORANGE,
@@ -82,8 +73,111 @@ pub mod palette {
     }
 }
 
-/// What drawing gives; writing to memory does not fail, but plotters does not know.
-pub type Drawn<T = ()> = std::result::Result<T, DrawingAreaErrorKind<std::io::Error>>;
+/// What a colour is called; the page has one for light ground and one for dark.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Hue {
+    /// Text and axes.
+    Ink,
+    /// What stands back.
+    Grey,
+    /// Raw data behind others.
+    Pale,
+    /// Grid lines.
+    Grid,
+    /// The ground.
+    Paper,
+    /// Moving up; what is wrong.
+    Vermilion,
+    /// Moving down; what was found.
+    Blue,
+    /// Well known.
+    Green,
+    /// Contact.
+    Orange,
+    /// The sensor's limits.
+    Purple,
+}
+
+impl Hue {
+    /// Its name in the page's style sheet.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Ink => "ink",
+            Self::Grey => "grey",
+            Self::Pale => "pale",
+            Self::Grid => "grid",
+            Self::Paper => "paper",
+            Self::Vermilion => "vermilion",
+            Self::Blue => "blue",
+            Self::Green => "green",
+            Self::Orange => "orange",
+            Self::Purple => "purple",
+        }
+    }
+}
+
+/// A colour of the palette, or its pale kind.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Color {
+    /// Which.
+    pub hue: Hue,
+    /// Whether it stands back.
+    pub light: bool,
+}
+
+/// How a line is drawn.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Stroke {
+    /// Its colour.
+    pub color: Color,
+    /// Its width, px.
+    pub width_px: f64,
+    /// Length of dashes and of the gaps between them, px; `None` is a whole line.
+    pub dash_px: Option<(f64, f64)>,
+}
+
+impl Stroke {
+    /// A whole line.
+    pub fn solid(color: Color, width_px: f64) -> Self {
+        Self { color, width_px, dash_px: None }
+    }
+
+    /// A dashed line.
+    pub fn dashed(color: Color, width_px: f64, dash_px: f64, gap_px: f64) -> Self {
+        Self { color, width_px, dash_px: Some((dash_px, gap_px)) }
+    }
+}
+
+/// A sign for one point; colour never tells alone what it is.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Mark {
+    /// A triangle that points up: moving up.
+    Up,
+    /// A triangle that points down: moving down.
+    Down,
+    /// A triangle that points left: goes on there.
+    Leftwards,
+    /// A triangle that points right.
+    Rightwards,
+    /// A disc of this radius, px.
+    Disc(f64),
+    /// A ring.
+    Ring,
+    /// A square on its corner.
+    Diamond,
+    /// A square.
+    Square,
+}
+
+impl Mark {
+    /// The triangle that points where the motion goes.
+    pub fn of(direction: crate::model::Direction) -> Self {
+        match direction {
+            crate::model::Direction::Up => Self::Up,
+            crate::model::Direction::Down => Self::Down,
+        }
+    }
+}
 
 /// Where a text stands about its point.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -100,96 +194,178 @@ pub enum Anchor {
     Upwards,
 }
 
-/// A drawing in pixels.
-pub struct Canvas<'a> {
-    root: DrawingArea<SVGBackend<'a>, Shift>,
+/// A point of x and y, in the units of the axes.
+pub type Point = (f64, f64);
+
+/// What a series draws.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Shape {
+    /// A line; a point that is not finite breaks it.
+    Line(Vec<Point>, Stroke),
+    /// The area between two lines, with its opacity.
+    Band(Vec<Point>, Vec<Point>, Color, f64),
+    /// Small discs, many: radius in px, opacity.
+    Dots(Vec<Point>, f64, Color, f64),
+    /// Signs.
+    Marks(Vec<Point>, Mark, Color),
+    /// Texts at points.
+    Texts(Vec<(Point, String)>, Anchor, Color),
+    /// Cells with colours.
+    Cells(Cells),
 }
 
-/// An SVG of `width_px` by `height_px` called `title`, which readers' machines speak aloud.
-pub fn svg(width_px: u32, height_px: u32, title: &str, draw: impl FnOnce(&Canvas) -> Drawn) -> Drawn<String> {
-    let fine = (width_px * FINENESS as u32, height_px * FINENESS as u32);
-    let mut text = String::new();
-    {
-        let canvas = Canvas { root: SVGBackend::with_string(&mut text, fine).into_drawing_area() };
-        canvas.root.fill(&WHITE)?;
-        draw(&canvas)?;
-        canvas.root.present()?;
-    }
-    let body = text.split_once('>').map_or("", |(_, body)| body);
-    let title = title.replace('&', "&amp;").replace('<', "&lt;");
-    Ok(format!(
-        "<svg width=\"{width_px}\" height=\"{height_px}\" viewBox=\"0 0 {} {}\" stroke-linejoin=\"round\" role=\"img\" \
-         xmlns=\"http://www.w3.org/2000/svg\">\n<title>{title}</title>{body}",
-        fine.0, fine.1
-    ))
+/// Cells of a map: which values they have, and which stretches of recordings stand behind each.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Cells {
+    /// Places (as on the axes) of the cells' edges from left to right.
+    pub across: Vec<f64>,
+    /// The same from below.
+    pub upwards: Vec<f64>,
+    /// Values row by row; NaN where there is none.
+    pub values: Vec<f64>,
+    /// The values along the colours, from zero.
+    pub axis: Axis,
+    /// A value to be marked beside the colours, and its name.
+    pub marked: (f64, &'static str),
+    /// For each cell the stretches of trials in it, the largest first: number of the trial, from and to, s.
+    pub stretches: Vec<Vec<(usize, f64, f64)>>,
 }
 
-fn fine(px: f64) -> i32 {
-    (px * FINENESS).round() as i32
+/// A shape with its name in the legend; without a name it has none.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Series {
+    /// What it is; series of one name are one entry.
+    pub name: String,
+    /// What is drawn.
+    pub shape: Shape,
 }
 
-impl<'a> Canvas<'a> {
-    /// Writes `text` at a point in px.
-    pub fn text(&self, at_px: (f64, f64), text: &str, size_px: f64, color: RGBColor, anchor: Anchor) -> Drawn {
-        if text.is_empty() {
-            return Ok(());
-        }
-        let (horizontal, vertical) = match anchor {
-            Anchor::Left => (HPos::Left, VPos::Center),
-            Anchor::Middle | Anchor::Upwards => (HPos::Center, VPos::Center),
-            Anchor::Right => (HPos::Right, VPos::Center),
-            Anchor::Below => (HPos::Center, VPos::Top),
-        };
-        let font = (FONT_FAMILY, size_px * FINENESS * FONT_FACTOR).into_font();
-        let font = if anchor == Anchor::Upwards { font.transform(FontTransform::Rotate270) } else { font };
-        let style = TextStyle::from(font).color(&color).pos(Pos::new(horizontal, vertical));
-        // Plotters centres on half an x-height; the middle of digits and capitals is a little higher.
-        let lower_px = if anchor == Anchor::Below { 0.0 } else { CENTRE * size_px };
-        let shift_px = if anchor == Anchor::Upwards { (lower_px, 0.0) } else { (0.0, lower_px) };
-        self.root.draw(&Text::new(text.to_string(), (fine(at_px.0 + shift_px.0), fine(at_px.1 + shift_px.1)), style))
+/// Axes around series.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Panel {
+    /// Its heading; may be empty.
+    pub title: String,
+    /// The horizontal axis.
+    pub x: Axis,
+    /// The vertical axis.
+    pub y: Axis,
+    /// What it shows, the lowest first.
+    pub series: Vec<Series>,
+    /// Texts to the right of it, at values of y.
+    pub beside: Vec<(f64, String)>,
+    /// Panels of one name zoom together along x.
+    pub link: Option<String>,
+}
+
+impl Panel {
+    /// An empty panel.
+    pub fn new(x: Axis, y: Axis) -> Self {
+        Self { title: String::new(), x, y, series: Vec::new(), beside: Vec::new(), link: None }
     }
 
-    /// A straight line between points in px.
-    pub fn line(&self, from_px: (f64, f64), to_px: (f64, f64), color: RGBColor, width_px: f64) -> Drawn {
-        let points = vec![(fine(from_px.0), fine(from_px.1)), (fine(to_px.0), fine(to_px.1))];
-        self.root.draw(&PathElement::new(points, color.stroke_width(fine(width_px) as u32)))
+    /// With a heading.
+    pub fn titled(self, title: impl Into<String>) -> Self {
+        Self { title: title.into(), ..self }
     }
 
-    /// A filled rectangle between two corners in px.
-    pub fn fill(&self, corner_px: (f64, f64), opposite_px: (f64, f64), color: RGBColor, opacity: f64) -> Drawn {
-        let corners = [(fine(corner_px.0), fine(corner_px.1)), (fine(opposite_px.0), fine(opposite_px.1))];
-        self.root.draw(&Rectangle::new(corners, color.mix(opacity).filled()))
+    /// Zooming together with all others of this `link`.
+    pub fn linked(self, link: impl Into<String>) -> Self {
+        Self { link: Some(link.into()), ..self }
     }
 
-    /// Entries side by side from `left_px`, their middle at `y_px`: above a panel, where they cover no data. Where they
-    /// would run beyond `right_px` they go on in a line below.
-    pub fn legend(&self, (left_px, right_px): (f64, f64), y_px: f64, entries: &[(Mark, RGBColor, String)]) -> Drawn {
-        let (mut x, mut y) = (left_px, y_px);
-        for (mark, color, text) in entries {
-            let width = 34.0 + text_width_px(text, TEXT_PX);
-            if x > left_px && x + width > right_px {
-                (x, y) = (left_px, y + LEGEND_LINE_PX);
+    fn add(&mut self, name: impl Into<String>, shape: Shape) {
+        self.series.push(Series { name: name.into(), shape });
+    }
+
+    /// Adds a line.
+    pub fn line(&mut self, name: impl Into<String>, points: impl IntoIterator<Item = Point>, stroke: Stroke) {
+        self.add(name, Shape::Line(points.into_iter().collect(), stroke));
+    }
+
+    /// Adds the area between two lines.
+    pub fn band(&mut self, name: impl Into<String>, edges: [Vec<Point>; 2], color: Color, opacity: f64) {
+        let [lower, upper] = edges;
+        self.add(name, Shape::Band(lower, upper, color, opacity));
+    }
+
+    /// Adds a rectangle.
+    pub fn bar(&mut self, name: impl Into<String>, (left, right): Point, (low, high): Point, color: Color) {
+        self.band(name, [vec![(left, low), (right, low)], vec![(left, high), (right, high)]], color, 1.0);
+    }
+
+    /// Adds small discs.
+    pub fn dots(&mut self, name: impl Into<String>, points: Vec<Point>, radius_px: f64, color: Color, opacity: f64) {
+        self.add(name, Shape::Dots(points, radius_px, color, opacity));
+    }
+
+    /// Adds signs.
+    pub fn marks(&mut self, name: impl Into<String>, points: Vec<Point>, mark: Mark, color: Color) {
+        self.add(name, Shape::Marks(points, mark, color));
+    }
+
+    /// Adds texts.
+    pub fn texts(&mut self, texts: Vec<(Point, String)>, anchor: Anchor, color: Color) {
+        self.add("", Shape::Texts(texts, anchor, color));
+    }
+
+    /// Adds cells.
+    pub fn cells(&mut self, cells: Cells) {
+        self.add("", Shape::Cells(cells));
+    }
+}
+
+/// Panels side by side.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Row {
+    /// Height of the panels' data areas, px.
+    pub height_px: f64,
+    /// From left to right.
+    pub panels: Vec<Panel>,
+}
+
+/// A figure.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Figure {
+    /// Name of its file, without extension; its address in the page.
+    pub name: String,
+    /// Its heading.
+    pub title: String,
+    /// What it shows, and what to look for.
+    pub caption: String,
+    /// Rows of panels from above.
+    pub rows: Vec<Row>,
+}
+
+impl Figure {
+    /// A figure of one panel.
+    pub fn single(name: &str, title: impl Into<String>, caption: &str, height_px: f64, panel: Panel) -> Self {
+        Self::new(name, title, caption).row(height_px, vec![panel])
+    }
+
+    /// A figure to be filled with rows.
+    pub fn new(name: impl Into<String>, title: impl Into<String>, caption: impl Into<String>) -> Self {
+        Self { name: name.into(), title: title.into(), caption: caption.into(), rows: Vec::new() }
+    }
+
+    /// With one more row below.
+    pub fn row(mut self, height_px: f64, panels: Vec<Panel>) -> Self {
+        self.rows.push(Row { height_px, panels });
+        self
+    }
+
+    /// All panels.
+    pub fn panels(&self) -> impl Iterator<Item = &Panel> {
+        self.rows.iter().flat_map(|row| &row.panels)
+    }
+
+    /// The named series, one of each name: the entries of the legend.
+    pub fn legend(&self) -> Vec<&Series> {
+        let mut entries: Vec<&Series> = Vec::new();
+        for series in self.panels().flat_map(|panel| &panel.series) {
+            if !series.name.is_empty() && entries.iter().all(|entry| entry.name != series.name) {
+                entries.push(series);
             }
-            self.sample((x, y), *mark, *color)?;
-            self.text((x + 30.0, y), text, TEXT_PX, palette::INK, Anchor::Left)?;
-            x += width + 14.0;
         }
-        Ok(())
+        entries
     }
-}
-
-/// Height of a line of a legend, px.
-pub const LEGEND_LINE_PX: f64 = 20.0;
-
-/// The width that `text` takes in DejaVu Sans, by classes of letters: right to a few percent.
-pub fn text_width_px(text: &str, size_px: f64) -> f64 {
-    let width = |c: char| match c {
-        'i' | 'j' | 'l' | '\'' | '|' => 0.28,
-        ' ' | ',' | '.' | ':' | ';' | 'I' => 0.33,
-        'f' | 't' | 'r' | '(' | ')' | '-' | '/' => 0.40,
-        'm' | 'M' | 'W' | 'w' | '%' | '~' | '\u{2212}' | '±' | '≈' | '=' | '<' | '>' => 0.86,
-        'A'..='Z' => 0.69,
-        _ => 0.62,
-    };
-    size_px * text.chars().map(width).sum::<f64>()
 }

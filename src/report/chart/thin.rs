@@ -113,3 +113,34 @@ pub fn magnitude(values: impl IntoIterator<Item = f64>, beyond: f64) -> f64 {
     let found = quantile(&mut magnitudes, 1.0 - beyond);
     if found.is_finite() { found } else { 0.0 }
 }
+
+/// `points` in runs without what is not finite, each thinned to its share of `buckets` stretches; no peak is lost.
+pub fn runs(points: &[(f64, f64)], buckets: usize) -> Vec<Vec<(f64, f64)>> {
+    let is_gap = |p: &(f64, f64)| !(p.0.is_finite() && p.1.is_finite());
+    let runs = points.split(is_gap).filter(|run| !run.is_empty());
+    runs.map(|run| envelope(run, (buckets * run.len()).div_ceil(points.len()))).collect()
+}
+
+/// `runs` one after the other, a point that is none between them.
+pub fn joined(runs: Vec<Vec<(f64, f64)>>) -> Vec<(f64, f64)> {
+    runs.join(&(f64::NAN, f64::NAN))
+}
+
+/// The lowest point of each of `buckets` stretches: the edge of a band.
+pub fn low_edge(points: &[(f64, f64)], buckets: usize) -> Vec<(f64, f64)> {
+    edge(points, buckets, |a, b| a < b)
+}
+
+/// The highest point of each.
+pub fn high_edge(points: &[(f64, f64)], buckets: usize) -> Vec<(f64, f64)> {
+    edge(points, buckets, |a, b| a > b)
+}
+
+fn edge(points: &[(f64, f64)], buckets: usize, is_farther: impl Fn(f64, f64) -> bool) -> Vec<(f64, f64)> {
+    let length = points.len().div_ceil(buckets.max(1)).max(1);
+    let farthest = |part: &[(f64, f64)]| {
+        let y = part.iter().fold(part[0].1, |y, p| if is_farther(p.1, y) { p.1 } else { y });
+        (part[0].0, y)
+    };
+    points.chunks(length).map(farthest).collect()
+}

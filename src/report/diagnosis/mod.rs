@@ -26,8 +26,8 @@ pub use json::to_json;
 pub use parameters::unit_of;
 pub use terminal::write_summary;
 
+use super::json_text;
 use super::output::Output;
-use super::{json_text, plots, unmade};
 use crate::diagnose::Diagnosis;
 use crate::problem::Result;
 
@@ -39,6 +39,5 @@ pub fn write_diagnosis(found: &Diagnosis, campaign: &str, model: &str, output: &
     output.write("diagnosis.json", json_text(&to_json(found, campaign, model)))?;
     output.write("model.json", json_text(&found.after.to_json()))?;
     experiment::next_toml(found).map_or(Ok(()), |text| output.write(experiment::FILE, text))?;
-    let drawings = plots::diagnosis::drawings(found).or_else(|error| unmade(output, "plots", error))?;
-    page::page(found, campaign, model, drawings, plots::diagnosis::LEADING).write(output, png)
+    page::page(found, campaign, model).write(output, png)
 }

@@ -55,7 +55,7 @@ pub fn place(region: Region) -> &'static str {
 pub fn floor_source(source: FloorSource) -> &'static str {
     match source {
         FloorSource::Repeats => "from repeats of one motion",
-        FloorSource::Spectrum => "from the torque's noise beyond the low-pass, for want of repeats",
+        FloorSource::Spectrum => "from the torque's noise beyond the low-pass, because no motion was repeated",
     }
 }
 

@@ -4,34 +4,48 @@ use super::next::next_steps;
 use super::tables::{candidates_table, changes_table, contacts_table, places_table};
 use super::words::{grounds, percent, shrink, verdict};
 use crate::diagnose::{Diagnosis, FloorSource, Kind};
+use crate::report::chart::Figure;
 use crate::report::number::count;
-use crate::report::page::{Card, Drawing, Page};
+use crate::report::page::{Block, Card, Page, Section, Table, Warning};
+use crate::report::plots::diagnosis::{Figures, figures};
 use crate::report::wording::Units;
 
-/// The page of `found`, with its `drawings`; the first `leading` of them stand before the tables.
-pub fn page(found: &Diagnosis, campaign: &str, model: &str, drawings: Vec<Drawing>, leading: usize) -> Page {
+/// The page of `found`.
+pub fn page(found: &Diagnosis, campaign: &str, model: &str) -> Page {
+    let Figures { budget, map, candidates, places, position, trials, motion } = figures(found);
+    let of = |figures: Vec<Option<Figure>>, tables: Vec<Option<Table>>| -> Vec<Block> {
+        let figures = figures.into_iter().flatten().map(Block::Figure);
+        figures.chain(tables.into_iter().flatten().map(Block::Table)).collect()
+    };
+    let trials: Vec<_> = trials.into_iter().map(|(name, figure)| (name, vec![figure])).collect();
+    let traces = if trials.is_empty() { Vec::new() } else { vec![Block::Choice("trial", trials)] };
+    let found_title =
+        if found.verdict.kind == Kind::Unknown { "What fits best, but not well enough" } else { "What was found" };
+    let sections = [
+        Section::open("The traces behind it", traces),
+        Section::open("Candidate causes", of(vec![candidates], vec![candidates_table(found)])),
+        Section::open(found_title, of(Vec::new(), vec![changes_table(found)])),
+        Section::open("Beside the simulator", of(vec![motion], Vec::new())),
+        Section::open("Where the gap lies", of(vec![places, position], vec![places_table(found)])),
+        Section::folded("Stretches of contact", of(Vec::new(), vec![contacts_table(found)])),
+        Section::open("Grounds", vec![Block::List(grounds(found))]),
+    ];
     Page {
         kicker: format!("tautline diagnose · campaign {campaign} · model {model}"),
         title: found.before.joint.name.clone(),
         subject: "diagnosis".to_string(),
         short: verdict(found),
-        steps: grounds(found),
-        warnings: found.warnings.clone(),
-        cards: cards(found),
+        lead: std::iter::once(budget).chain(map).collect(),
         next: next_steps(found),
-        tables: [candidates_table(found), changes_table(found), places_table(found), contacts_table(found)]
-            .into_iter()
-            .flatten()
-            .collect(),
-        drawings,
-        leading,
+        cards: cards(found),
+        warnings: found.warnings.iter().map(Warning::from).collect(),
+        sections: sections.into_iter().filter(|section| !section.blocks.is_empty()).collect(),
         provenance: vec![
-            ("tautline", env!("CARGO_PKG_VERSION").to_string()),
             ("campaign", campaign.to_string()),
             ("model", model.to_string()),
             ("trials", count(found.views.len())),
             (
-                "samples judged",
+                "samples scored",
                 count(found.views.iter().flat_map(|view| &view.judged).filter(|judged| **judged).count()),
             ),
             ("held out in turn", found.held_out.to_string()),
@@ -61,6 +75,6 @@ fn cards(found: &Diagnosis) -> Vec<Card> {
         all.push(Card { name, value, note });
     }
     all.push(card("floor", units.torque(gap.floor.rms_nm), source.to_string()));
-    all.push(card("verdict", percent(verdict.confidence), "of the resamplings agree".to_string()));
+    all.push(card("verdict", percent(verdict.confidence), "of the bootstrap resamples agree".to_string()));
     all
 }

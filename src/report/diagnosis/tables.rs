@@ -11,9 +11,8 @@ use crate::report::wording::Units;
 /// Contacts told, the largest first.
 const CONTACTS: usize = 20;
 
-fn table(title: &str, intro: &str, heads: &[&str], rows: Vec<Vec<String>>) -> Option<Table> {
-    let heads = heads.iter().map(|head| (*head).to_string()).collect();
-    (!rows.is_empty()).then(|| Table { title: title.to_string(), intro: intro.to_string(), heads, rows })
+fn table(intro: &str, heads: &[&str], rows: Vec<Vec<String>>) -> Option<Table> {
+    (!rows.is_empty()).then(|| Table::new("", intro, heads, rows))
 }
 
 /// Every cause that was tried, best first.
@@ -34,12 +33,10 @@ pub fn candidates_table(found: &Diagnosis) -> Option<Table> {
         ]
     };
     table(
-        "Causes tried",
-        "Best first. Each is fitted along with the model's own parameters, which move within their confidence, and judged on \
-         data that its fit never saw: how far the gap above the floor shrinks, with a 95 % interval from resampling. \
-         Where several were found, they stand with all of them, and anything else on top. A rival does as well as what was \
-         taken, on these data.",
-        &["cause", "verdict", "how", "gap shrinks by", "RMSE held out"],
+        "Best first. Each is fitted along with the model's own parameters, which move within their confidence, and scored on \
+         held-out data: how far the gap above the floor shrinks, with a 95 % bootstrap interval. Where several were found, they \
+         stand with all of them, and anything else on top. A rival does as well as what was taken, on these data.",
+        &["cause", "verdict", "how", "gap shrinks by", "held-out RMSE"],
         found.candidates.iter().map(row).collect(),
     )
 }
@@ -58,11 +55,8 @@ pub fn changes_table(found: &Diagnosis) -> Option<Table> {
     };
     let of = |candidate: &Candidate| shown(candidate, found).iter().map(|p| row(candidate, p)).collect::<Vec<_>>();
     let formulas: Vec<String> = taken(found).map(|c| format!("{}: {}", claim(c.cause), formula(c.cause))).collect();
-    let intro = format!("What is added or moved, with 95 % intervals from resampling: {}", formulas.join("; ") + ".");
-    let title =
-        if found.verdict.kind == Kind::Unknown { "What fits best, though it is not enough" } else { "What was found" };
+    let intro = format!("What is added or moved, with 95 % bootstrap intervals: {}", formulas.join("; ") + ".");
     table(
-        title,
         &intro,
         &["parameter", "delivered", "fitted", "95 % interval", "unit", "doubt"],
         taken(found).flat_map(of).collect(),
@@ -83,7 +77,6 @@ pub fn places_table(found: &Diagnosis) -> Option<Table> {
     };
     let places = if found.verdict.kind == Kind::None { &[][..] } else { &found.places };
     table(
-        "Where the gap lies",
         "Share of the gap's energy above the floor that goes with each quantity, and the bounds within which most of it \
          stands. One gap may show in several ways, so the shares do not add up.",
         &["where", "share of the gap", "bounds", "samples within", "RMS within"],
@@ -101,7 +94,6 @@ pub fn contacts_table(found: &Diagnosis) -> Option<Table> {
         vec![contact.file.clone(), from_to, units.torque(contact.peak_nm)]
     };
     table(
-        "Stretches of contact",
         "Torque that follows nothing recorded and is not there again when the motion is, the largest first. They are left out \
          of every fit.",
         &["trial", "from, to", "peak"],

@@ -6,7 +6,8 @@ use super::parameters::{Shown, shown};
 use super::words::{flexible_shrink, kept_together, percent, shrink, verdict};
 use crate::diagnose::{Diagnosis, Kind};
 use crate::report::number::counted;
-use crate::report::terminal::{BOLD, DIM, distrust, heading, wrapped};
+use crate::report::plots::diagnosis::budget;
+use crate::report::terminal::{BOLD, DIM, heading, picture, wrapped, write_warnings};
 use crate::report::wording::Units;
 use std::io::{self, Write};
 use std::path::Path;
@@ -27,19 +28,22 @@ pub fn write_summary(out: &mut impl Write, found: &Diagnosis, campaign: &str, wr
     writeln!(out, "{BOLD}{name}{BOLD:#}  {DIM}diagnosed on {trials} of campaign {campaign}{DIM:#}")?;
     writeln!(out, "\n  {}", wrapped(&verdict(found), 2))?;
     gap(out, found)?;
+    if found.verdict.kind != Kind::None {
+        picture(out, &budget::figure(found))?;
+    }
     places(out, found)?;
     candidates(out, found)?;
     motion(out, found)?;
     heading(out, "What to do next")?;
     next_steps(found).iter().try_for_each(|step| writeln!(out, "  {}", wrapped(step, 2)))?;
-    distrust(out, &found.warnings)?;
+    write_warnings(out, &found.warnings)?;
     writeln!(out, "\nwritten to {BOLD}{}{BOLD:#}: diagnosis.json, model.json, report.html, plots", written.display())
 }
 
 fn gap(out: &mut impl Write, found: &Diagnosis) -> io::Result<()> {
     let units = Units::of(found.before.joint.kind);
     let (gap, verdict) = (&found.gap, &found.verdict);
-    heading(out, &format!("Gap above the floor, on {} that no fit saw", found.held_out))?;
+    heading(out, &format!("Gap above the floor, on held-out {}", found.held_out))?;
     let mut row = |name: &str, value_nm: f64, note: String| {
         writeln!(out, "  {name:<24} {:>12}  {DIM}{note}{DIM:#}", units.torque(value_nm))
     };
@@ -52,7 +56,12 @@ fn gap(out: &mut impl Write, found: &Diagnosis) -> io::Result<()> {
         row("recoverable", gap.recoverable_nm, most)?;
     }
     row("floor", gap.floor.rms_nm, floor_source(gap.floor.source).to_string())?;
-    writeln!(out, "  {:<24} {:>12}  {DIM}of the resamplings agree{DIM:#}", "verdict", percent(verdict.confidence))
+    writeln!(
+        out,
+        "  {:<24} {:>12}  {DIM}of the bootstrap resamples agree{DIM:#}",
+        "verdict",
+        percent(verdict.confidence)
+    )
 }
 
 /// The gap in motion, where a simulator's log was compared.
@@ -81,7 +90,7 @@ fn candidates(out: &mut impl Write, found: &Diagnosis) -> io::Result<()> {
     if found.candidates.is_empty() {
         return Ok(());
     }
-    heading(out, "Causes tried, best first: how far the gap shrinks, with its 95 % interval")?;
+    heading(out, "Candidate causes, ranked: how far the gap shrinks, with its 95 % interval")?;
     for candidate in found.candidates.iter().take(CANDIDATES) {
         let role = Role::of(candidate, found);
         let (bold, plain) =

@@ -55,7 +55,7 @@ pub fn grounds(found: &Diagnosis) -> Vec<String> {
     let gap = &found.gap;
     let mut all = vec![format!(
         "As delivered the model leaves {} RMSE. The floor, what no model could explain, is {}, {}; above it lie {}, of which \
-         a flexible fit to the recorded motion recovers {} on {} that it never saw.",
+         a flexible fit to the recorded motion recovers {} on held-out {}.",
         units.torque(gap.rmse_nm),
         units.torque(gap.floor.rms_nm),
         floor_source(gap.floor.source),
@@ -68,7 +68,7 @@ pub fn grounds(found: &Diagnosis) -> Vec<String> {
         all.extend(found.places.first().map(|_| format!("The gap lies {}.", location(found))));
     }
     let sure = percent(found.verdict.confidence);
-    all.push(format!("The same verdict comes out of {sure} of the resamplings of whole {}.", found.held_out));
+    all.push(format!("{sure} of the bootstrap resamples of whole {} give the same verdict.", found.held_out));
     all.iter().map(|sentence| kept_together(sentence)).collect()
 }
 
@@ -78,8 +78,8 @@ fn own_confidence(found: &Diagnosis) -> Option<String> {
     let share = found.budget.within_confidence / above_floor.max(f64::MIN_POSITIVE);
     (share > MUCH).then(|| {
         format!(
-            "{} of the gap's square goes already while the model's own parameters move within their confidence: know them \
-             better, and less is left to guess.",
+            "{} of the gap's square goes already while the model's own parameters move within their confidence: identifying them \
+             more precisely leaves less to explain.",
             percent(share.min(1.0))
         )
     })

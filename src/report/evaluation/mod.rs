@@ -7,9 +7,9 @@ pub use json::to_json;
 pub use page::page;
 
 use super::number::{counted, significant, with_spread};
-use super::terminal::{BOLD, DIM, distrust, heading};
+use super::terminal::{BOLD, DIM, heading, table, write_warnings};
 use super::wording::Units;
-use crate::evaluate::{Evaluation, Group, Source, Split, Spread};
+use crate::evaluate::{Evaluation, Group, Rival, Source, Split, Spread};
 use std::io::{self, Write};
 use std::path::Path;
 
@@ -17,28 +17,29 @@ use std::path::Path;
 pub fn write_summary(out: &mut impl Write, found: &Evaluation, campaign: &str, written: &Path) -> io::Result<()> {
     let units = Units::of(found.model.joint.kind);
     let trials = counted(found.trials.len(), "trial", "trials");
-    writeln!(out, "{BOLD}{}{BOLD:#}  {DIM}judged on {trials} of campaign {campaign}{DIM:#}", found.model.joint.name)?;
-    heading(out, &format!("Error, both sides low-passed at {} Hz", significant(found.lowpass_hz, 3)))?;
-    writeln!(out, "  {DIM}{:<24} {:>7} {:>22} {:>22}{DIM:#}", "motion", "trials", "RMSE", "MAE")?;
-    let (unit, factor) = scale(found, &units);
-    for group in &found.groups {
-        let scaled = |s: Spread| format!("{} {unit}", with_spread(factor * s.mean, factor * s.sd));
-        let (name, number) = (group_name(group, &units), group.trials.len());
-        writeln!(out, "  {name:<24} {number:>7} {:>22} {:>22}", scaled(group.rmse_nm), scaled(group.mae_nm))?;
-    }
-    heading(out, "By curve of the combination, all trials together")?;
     writeln!(
         out,
-        "  {DIM}{:<10} {:>12} {:>14} {:>16} {:>14}{DIM:#}",
-        "curve", "RMSE", "stable state", "transition", "peak"
+        "{BOLD}{}{BOLD:#}  {DIM}evaluated on {trials} of campaign {campaign}{DIM:#}",
+        found.model.joint.name
     )?;
-    for (at, rival) in found.rivals.iter().enumerate() {
+    heading(out, &format!("Error, both sides low-passed at {} Hz", significant(found.lowpass_hz, 3)))?;
+    let (unit, factor) = scale(found, &units);
+    let scaled = |s: Spread| format!("{} {unit}", with_spread(factor * s.mean, factor * s.sd));
+    let row = |group: &Group| {
+        let name = group_name(group, &units);
+        vec![name, group.trials.len().to_string(), scaled(group.rmse_nm), scaled(group.mae_nm)]
+    };
+    let heads = ["motion", "trials", "RMSE", "MAE"].map(String::from);
+    table(out, &heads, &found.groups.iter().map(row).collect::<Vec<_>>())?;
+    heading(out, "By curve of the combination, all trials together")?;
+    let row = |(at, rival): (usize, &Rival)| {
         let Split { all, stable, transition } = found.together(|t| &t.rivals[at]);
-        let [rmse, stable, transition, peak] =
-            [all.rmse_nm, stable.rmse_nm, transition.rmse_nm, all.peak_nm].map(|x| units.torque(x));
         let own = if rival.source == Source::Model { "the model's" } else { "" };
-        writeln!(out, "  {:<10} {rmse:>12} {stable:>14} {transition:>16} {peak:>14}  {own}", rival.kind.name())?;
-    }
+        let figures = [all.rmse_nm, stable.rmse_nm, transition.rmse_nm, all.peak_nm].map(|x| units.torque(x));
+        std::iter::once(rival.kind.name().to_string()).chain(figures).chain([own.to_string()]).collect()
+    };
+    let heads = ["curve", "RMSE", "stable state", "transition", "peak", ""].map(String::from);
+    table(out, &heads, &found.rivals.iter().enumerate().map(row).collect::<Vec<_>>())?;
     let raw = found.together(|t| &t.raw).all;
     writeln!(
         out,
@@ -46,7 +47,7 @@ pub fn write_summary(out: &mut impl Write, found: &Evaluation, campaign: &str, w
         units.torque(raw.rmse_nm),
         units.torque(raw.mae_nm)
     )?;
-    distrust(out, &found.warnings)?;
+    write_warnings(out, &found.warnings)?;
     writeln!(out, "\nwritten to {BOLD}{}{BOLD:#}: evaluation.json, report.html, plots", written.display())
 }
 

@@ -4,11 +4,12 @@ use super::{group_name, scale};
 use crate::evaluate::{Evaluation, Figures, Group, Rival, Source, Split, Spread, TrialEvaluation};
 use crate::report::identification::parameter;
 use crate::report::number::{count, counted, significant, with_spread};
-use crate::report::page::{Card, Drawing, Page, Table};
+use crate::report::page::{Block, Card, Page, Section, Table, Warning, cells};
+use crate::report::plots;
 use crate::report::wording::Units;
 
-/// The page of `found`, with its `drawings`.
-pub fn page(found: &Evaluation, campaign: &str, model: &str, drawings: Vec<Drawing>) -> Page {
+/// The page of `found`.
+pub fn page(found: &Evaluation, campaign: &str, model: &str) -> Page {
     let units = Units::of(found.model.joint.kind);
     let overall = found.overall();
     let card = |name: &str, value: String, note: String| Card { name: name.to_string(), value, note };
@@ -18,8 +19,7 @@ pub fn page(found: &Evaluation, campaign: &str, model: &str, drawings: Vec<Drawi
         title: found.model.joint.name.clone(),
         subject: "evaluation".to_string(),
         short: verdict(found, &units),
-        steps: vec![comparison(found, &units)],
-        warnings: found.warnings.clone(),
+        warnings: found.warnings.iter().map(Warning::from).collect(),
         cards: vec![
             card("RMSE", units.torque(overall.all.rmse_nm), percent_of(&overall.all)),
             card("stable state", units.torque(overall.stable.rmse_nm), "RMSE, |K_f| = 1".to_string()),
@@ -27,13 +27,20 @@ pub fn page(found: &Evaluation, campaign: &str, model: &str, drawings: Vec<Drawi
             card("peak", units.torque(overall.all.peak_nm), "largest error".to_string()),
             card("raw RMSE", units.torque(raw.rmse_nm), "neither side filtered".to_string()),
         ],
-        tables: vec![groups_table(found, &units), curves_table(found, &units), trials_table(found, &units)],
-        drawings,
+        lead: vec![plots::evaluation::bars(found)],
+        sections: vec![
+            Section::open("Trial by trial", vec![Block::Choice("trial", plots::evaluation::trials(found))]),
+            Section::open("By trial", vec![Block::Table(trials_table(found, &units))]),
+            Section::open("By motion", vec![Block::Table(groups_table(found, &units))]),
+            Section::folded(
+                "By curve of the combination",
+                vec![Block::List(vec![comparison(found, &units)]), Block::Table(curves_table(found, &units))],
+            ),
+        ],
         provenance: vec![
-            ("tautline", env!("CARGO_PKG_VERSION").to_string()),
             ("campaign", campaign.to_string()),
             ("model", model.to_string()),
-            ("trials judged", count(found.trials.len())),
+            ("trials evaluated", count(found.trials.len())),
             ("low-pass", format!("{} Hz on both sides", significant(found.lowpass_hz, 3))),
         ],
         ..Page::default()
@@ -86,10 +93,10 @@ fn groups_table(found: &Evaluation, units: &Units) -> Table {
         ]
     };
     Table {
-        title: "By motion".to_string(),
+        title: String::new(),
         intro: "Mean ± standard deviation over trials, both sides low-passed.".to_string(),
         heads: vec!["motion".into(), "trials".into(), format!("RMSE ({unit})"), format!("MAE ({unit})"), "".into()],
-        rows: found.groups.iter().map(row).collect(),
+        rows: found.groups.iter().map(row).map(cells).collect(),
     }
 }
 
@@ -113,10 +120,10 @@ fn curves_table(found: &Evaluation, units: &Units) -> Table {
     let heads =
         ["curve", "parameter", "parameter from", "RMSE", "MAE", "stable RMSE", "transition RMSE", "transition peak"];
     Table {
-        title: "By curve of the combination".to_string(),
+        title: String::new(),
         intro: format!("All trials together, low-passed, in {unit}. Sign is the model without any coefficient."),
         heads: heads.map(String::from).to_vec(),
-        rows: found.rivals.iter().enumerate().map(row).collect(),
+        rows: found.rivals.iter().enumerate().map(row).map(cells).collect(),
     }
 }
 
@@ -139,11 +146,11 @@ fn trials_table(found: &Evaluation, units: &Units) -> Table {
     };
     let heads = ["trial", "samples", "RMSE", "MAE", "peak", "RMSE %", "stable RMSE", "transition RMSE", "raw RMSE"];
     Table {
-        title: "By trial".to_string(),
+        title: String::new(),
         intro: format!(
             "In {unit}, low-passed, but for the raw RMSE. Percent is of the measured torque's range in the trial."
         ),
         heads: heads.map(String::from).to_vec(),
-        rows: found.trials.iter().map(row).collect(),
+        rows: found.trials.iter().map(row).map(cells).collect(),
     }
 }

@@ -27,6 +27,8 @@ pub struct Output {
     staging: Option<Staging>,
     /// What was written so far, by name.
     written: Mutex<BTreeMap<String, Written>>,
+    /// What it is made from, by name.
+    sources: Mutex<Vec<(&'static str, PathBuf)>>,
     /// Parents made for it, the deepest first; taken away again unless the output is finished.
     made: Vec<PathBuf>,
 }
@@ -55,8 +57,8 @@ impl Output {
         let staged = std::fs::create_dir_all(parent).and_then(|()| Staging::new_in(parent));
         match staged {
             Ok(staging) => {
-                let (path, written) = (path.to_path_buf(), Mutex::default());
-                Ok(Self { path, force, command, staging: Some(staging), written, made })
+                let (path, written, sources) = (path.to_path_buf(), Mutex::default(), Mutex::default());
+                Ok(Self { path, force, command, staging: Some(staging), written, sources, made })
             }
             Err(error) => {
                 made.iter().for_each(|folder| drop(std::fs::remove_dir(folder)));
@@ -73,6 +75,16 @@ impl Output {
     /// Where the output will stand.
     pub fn path(&self) -> &Path {
         &self.path
+    }
+
+    /// Notes that it is made from the file at `path`, which reports call `name`.
+    pub fn made_from(&self, name: &'static str, path: &Path) {
+        self.sources.lock().unwrap_or_else(PoisonError::into_inner).push((name, path.to_path_buf()));
+    }
+
+    /// What it is made from.
+    pub fn sources(&self) -> Vec<(&'static str, PathBuf)> {
+        self.sources.lock().unwrap_or_else(PoisonError::into_inner).clone()
     }
 
     /// Writes `bytes` that this program made to `name`, a path relative to the output; makes the folders on the way.

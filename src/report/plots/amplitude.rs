@@ -2,7 +2,7 @@
 
 use crate::identify::{Amplitude, Identification, LegFit, Route};
 use crate::model::Direction;
-use crate::report::chart::{Axis, Canvas, Drawn, Frame, Mark, Panel, Stroke, palette, span, svg};
+use crate::report::chart::{Axis, Figure, Mark, Panel, Stroke, palette, span};
 use crate::report::wording::{Units, moving};
 
 /// Legs whose speeds differ by no more than this share repeat one speed.
@@ -11,30 +11,31 @@ const SAME_SPEED: f64 = 0.01;
 const REPEATS_APART: f64 = 0.025;
 const REPEATS_WITHIN: f64 = 0.06;
 
+const CAPTION: &str = "A of each leg with its standard error, the mean over legs (line) and ± one standard deviation (band). A \
+                       should not depend on speed: with a slope or a bend load and friction are not separated, and then μ_c, \
+                       which comes from the mean of A, is wrong. A leg far from the others is a bad trial.";
+
 /// A against speed, a panel for each direction, both to the same scale; `None` without legs.
-pub fn draw(found: &Identification) -> Drawn<Option<String>> {
-    let Route::Sweeps(fits) = &found.route else { return Ok(None) };
+pub fn figure(found: &Identification) -> Option<Figure> {
+    let Route::Sweeps(fits) = &found.route else { return None };
     if found.legs.is_empty() {
-        return Ok(None);
+        return None;
     }
     let units = Units::of(found.model.joint.kind);
     let legs = Direction::BOTH.map(|d| found.legs.iter().filter(|leg| leg.direction == d).collect::<Vec<&LegFit>>());
     let reach = [0, 1].map(|i| reach(&legs[i], fits.of(Direction::BOTH[i]).a)).into_iter().fold(0.0, f64::max);
     let x = Axis::log(format!("speed ({})", units.speed), found.legs.iter().map(|leg| leg.speed_rad_s));
-    svg(860, 474, "Load amplitude A against speed", |canvas| {
-        for (i, direction) in Direction::BOTH.into_iter().enumerate() {
-            let a = fits.of(direction).a;
-            let top = 40.0 + 214.0 * i as f64;
-            let frame = Frame { left: 104.0, top, right: 840.0, bottom: top + 166.0 };
-            let y = Axis::linear(format!("A ({})", units.torque), a.a_nm - reach, a.a_nm + reach);
-            let x = if i == 0 { x.clone().without_texts() } else { x.clone() };
-            let panel = canvas.panel(frame, x, y)?;
-            heading(canvas, frame, direction, a, &units)?;
-            fill(&panel, &legs[i], direction, a)?;
-        }
-        Ok(())
-    })
-    .map(Some)
+    let mut figure = Figure::new("amplitude", "Load amplitude A of every leg", CAPTION);
+    for (i, direction) in Direction::BOTH.into_iter().enumerate() {
+        let a = fits.of(direction).a;
+        let y = Axis::linear(format!("A ({})", units.torque), a.a_nm - reach, a.a_nm + reach);
+        let x = if i == 0 { x.clone().without_texts() } else { x.clone() };
+        let title = format!("{}: {}", moving(direction), units.amplitude(&a));
+        let mut panel = Panel::new(x, y).titled(title).linked("speed");
+        fill(&mut panel, &legs[i], direction, a);
+        figure = figure.row(166.0, vec![panel]);
+    }
+    Some(figure)
 }
 
 /// How far from the mean the axis must go for points, their bars and the band.
@@ -45,27 +46,21 @@ fn reach(legs: &[&LegFit], a: Amplitude) -> f64 {
     1.06 * (high - a.a_nm).max(a.a_nm - low)
 }
 
-fn heading(canvas: &Canvas, frame: Frame, direction: Direction, a: Amplitude, units: &Units) -> Drawn {
-    let (color, mark) = (palette::direction(direction), Mark::of(direction));
-    let text = format!("{}: {}", moving(direction), units.amplitude(&a));
-    canvas.legend((frame.left, frame.right), frame.top - 20.0, &[(mark, color, text)])
-}
-
 /// Mean, band and points; a point's bar is its standard error.
-fn fill(panel: &Panel, legs: &[&LegFit], direction: Direction, a: Amplitude) -> Drawn {
+fn fill(panel: &mut Panel, legs: &[&LegFit], direction: Direction, a: Amplitude) {
     let color = palette::direction(direction);
-    let (low, high) = panel.x.places;
-    let level = |at: f64| [(panel.x.value(low), at), (panel.x.value(high), at)];
+    let (low, high) = (panel.x.value(panel.x.places.0), panel.x.value(panel.x.places.1));
+    let level = |at: f64| vec![(low, at), (high, at)];
     if a.sd_nm.is_finite() {
-        panel.band(&level(a.a_nm - a.sd_nm), &level(a.a_nm + a.sd_nm), color, 0.14)?;
+        panel.band("", [level(a.a_nm - a.sd_nm), level(a.a_nm + a.sd_nm)], color, 0.14);
     }
-    panel.line(level(a.a_nm), Stroke::solid(color, 1.8))?;
-    for (v, leg) in side_by_side(legs) {
-        let se = leg.a_se_nm;
-        panel.line([(v, leg.a_nm - se), (v, leg.a_nm + se)], Stroke::solid(color, 1.0))?;
-        panel.mark((v, leg.a_nm), Mark::of(direction), color)?;
-    }
-    Ok(())
+    panel.line("", level(a.a_nm), Stroke::solid(color, 1.8));
+    let placed = side_by_side(legs);
+    let gap = (f64::NAN, f64::NAN);
+    let bars = placed.iter().flat_map(|(v, leg)| [(*v, leg.a_nm - leg.a_se_nm), (*v, leg.a_nm + leg.a_se_nm), gap]);
+    panel.line("", bars, Stroke::solid(color, 1.0));
+    let points = placed.iter().map(|(v, leg)| (*v, leg.a_nm)).collect();
+    panel.marks(format!("A of a leg, {}", moving(direction)), points, Mark::of(direction), color);
 }
 
 /// The legs by speed, each with the speed at which it is drawn: repeats of one speed a little apart, or they would lie on

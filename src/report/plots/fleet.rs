@@ -5,9 +5,8 @@
 
 use crate::batch::{Fleet, Joint, Life, Part, day};
 use crate::model::{Direction, Term};
-use crate::report::chart::{Anchor, Axis, Canvas, Drawn, Frame, LABEL_PX, Mark, Panel, Stroke, palette, span, svg};
+use crate::report::chart::{Axis, Figure, Mark, Panel, Point, Stroke, palette, span};
 use crate::report::number::significant;
-use crate::report::page::Drawing;
 use crate::report::wording::{Units, moving};
 
 /// Joints drawn: those that drifted, then those that changed most.
@@ -16,20 +15,19 @@ const DRAWN: usize = 12;
 const PANELS: usize = 5;
 /// Parameters that say something that A and B(v) do not.
 const OF_THEIR_OWN: [&str; 3] = ["combination.p", "combination.n", "joint.backlash_m"];
-/// Height of a panel with its room, of its heading and of its axis, px.
-const STEP_PX: f64 = 205.0;
-const HEADING_PX: f64 = 30.0;
-const AXIS_PX: f64 = 34.0;
+/// Height of a panel, px.
+const TALL_PX: f64 = 141.0;
 
 /// A figure for each joint that has two campaigns, the most telling first.
-pub fn drawings(fleet: &Fleet) -> Drawn<Vec<Drawing>> {
+pub fn figures(fleet: &Fleet) -> Vec<(&Joint, Figure)> {
     let mut joints: Vec<&Joint> = fleet.joints.iter().filter(|joint| joint.rows.len() > 1).collect();
     let key = |joint: &Joint| (joint.drifted(), joint.change_nm.unwrap_or(0.0));
     joints.sort_by(|a, b| {
         let ((x, p), (y, q)) = (key(a), key(b));
         y.cmp(&x).then(q.total_cmp(&p))
     });
-    joints.iter().take(DRAWN).enumerate().map(|(at, joint)| History::new(fleet, joint).drawing(at)).collect()
+    let drawn = joints.into_iter().take(DRAWN).enumerate();
+    drawn.map(|(at, joint)| (joint, History::new(fleet, joint).figure(at))).collect()
 }
 
 /// What a panel shows: one quantity, moving up and moving down, or the same in both.
@@ -68,33 +66,19 @@ impl<'a> History<'a> {
         Self { joint, units: Units::of(kind), times, label, retensioned }
     }
 
-    fn drawing(&self, at: usize) -> Drawn<Drawing> {
+    fn figure(&self, at: usize) -> Figure {
         let panels = self.panels();
-        let height = 60.0 + STEP_PX * panels.len() as f64;
-        let picture = svg(860, height as u32, &format!("{} over time", self.joint.name), |canvas| {
-            for (i, shown) in panels.iter().enumerate() {
-                let top = 40.0 + STEP_PX * i as f64;
-                let (top, bottom) = (top + HEADING_PX, top + STEP_PX - AXIS_PX);
-                let frame = Frame { left: 92.0, top, right: 840.0, bottom };
-                let times = self.times.iter().chain(&self.retensioned);
-                let x = Axis::around(self.label.as_str(), times.copied(), 0.04);
-                let x = if i + 1 == panels.len() { x } else { x.without_texts() };
-                canvas.text((12.0, top - 14.0), &self.heading(shown), LABEL_PX, palette::INK, Anchor::Left)?;
-                self.panel(canvas, frame, x, shown)?;
-            }
-            let mut legend: Vec<_> =
-                Direction::BOTH.map(|d| (Mark::of(d), palette::direction(d), moving(d).to_string())).to_vec();
-            if !self.retensioned.is_empty() {
-                legend.push((Mark::Line(1.4, Some((5.0, 4.0))), palette::GREY, "cables retensioned".to_string()));
-            }
-            canvas.legend((92.0, 840.0), 22.0, &legend)
-        })?;
         let caption = "Changes since the first campaign after the cables were last retensioned, or the first of all; bars are each \
                        campaign's own 95 % intervals, lines what was fitted: levels, jumps and drift. A: how the torque at the \
                        winch grows with gravity's. B(v): friction without load. Both directions shifting alike is a sensor's zero; \
                        apart, friction. Parameters to which something happened stand below.";
-        let name = format!("joint_{:02}", at + 1);
-        Ok(Drawing { name, title: self.joint.name.clone(), caption: caption.to_string(), svg: picture })
+        let mut figure = Figure::new(format!("joint_{:02}", at + 1), self.joint.name.clone(), caption);
+        for (i, shown) in panels.iter().enumerate() {
+            let x = Axis::around(self.label.as_str(), self.times.iter().chain(&self.retensioned).copied(), 0.04);
+            let x = if i + 1 == panels.len() { x } else { x.without_texts() };
+            figure = figure.row(TALL_PX, vec![self.panel(x, shown)]);
+        }
+        figure
     }
 
     /// A, B(v) at the middle speed, those to which anything happened, those that say something of their own.
@@ -155,7 +139,7 @@ impl<'a> History<'a> {
         format!("{}: {}", shown.title, told.collect::<Vec<_>>().join("; "))
     }
 
-    fn panel(&self, canvas: &Canvas, frame: Frame, x: Axis, shown: &Shown) -> Drawn {
+    fn panel(&self, x: Axis, shown: &Shown) -> Panel {
         let points = |life: &Life| {
             let claimed: Vec<(f64, f64)> = life.claimed().collect();
             let zero = claimed[self.since(life)].0;
@@ -176,29 +160,32 @@ impl<'a> History<'a> {
         let y = Axis::around(label, ends.filter(|y| (low - room..=high + room).contains(y)), 0.1);
         let (bottom, top) = (y.value(y.places.0), y.value(y.places.1));
         let (left, right) = (x.value(x.places.0), x.value(x.places.1));
-        let panel: Panel = canvas.panel(frame, x, y.sparse())?;
-        panel.line([(left, 0.0), (right, 0.0)], Stroke::solid(palette::GREY, 1.0))?;
+        let mut panel =
+            Panel::new(x, y.sparse()).titled(self.heading(shown)).linked(format!("days {}", self.joint.name));
+        panel.line("", [(left, 0.0), (right, 0.0)], Stroke::solid(palette::GREY, 1.0));
         for time in &self.retensioned {
-            panel.line([(*time, bottom), (*time, top)], Stroke::dashed(palette::GREY, 1.4, 5.0, 4.0))?;
+            let line = [(*time, bottom), (*time, top)];
+            panel.line("cables retensioned", line, Stroke::dashed(palette::GREY, 1.4, 5.0, 4.0));
         }
         for (direction, life, points) in &all {
-            let (mark, color) = match direction {
-                Some(direction) => (Mark::of(*direction), palette::direction(*direction)),
-                None => (Mark::Disc(4.5), palette::INK),
+            let (mark, color, name) = match direction {
+                Some(direction) => (Mark::of(*direction), palette::direction(*direction), moving(*direction)),
+                None => (Mark::Disc(4.5), palette::INK, "both directions"),
             };
             let breaks = breaks(life);
             // What happened at once is no line from one session to the next.
             for part in points.chunk_by(|a, b| !breaks.iter().any(|at| a.0 < *at && *at <= b.0)) {
                 let line = part.iter().map(|point| (self.times[point.0], point.4));
-                panel.line(line.collect::<Vec<_>>(), Stroke::solid(palette::lighter(color), 1.4))?;
+                panel.line("", line, Stroke::solid(palette::lighter(color), 1.4));
             }
-            for (session, value, low, high, _) in points {
-                let time = self.times[*session];
-                panel.line([(time, low.max(bottom)), (time, high.min(top))], Stroke::solid(color, 1.4))?;
-                panel.mark((time, *value), mark, color)?;
-            }
+            let gap = (f64::NAN, f64::NAN);
+            let time = |point: &(usize, f64, f64, f64, f64)| self.times[point.0];
+            let bar = |p: &(usize, f64, f64, f64, f64)| [(time(p), p.2.max(bottom)), (time(p), p.3.min(top)), gap];
+            panel.line("", points.iter().flat_map(bar), Stroke::solid(color, 1.4));
+            let marks: Vec<Point> = points.iter().map(|p| (time(p), p.1)).collect();
+            panel.marks(name, marks, mark, color);
         }
-        Ok(())
+        panel
     }
 }
 

@@ -2,9 +2,7 @@
 
 use crate::identify::{Identification, Residual};
 use crate::model::Direction;
-use crate::report::chart::{
-    Anchor, Axis, Drawn, Frame, LABEL_PX, Mark, Panel, Stroke, TEXT_PX, palette, span, svg, thin,
-};
+use crate::report::chart::{Axis, Figure, Mark, Panel, Point, Stroke, palette, span, thin};
 use crate::report::wording::{Units, moving};
 use std::ops::Range;
 
@@ -12,8 +10,6 @@ use std::ops::Range;
 const TRIALS: usize = 4;
 /// Height of a trial's panel, px.
 const HEIGHT_PX: f64 = 104.0;
-/// Height of a panel with its title and ticks, px.
-const PITCH_PX: f64 = 150.0;
 /// The motion has turned once it came back by this share of the trial's whole travel.
 const TURNED: f64 = 0.005;
 /// The axis ends at this many times what all but `BEYOND` of the samples stay below: one peak must not flatten the rest.
@@ -23,49 +19,64 @@ const BEYOND: f64 = 0.02;
 const ROOM: f64 = 0.08;
 /// Samples further apart than this many usual periods are not joined by a line.
 const GAP_PERIODS: f64 = 10.0;
-/// Stretches of a trial of which lowest and highest point are drawn.
-const BUCKETS: usize = 700;
+
+const CAPTION: &str = "Measured less predicted torque, both low-passed, in a few trials: for each protocol the one with a typical \
+                       residual and the one with the largest, each to a scale of its own. Peaks after each reversal point to the \
+                       combination, a slow drift to temperature or the sensor, a level that differs between directions to friction.";
 
 /// Residuals of typical and of bad trials, one above the other; `None` without any.
-pub fn draw(found: &Identification) -> Drawn<Option<String>> {
+pub fn figure(found: &Identification) -> Option<Figure> {
     let trials = representative(&found.residuals);
     if trials.is_empty() {
-        return Ok(None);
+        return None;
     }
     let units = Units::of(found.model.joint.kind);
-    let ranges: Vec<(f64, f64)> = trials.iter().map(|(trial, _)| range_nm(trial)).collect();
+    let ranges: Vec<Point> = trials.iter().map(|(trial, _)| range_nm(trial)).collect();
     let (unit, factor) = units.torque_scale(ranges.iter().fold(0.0, |m: f64, r| m.max(-r.0).max(r.1)));
-    let cut = trials.iter().zip(&ranges).any(|((trial, _), range)| !peaks_beyond(trial, *range).is_empty());
-    let height = 62.0 + trials.len() as f64 * PITCH_PX;
-    svg(860, height as u32, "Residual against time", |canvas| {
-        let entry = |d: Direction| (Mark::Line(2.0, None), palette::direction(d), moving(d).to_string());
-        let mut entries = Direction::BOTH.map(entry).to_vec();
-        if cut {
-            entries.push((Mark::Up, palette::INK, "peak beyond the frame".to_string()));
+    let mut figure = Figure::new("residual_time", "Residual against time", CAPTION);
+    for (i, (trial, note)) in trials.iter().enumerate() {
+        let (from_s, to_s) = span(trial.time_s.iter().copied());
+        let y = Axis::around(format!("residual ({unit})"), [factor * ranges[i].0, factor * ranges[i].1], ROOM);
+        let peak = units.torque(thin::magnitude(trial.residual_nm.iter().copied(), 0.0));
+        let figures = format!("RMSE {}, peak {peak}", units.torque(trial.rmse_nm()));
+        let label = if i + 1 == trials.len() { "time (s)" } else { "" };
+        let mut panel = Panel::new(Axis::linear(label, from_s, to_s), y).titled(format!(
+            "{} ({}), {note}: {figures}",
+            trial.file,
+            trial.protocol.name()
+        ));
+        for direction in Direction::BOTH {
+            let stroke = Stroke::solid(palette::direction(direction), 1.1);
+            panel.line(moving(direction), moving_points(trial, direction, factor), stroke);
         }
-        canvas.legend((92.0, 840.0), 16.0, &entries)?;
-        let middle = 34.0 + (height - 62.0) / 2.0;
-        canvas.text((22.0, middle), &format!("residual ({unit})"), LABEL_PX, palette::INK, Anchor::Upwards)?;
-        for (i, (trial, note)) in trials.iter().enumerate() {
-            let top = 56.0 + i as f64 * PITCH_PX;
-            let frame = Frame { left: 92.0, top, right: 840.0, bottom: top + HEIGHT_PX };
-            let (from_s, to_s) = span(trial.time_s.iter().copied());
-            let y = Axis::around("", [factor * ranges[i].0, factor * ranges[i].1], ROOM);
-            let panel = canvas.panel(frame, Axis::linear("", from_s, to_s), y)?;
-            let peak = units.torque(thin::magnitude(trial.residual_nm.iter().copied(), 0.0));
-            let figures = format!("RMSE {}, peak {peak}", units.torque(trial.rmse_nm()));
-            let title = format!("{} ({}), {note}: {figures}", trial.file, trial.protocol.name());
-            canvas.text((92.0, top - 11.0), &title, TEXT_PX, palette::INK, Anchor::Left)?;
-            let gap_s = GAP_PERIODS * (to_s - from_s) / trial.time_s.len() as f64;
-            let mut runs = runs(trial).into_iter();
-            runs.try_for_each(|(direction, run)| draw_run(&panel, trial, direction, run, (gap_s, factor)))?;
-            for (at, mark) in peaks_beyond(trial, ranges[i]) {
-                panel.mark((trial.time_s[at], factor * trial.residual_nm[at]), mark, palette::INK)?;
+        for mark in [Mark::Up, Mark::Down] {
+            let beyond = peaks_beyond(trial, ranges[i]).into_iter().filter(|(_, of)| *of == mark);
+            let points: Vec<Point> = beyond.map(|(at, _)| (trial.time_s[at], factor * trial.residual_nm[at])).collect();
+            if !points.is_empty() {
+                panel.marks("peak beyond the frame", points, mark, palette::INK);
             }
         }
-        canvas.text(((92.0 + 840.0) / 2.0, height - 16.0), "time (s)", LABEL_PX, palette::INK, Anchor::Middle)
-    })
-    .map(Some)
+        figure = figure.row(HEIGHT_PX, vec![panel]);
+    }
+    Some(figure)
+}
+
+/// The trial's residual times `factor` where it moves in `direction`, with gaps between and where samples are missing.
+fn moving_points(trial: &Residual, direction: Direction, factor: f64) -> Vec<Point> {
+    let (from_s, to_s) = span(trial.time_s.iter().copied());
+    let gap_s = GAP_PERIODS * (to_s - from_s) / trial.time_s.len() as f64;
+    let gap = (f64::NAN, f64::NAN);
+    let mut points = Vec::new();
+    for (_, run) in runs(trial).into_iter().filter(|(of, _)| *of == direction) {
+        for i in run.clone() {
+            if i > run.start && trial.time_s[i] - trial.time_s[i - 1] > gap_s {
+                points.push(gap);
+            }
+            points.push((trial.time_s[i], factor * trial.residual_nm[i]));
+        }
+        points.push(gap);
+    }
+    points
 }
 
 /// What the trial's panel shows: zero and all samples, but for peaks that would flatten the rest.
@@ -143,27 +154,4 @@ fn runs(trial: &Residual) -> Vec<(Direction, Range<usize>)> {
     }
     runs.push((direction.unwrap_or(Direction::Up), start..positions.len()));
     runs
-}
-
-/// One run, its torque times `factor`; a pause longer than `gap_s` leaves a gap.
-fn draw_run(
-    panel: &Panel,
-    trial: &Residual,
-    direction: Direction,
-    run: Range<usize>,
-    (gap_s, factor): (f64, f64),
-) -> Drawn {
-    let total = trial.time_s.len();
-    let stroke = Stroke::solid(palette::direction(direction), 1.1);
-    let mut start = run.start;
-    for i in run.start + 1..=run.end {
-        if i == run.end || trial.time_s[i] - trial.time_s[i - 1] > gap_s {
-            let points: Vec<(f64, f64)> =
-                (start..i).map(|k| (trial.time_s[k], factor * trial.residual_nm[k])).collect();
-            let buckets = (BUCKETS * points.len()).div_ceil(total);
-            panel.line(thin::envelope(&points, buckets), stroke)?;
-            start = i;
-        }
-    }
-    Ok(())
 }

@@ -1,71 +1,86 @@
-//! What the mean square of the residual is made of: one bar, and its parts named below.
+//! What the mean square of the residual is made of, as a waterfall: from the model as delivered down to the floor.
 
 use super::CONTACT;
 use crate::diagnose::{Cause, Diagnosis};
-use crate::report::chart::{Anchor, Canvas, Drawn, LABEL_PX, TEXT_PX, palette, svg};
-use crate::report::page::Drawing;
+use crate::report::chart::{Axis, Color, Figure, Panel, Stroke, palette};
+use crate::report::diagnosis::words::kept_together;
 use crate::report::wording::Units;
-use plotters::style::{RGBColor, WHITE};
 
-const LEFT: f64 = 24.0;
-const RIGHT: f64 = 836.0;
-/// The bar's upper and lower edge, px.
-const BAR: (f64, f64) = (40.0, 92.0);
-/// Height of a named part's line, px.
-const LINE_PX: f64 = 26.0;
-/// A part narrower than this has its percentage below only, px.
-const WIDE_PX: f64 = 46.0;
+/// Height of a part's row, px.
+const ROW_PX: f64 = 30.0;
+/// Half the height of a bar, in rows.
+const HALF: f64 = 0.36;
 /// Parts below this share are told with their decimals.
 const SMALL: f64 = 0.01;
 /// Colours of the causes, in their order.
-const COLORS: [RGBColor; 3] = [palette::BLUE, palette::GREEN, palette::PURPLE];
+const COLORS: [Color; 3] = [palette::BLUE, palette::GREEN, palette::PURPLE];
 
-/// A part of the bar.
-struct Part {
-    name: String,
-    square: f64,
-    color: RGBColor,
+const CAPTION: &str = "The residual's mean square in its parts, which add up, from the model as delivered to the noise floor: what the \
+                       model's own parameters explain while they stay within their confidence, what each cause adds, what is \
+                       left, and the floor that no model could explain. Squares add, roots do not: the RMS of each part is the \
+                       root of its own square.";
+
+/// A part of the mean square.
+pub struct Part {
+    /// What it is.
+    pub name: String,
+    /// How much, (N m)^2.
+    pub square: f64,
+    /// Its colour, the same wherever it is shown.
+    pub color: Color,
 }
 
-/// The bar.
-pub(super) fn draw(found: &Diagnosis) -> Drawn<Drawing> {
+/// The waterfall.
+pub fn figure(found: &Diagnosis) -> Figure {
     let units = Units::of(found.before.joint.kind);
     let parts = parts(found);
     let whole: f64 = parts.iter().map(|part| part.square).sum::<f64>().max(f64::MIN_POSITIVE);
-    let height = BAR.1 + 36.0 + LINE_PX * (parts.len() + 1) as f64;
-    let drawn = svg(860, height as u32, "What the residual is made of", |canvas| {
-        let title = format!("mean square of the residual: 100 % is an RMSE of {}", units.torque(whole.sqrt()));
-        canvas.text((LEFT, 20.0), &title, LABEL_PX, palette::INK, Anchor::Left)?;
-        bar(canvas, &parts, whole)?;
-        head(canvas)?;
-        parts.iter().enumerate().try_for_each(|(at, part)| line(canvas, part, whole, &units, at))
-    })?;
-    Ok(Drawing {
-        name: "budget".to_string(),
-        title: "What the gap is made of".to_string(),
-        caption: "The residual's mean square in its parts, which add up: the floor that no model could explain, what the model's \
-                  own parameters explain while they stay within their confidence, what each cause explains, and what is left. \
-                  Squares add, roots do not: the RMS of each part is the root of its own square."
-            .to_string(),
-        svg: drawn,
-    })
+    let names = std::iter::once("as delivered".to_string()).chain(parts.iter().map(|part| part.name.clone()));
+    let x = Axis::linear("share of the residual's mean square (%)", 0.0, 100.0);
+    let mut panel = Panel::new(x, Axis::names(names));
+    let told = |square: f64| {
+        let rms = units.torque(square.max(0.0).sqrt());
+        kept_together(&format!("{}, {rms}", share_text(square / whole)))
+    };
+    let mut add = |row: usize, (from, to): (f64, f64), square: f64, color: Color| {
+        let level = -(row as f64) - 0.5;
+        panel.bar("", (100.0 * from / whole, 100.0 * to / whole), (level - HALF, level + HALF), color);
+        panel.beside.push((level, told(square)));
+        if row < parts.len() {
+            let edge = 100.0 * from / whole;
+            panel.line(
+                "",
+                [(edge, level - HALF), (edge, level - 1.0 + HALF)],
+                Stroke::dashed(palette::GREY, 1.0, 3.0, 3.0),
+            );
+        }
+    };
+    let mut left = whole;
+    for (row, part) in parts.iter().enumerate() {
+        add(row + 1, (left - part.square, left), part.square, part.color);
+        left -= part.square;
+    }
+    add(0, (0.0, whole), whole, palette::INK);
+    // The first bar begins at zero; its edge would stand there too.
+    panel.series.pop();
+    let height = ROW_PX * (parts.len() + 1) as f64;
+    Figure::single("budget", "What the gap is made of, and what each cause adds", CAPTION, height, panel)
 }
 
-fn parts(found: &Diagnosis) -> Vec<Part> {
+/// The parts that are there, in the order in which they are taken off.
+pub fn parts(found: &Diagnosis) -> Vec<Part> {
     let budget = &found.budget;
     let part = |name: &str, square: f64, color| Part { name: name.to_string(), square, color };
-    let mut all = vec![
-        part("floor: noise and what does not repeat", budget.floor, palette::PALE),
-        part("the model within its own confidence", budget.within_confidence, palette::GREY),
-    ];
+    let mut all = vec![part("model within its confidence", budget.within_confidence, palette::GREY)];
     for ((cause, square), color) in budget.causes.iter().zip(COLORS.into_iter().cycle()) {
         all.push(match cause {
             &Cause::CONTACT => part("contact", *square, CONTACT),
             Cause::Effect(id) => part(id, *square, color),
-            Cause::Stale(name) => part(&format!("stale parameters: {name}"), *square, color),
+            Cause::Stale(name) => part(&format!("stale: {name}"), *square, color),
         });
     }
     all.push(part("unexplained", budget.unexplained, palette::VERMILION));
+    all.push(part("noise floor", budget.floor, palette::PALE));
     all.retain(|part| part.square > 0.0);
     all
 }
@@ -76,49 +91,4 @@ fn share_text(share: f64) -> String {
         s if s < SMALL => format!("{:.1} %", 100.0 * s),
         s => format!("{:.0} %", 100.0 * s),
     }
-}
-
-/// Parts side by side, a white line between them, their percentage in those that are wide enough.
-fn bar(canvas: &Canvas, parts: &[Part], whole: f64) -> Drawn {
-    let mut x = LEFT;
-    for part in parts {
-        let share = part.square / whole;
-        let end = x + share * (RIGHT - LEFT);
-        canvas.fill((x, BAR.0), (end, BAR.1), part.color, 1.0)?;
-        if end - x > WIDE_PX {
-            let ink = if is_dark(part.color) { WHITE } else { palette::INK };
-            let middle = ((x + end) / 2.0, (BAR.0 + BAR.1) / 2.0);
-            canvas.text(middle, &share_text(share), LABEL_PX, ink, Anchor::Middle)?;
-        }
-        if x > LEFT && end > x {
-            canvas.line((x, BAR.0), (x, BAR.1), WHITE, 1.5)?;
-        }
-        x = end;
-    }
-    Ok(())
-}
-
-/// Whether white reads better on `color` than ink.
-fn is_dark(color: RGBColor) -> bool {
-    0.299 * f64::from(color.0) + 0.587 * f64::from(color.1) + 0.114 * f64::from(color.2) < 140.0
-}
-
-/// Middle of line `at`, px.
-fn level(at: usize) -> f64 {
-    BAR.1 + 28.0 + LINE_PX * at as f64
-}
-
-fn head(canvas: &Canvas) -> Drawn {
-    for (x, text) in [(660.0, "of the square"), (RIGHT, "RMS")] {
-        canvas.text((x, level(0)), text, TEXT_PX, palette::GREY, Anchor::Right)?;
-    }
-    Ok(())
-}
-
-fn line(canvas: &Canvas, part: &Part, whole: f64, units: &Units, at: usize) -> Drawn {
-    let y = level(at + 1);
-    canvas.fill((LEFT, y - 8.0), (LEFT + 22.0, y + 8.0), part.color, 1.0)?;
-    canvas.text((LEFT + 34.0, y), &part.name, LABEL_PX, palette::INK, Anchor::Left)?;
-    canvas.text((660.0, y), &share_text(part.square / whole), LABEL_PX, palette::INK, Anchor::Right)?;
-    canvas.text((RIGHT, y), &units.torque(part.square.max(0.0).sqrt()), LABEL_PX, palette::INK, Anchor::Right)
 }

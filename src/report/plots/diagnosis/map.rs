@@ -1,10 +1,10 @@
 //! Where the residual lies: its RMS over position and speed, before and after.
 
+use super::residual_time::{order, runs};
 use super::{after_name, residuals};
 use crate::diagnose::Diagnosis;
 use crate::numerics::statistics::quantile;
-use crate::report::chart::{Anchor, Axis, Canvas, Colors, Drawn, Frame, LABEL_PX, palette, span, svg};
-use crate::report::page::Drawing;
+use crate::report::chart::{Axis, Cells, Figure, Panel, span};
 use crate::report::wording::Units;
 
 /// Cells across and upwards; an odd number upwards, so that one row holds what hardly moves.
@@ -19,49 +19,54 @@ const FLOORS: f64 = 3.0;
 /// The scale ends where this share of the cells lie below: one cell must not bleach the others.
 const SHOWN: f64 = 0.98;
 
+/// Stretches of recordings kept for each cell, the largest first.
+const STRETCHES: usize = 4;
+
+const CAPTION: &str = "RMS of the residual in cells of position and signed speed, over all trials, by the model as delivered and with \
+                       what was found; one scale for both, the triangle at the floor. White cells hold hardly any samples. Columns \
+                       that stand out: the gap goes with position; rows: with speed; the ends of the travel near zero speed: after \
+                       reversals; above and below alike, but apart from the middle: with the direction. A click on a cell shows its \
+                       samples over time.";
+
 /// RMS of the cells, row by row, before and after; NaN where there are too few samples.
 struct Map {
     x: Axis,
     y: Axis,
     rms_nm: [Vec<f64>; 2],
+    /// Stretches of trials (place in `order`, from and to in s) in each cell, the largest first.
+    stretches: Vec<Vec<(usize, f64, f64)>>,
 }
 
 /// Both maps; `None` without samples.
-pub(super) fn draw(found: &Diagnosis) -> Drawn<Option<Drawing>> {
+pub(super) fn figure(found: &Diagnosis) -> Option<Figure> {
     let units = Units::of(found.before.joint.kind);
     let map = map(found, &units);
     let mut all: Vec<f64> = map.rms_nm.iter().flatten().copied().filter(|rms| rms.is_finite()).collect();
     if all.is_empty() {
-        return Ok(None);
+        return None;
     }
-    let (top, most) = (quantile(&mut all, SHOWN), span(all.iter().copied()).1);
     let floor_nm = found.gap.floor.rms_nm;
-    let top = top.max(FLOORS * floor_nm);
+    let top = quantile(&mut all, SHOWN).max(FLOORS * floor_nm);
     let (unit, factor) = units.torque_scale(top);
-    let axis = Axis::linear(format!("RMS of the residual ({unit})"), 0.0, factor * top);
-    let colors = Colors { goes_on: factor * most > 1.001 * axis.places.1, axis };
-    let drawn = svg(860, 400, "Where the residual lies", |canvas| {
-        let titles = ["as delivered", after_name(found)];
-        for (at, (title, rms_nm)) in titles.into_iter().zip(&map.rms_nm).enumerate() {
-            let left = 86.0 + 344.0 * at as f64;
-            let frame = Frame { left, top: 44.0, right: left + 308.0, bottom: 340.0 };
+    let panels =
+        ["as delivered", after_name(found)].into_iter().zip(&map.rms_nm).enumerate().map(|(at, (title, rms))| {
             let y = if at == 0 { map.y.clone() } else { map.y.clone().without_texts() };
-            canvas.text((left, 24.0), title, LABEL_PX, palette::INK, Anchor::Left)?;
-            cells(canvas, frame, (map.x.clone(), y), rms_nm, (&colors, factor))?;
-        }
-        let bar = Frame { left: 764.0, top: 44.0, right: 780.0, bottom: 340.0 };
-        canvas.color_bar(bar, &colors, (factor * floor_nm, "floor"))
-    })?;
-    Ok(Some(Drawing {
-        name: "map".to_string(),
-        title: "Where the gap lies: position and speed".to_string(),
-        caption: "RMS of the residual in cells of position and signed speed, over all trials, by the model as delivered and with \
-                  what was found; one scale for both, the triangle at the floor. White cells hold hardly any samples. Columns that stand out: the gap goes \
-                  with position; rows: with speed; the ends of the travel near zero speed: after reversals; above and below \
-                  alike, but apart from the middle: with the direction."
-            .to_string(),
-        svg: drawn,
-    }))
+            let edges = |(low, high): (f64, f64), number: usize| -> Vec<f64> {
+                (0..=number).map(|i| low + (high - low) * i as f64 / number as f64).collect()
+            };
+            let mut panel = Panel::new(map.x.clone(), y).titled(title);
+            panel.cells(Cells {
+                across: edges(map.x.places, ACROSS),
+                upwards: edges(map.y.places, UPWARDS),
+                values: rms.iter().map(|rms| factor * rms).collect(),
+                axis: Axis::linear(format!("RMS ({unit})"), 0.0, factor * top),
+                marked: (factor * floor_nm, "floor"),
+                stretches: map.stretches.clone(),
+            });
+            panel
+        });
+    let figure = Figure::new("map", "Where the gap lies: position and speed", CAPTION);
+    Some(figure.row(296.0, panels.collect()))
 }
 
 fn map(found: &Diagnosis, units: &Units) -> Map {
@@ -74,42 +79,43 @@ fn map(found: &Diagnosis, units: &Units) -> Map {
     let x = Axis::linear(format!("position ({})", units.position), low, high);
     let y = Axis::signed_log(format!("speed ({})", units.speed), -fastest, fastest, SLOW * fastest);
     let mut sums = [(); 2].map(|()| vec![(0.0, 0usize); ACROSS * UPWARDS]);
-    for view in &found.views {
-        for (sums, residual) in sums.iter_mut().zip(residuals(found, view)) {
-            for i in residual.rows() {
+    let mut energies: Vec<Vec<(f64, usize, f64, f64)>> = vec![Vec::new(); ACROSS * UPWARDS];
+    for (trial, view) in order(found).into_iter().map(|at| &found.views[at]).enumerate() {
+        let cell_of: Vec<usize> = (0..view.time_s.len())
+            .map(|i| {
                 let column = cell(x.place_within(place(view.position_rad[i])), x.places, ACROSS);
-                let row = cell(y.place_within(view.velocity_rad_s[i]), y.places, UPWARDS);
-                let (sum, count) = &mut sums[row * ACROSS + column];
+                cell(y.place_within(view.velocity_rad_s[i]), y.places, UPWARDS) * ACROSS + column
+            })
+            .collect();
+        let both = residuals(found, view);
+        for (sums, residual) in sums.iter_mut().zip(&both) {
+            for i in residual.rows() {
+                let (sum, count) = &mut sums[cell_of[i]];
                 (*sum, *count) = (*sum + residual.nm[i] * residual.nm[i], *count + 1);
+            }
+        }
+        let before = &both[0];
+        for run in runs(cell_of.len(), |i| before.counts[i]) {
+            let samples: Vec<usize> = run.collect();
+            for part in samples.chunk_by(|a, b| cell_of[*a] == cell_of[*b]) {
+                let energy = part.iter().map(|i| before.nm[*i] * before.nm[*i]).sum();
+                let (from_s, to_s) = (view.time_s[part[0]], view.time_s[part[part.len() - 1]]);
+                energies[cell_of[part[0]]].push((energy, trial, from_s, to_s));
             }
         }
     }
     let rms = |(sum, count): &(f64, usize)| {
         if *count >= SAMPLES_MIN { (sum / *count as f64).sqrt() } else { f64::NAN }
     };
-    Map { rms_nm: sums.map(|sums| sums.iter().map(rms).collect()), x, y }
+    let largest = |mut of: Vec<(f64, usize, f64, f64)>| {
+        of.sort_by(|a, b| b.0.total_cmp(&a.0));
+        of.into_iter().take(STRETCHES).map(|(_, trial, from_s, to_s)| (trial, from_s, to_s)).collect()
+    };
+    let stretches = energies.into_iter().map(largest).collect();
+    Map { rms_nm: sums.map(|sums| sums.iter().map(rms).collect()), stretches, x, y }
 }
 
 /// Which of `number` stretches of `low` to `high` holds `place`.
 fn cell(place: f64, (low, high): (f64, f64), number: usize) -> usize {
     (((place - low) / (high - low) * number as f64) as usize).min(number - 1)
-}
-
-fn cells(
-    canvas: &Canvas,
-    frame: Frame,
-    (x, y): (Axis, Axis),
-    rms_nm: &[f64],
-    (colors, factor): (&Colors, f64),
-) -> Drawn {
-    let panel = canvas.panel(frame, x, y)?;
-    let edge = |at: usize, number: usize, (low, high): (f64, f64)| low + (high - low) * at as f64 / number as f64;
-    let corner = |column: usize, row: usize| {
-        (panel.x.value(edge(column, ACROSS, panel.x.places)), panel.y.value(edge(row, UPWARDS, panel.y.places)))
-    };
-    for (at, rms) in rms_nm.iter().enumerate().filter(|(_, rms)| rms.is_finite()) {
-        let (row, column) = (at / ACROSS, at % ACROSS);
-        canvas.cell(&panel, corner(column, row), corner(column + 1, row + 1), factor * rms, colors)?;
-    }
-    Ok(())
 }

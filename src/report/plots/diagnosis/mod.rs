@@ -1,6 +1,6 @@
 //! The figures of a diagnosis.
 
-mod budget;
+pub mod budget;
 mod candidates;
 mod map;
 pub mod motion;
@@ -9,36 +9,44 @@ mod residual_position;
 mod residual_time;
 
 use crate::diagnose::{Cause, Diagnosis, View};
-use crate::report::chart::{Drawn, palette, thin};
-use crate::report::page::Drawing;
-use plotters::style::RGBColor;
+use crate::report::chart::{Color, Figure, palette, thin};
 
-/// Figures that a reader sees first: what the gap is made of, where it lies, what was tried.
-pub const LEADING: usize = 3;
 /// An axis holds all but this share of the samples: one peak must not flatten the rest.
 const BEYOND: f64 = 0.002;
 /// Room above and below, as a share of what is shown.
 const ROOM: f64 = 0.12;
 /// Stretches of contact, the same in every figure.
-const CONTACT: RGBColor = palette::ORANGE;
+const CONTACT: Color = palette::ORANGE;
 
-/// All figures that there are data for.
-pub fn drawings(found: &Diagnosis) -> Drawn<Vec<Drawing>> {
-    let all = [
-        Some(budget::draw(found)?),
-        map::draw(found)?,
-        candidates::draw(found)?,
-        places::draw(found)?,
-        residual_time::draw(found)?,
-        residual_position::draw(found)?,
-        motion_of(found)?,
-    ];
-    Ok(all.into_iter().flatten().collect())
+/// The figures of a diagnosis, as far as there are data for them.
+pub struct Figures {
+    /// What the gap is made of: the one to see first.
+    pub budget: Figure,
+    /// Where it lies over position and speed, before and after.
+    pub map: Option<Figure>,
+    /// The candidate causes.
+    pub candidates: Option<Figure>,
+    /// Where it lies, by region.
+    pub places: Option<Figure>,
+    /// The residual over position.
+    pub position: Option<Figure>,
+    /// The residual of each trial over time, the largest first.
+    pub trials: Vec<(String, Figure)>,
+    /// The gap in motion, where a simulator's log was compared.
+    pub motion: Option<Figure>,
 }
 
-/// The gap in motion, where a simulator's log was compared.
-fn motion_of(found: &Diagnosis) -> Drawn<Option<Drawing>> {
-    found.motion.as_ref().map_or(Ok(None), |gap| motion::draw(gap, found.before.joint.kind))
+/// All figures.
+pub fn figures(found: &Diagnosis) -> Figures {
+    Figures {
+        budget: budget::figure(found),
+        map: map::figure(found),
+        candidates: candidates::figure(found),
+        places: places::figure(found),
+        position: residual_position::figure(found),
+        trials: residual_time::figures(found),
+        motion: found.motion.as_ref().and_then(|gap| motion::figure(gap, found.before.joint.kind)),
+    }
 }
 
 /// The residual of one trial under one model.

@@ -1,79 +1,61 @@
-//! The figures of an evaluation, as the paper's 5 and 7 to 9 lay them out.
+//! The figures of an evaluation, as the paper's 5 and 7 to 9 lay them out: the bars, then each trial's.
 
 mod bars;
 mod raw;
 mod reversals;
 mod series;
 
-use crate::evaluate::{Evaluation, Group, TrialEvaluation};
-use crate::log::Protocol;
-use crate::report::chart::Drawn;
-use crate::report::page::Drawing;
+use crate::evaluate::{Evaluation, TrialEvaluation};
+use crate::report::chart::{Axis, Figure, Panel, Point};
 use crate::report::wording::Units;
 
-/// Motions shown, each with its repeats; more would only repeat what these show.
-const SHOWN: usize = 6;
-
-/// One motion with its repeats, to be drawn.
+/// A trial to be drawn.
 struct Shown<'a> {
-    /// Beginning of its files' names.
+    /// Beginning of its figures' names.
     slug: String,
-    /// What it is, in words.
-    title: String,
-    /// Its trials; the first is drawn in full.
-    trials: Vec<&'a TrialEvaluation>,
+    trial: &'a TrialEvaluation,
     units: Units,
     lowpass_hz: f64,
 }
 
-/// All figures of `evaluation`, the bars first, then each motion's.
-pub fn drawings(evaluation: &Evaluation) -> Drawn<Vec<Drawing>> {
-    let mut all = vec![bars::draw(evaluation)?];
-    for shown in shown(evaluation) {
-        all.push(series::draw(&shown)?);
-        all.push(raw::draw(&shown)?);
-        all.extend(reversals::draw(&shown, evaluation)?);
+impl Shown<'_> {
+    /// `values` over the trial's time.
+    fn over_time(&self, values: impl IntoIterator<Item = f64>) -> Vec<Point> {
+        self.trial.view.time_s.iter().copied().zip(values).collect()
     }
-    Ok(all)
+
+    /// The time axis; only the lowest of several panels has its texts.
+    fn time(&self, is_lowest: bool) -> Axis {
+        let (from_s, to_s) = crate::report::chart::span(self.trial.view.time_s.iter().copied());
+        let axis = Axis::linear("time (s)", from_s, to_s);
+        if is_lowest { axis } else { axis.without_texts() }
+    }
+
+    /// A panel that zooms with all others of its trial.
+    fn panel(&self, is_lowest: bool, y: Axis) -> Panel {
+        Panel::new(self.time(is_lowest), y).linked(format!("time of {}", self.trial.entry.file))
+    }
 }
 
-/// Repeats together, others one by one.
-fn shown(evaluation: &Evaluation) -> Vec<Shown<'_>> {
-    let mut all = Vec::new();
-    for group in &evaluation.groups {
-        let trials: Vec<&TrialEvaluation> = group.trials.iter().map(|at| &evaluation.trials[*at]).collect();
-        match group.repeats {
-            true => all.push((slug(group), name(group, trials.len()), trials)),
-            false => all.extend(
-                trials.into_iter().map(|t| (crate::report::plots::slug(&t.entry.file), t.entry.file.clone(), vec![t])),
-            ),
-        }
-    }
-    // Of many sweeps the slowest, the fastest and some between.
-    let step = all.len().div_ceil(SHOWN).max(1);
+/// Error by curve of the combination.
+pub fn bars(evaluation: &Evaluation) -> Figure {
+    bars::figure(evaluation)
+}
+
+/// The figures of each trial, by its name.
+pub fn trials(evaluation: &Evaluation) -> Vec<(String, Vec<Figure>)> {
     let units = Units::of(evaluation.model.joint.kind);
-    let shown = |(slug, title, trials)| Shown { slug, title, trials, units, lowpass_hz: evaluation.lowpass_hz };
-    let mut chosen: Vec<Shown> = all.into_iter().step_by(step).map(shown).collect();
-    for at in 1..chosen.len() {
-        if chosen[..at].iter().any(|earlier| earlier.slug == chosen[at].slug) {
-            chosen[at].slug = format!("{}-{}", chosen[at].slug, at + 1);
+    let mut slugs: Vec<String> = Vec::new();
+    let mut all = Vec::new();
+    for (at, trial) in evaluation.trials.iter().enumerate() {
+        let mut slug = super::slug(&trial.entry.file);
+        if slugs.contains(&slug) {
+            slug = format!("{slug}-{}", at + 1);
         }
+        slugs.push(slug.clone());
+        let shown = Shown { slug, trial, units, lowpass_hz: evaluation.lowpass_hz };
+        let figures = [Some(series::figure(&shown)), reversals::figure(&shown, evaluation), Some(raw::figure(&shown))];
+        all.push((trial.entry.file.clone(), figures.into_iter().flatten().collect()));
     }
-    chosen
-}
-
-fn name(group: &Group, trials: usize) -> String {
-    let protocol = match group.protocol {
-        Protocol::Uniform { speed_rad_s } => format!("sweep at {speed_rad_s} rad/s"),
-        other => other.name().to_string(),
-    };
-    let trajectory = group.trajectory.as_ref().map_or(String::new(), |name| format!(" “{name}”"));
-    format!("{protocol}{trajectory}, {}", crate::report::number::counted(trials, "trial", "trials"))
-}
-
-fn slug(group: &Group) -> String {
-    let speed = group.protocol.speed_rad_s().map_or(String::new(), |speed| format!("_{speed}"));
-    let trajectory =
-        group.trajectory.as_ref().map_or(String::new(), |name| format!("_{}", crate::report::plots::slug(name)));
-    format!("{}{speed}{trajectory}", group.protocol.name())
+    all
 }

@@ -1,0 +1,39 @@
+//! What may stand in files, as JSON Schemas: `tautline schema NAME`.
+//!
+//! The types here say it once, with a sentence for each key; the schemas are made from them. Readers report faults by row and column
+//! and stand where the data go; the tests hold these types against what they read and against every bundled file. Inputs refuse
+//! unknown keys; results may gain some.
+
+mod campaign;
+mod evaluation;
+mod list;
+mod model;
+mod trajectory;
+
+pub use campaign::Campaign;
+pub use evaluation::{Diagnosis, Evaluation};
+pub use list::Batch;
+pub use model::Model;
+pub use trajectory::Trajectory;
+
+use schemars::{Schema, schema_for};
+
+/// One kind of file.
+pub struct File {
+    /// What it is called by `tautline schema`.
+    pub name: &'static str,
+    /// What it is.
+    pub about: &'static str,
+    /// Its schema.
+    pub schema: fn() -> Schema,
+}
+
+/// All kinds.
+pub const FILES: [File; 6] = [
+    File { name: "campaign", about: "campaign.toml: a joint and its logs", schema: || schema_for!(Campaign) },
+    File { name: "model", about: "model.json: a joint's friction", schema: || schema_for!(Model) },
+    File { name: "trajectory", about: "a motion to record or to simulate", schema: || schema_for!(Trajectory) },
+    File { name: "batch", about: "a list of campaigns for batch and repeatability", schema: || schema_for!(Batch) },
+    File { name: "evaluation", about: "evaluation.json", schema: || schema_for!(Evaluation) },
+    File { name: "diagnosis", about: "diagnosis.json", schema: || schema_for!(Diagnosis) },
+];

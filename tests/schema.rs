@@ -1,0 +1,129 @@
+//! The schemas against every bundled file, and against the keys that the readers ask for.
+
+use serde::de::DeserializeOwned;
+use std::fs;
+use std::path::{Path, PathBuf};
+use tautline::schema::{Batch, Campaign, Diagnosis, Evaluation, FILES, Model, Trajectory};
+
+fn files(folder: &Path, found: &mut Vec<PathBuf>) {
+    for entry in fs::read_dir(folder).unwrap() {
+        let path = entry.unwrap().path();
+        if path.is_dir() { files(&path, found) } else { found.push(path) }
+    }
+}
+
+/// What is wrong with `text` as a file of type `T`.
+fn fault<T: DeserializeOwned>(path: &Path, text: &str) -> Option<String> {
+    let told = match path.extension().is_some_and(|e| e == "toml") {
+        true => toml::from_str::<T>(text).err().map(|error| error.to_string()),
+        false => serde_json::from_str::<T>(text).err().map(|error| error.to_string()),
+    };
+    told.map(|error| format!("{}: {error}", path.display()))
+}
+
+#[test]
+fn every_bundled_file_is_what_its_schema_says() {
+    let mut all = Vec::new();
+    files(Path::new("data"), &mut all);
+    let (mut faults, mut seen) = (Vec::new(), 0);
+    for path in all.iter().filter(|path| path.extension().is_some_and(|e| e == "toml" || e == "json")) {
+        let text = fs::read_to_string(path).unwrap();
+        let is = |format: &str| text.contains(&format!("{format}/1\""));
+        let fault = match () {
+            () if is("campaign") => fault::<Campaign>(path, &text),
+            () if is("model") && !is("baseline") => fault::<Model>(path, &text),
+            () if is("trajectory") => fault::<Trajectory>(path, &text),
+            () if is("batch") => fault::<Batch>(path, &text),
+            () => continue,
+        };
+        seen += 1;
+        faults.extend(fault);
+    }
+    assert!(faults.is_empty() && seen >= 8, "{seen} files; {}", faults.join("\n"));
+}
+
+#[test]
+fn what_is_written_is_what_its_schema_says() {
+    let out = tempfile::TempDir::new().unwrap();
+    let to = |name: &str| out.path().join(name).to_string_lossy().into_owned();
+    let campaign = crate::campaigns::record(&crate::campaigns::truth(), &crate::campaigns::plan());
+    let campaign = campaign.path().to_string_lossy().into_owned();
+    let run = |arguments: &[&str]| assert!(crate::cli::tautline(arguments).status.success(), "{arguments:?}");
+    run(&["identify", &campaign, "-o", &to("i"), "--quiet"]);
+    run(&["evaluate", &campaign, "--model", &to("i"), "-o", &to("e"), "--quiet"]);
+    run(&["diagnose", &campaign, "--model", &to("i"), "-o", &to("d"), "--quiet"]);
+    let read = |name: &str| (out.path().join(name), fs::read_to_string(out.path().join(name)).unwrap());
+    let ((model, a), (evaluation, b), (diagnosis, c)) =
+        (read("i/model.json"), read("e/evaluation.json"), read("d/diagnosis.json"));
+    let faults = [fault::<Model>(&model, &a), fault::<Evaluation>(&evaluation, &b), fault::<Diagnosis>(&diagnosis, &c)];
+    assert!(faults.iter().all(Option::is_none), "{faults:#?}");
+}
+
+/// Keys that `files` ask for, by their source.
+fn asked(files: &[&str]) -> Vec<String> {
+    let sources = files.iter().map(|file| fs::read_to_string(format!("src/{file}")).unwrap());
+    let mut keys = Vec::new();
+    for source in sources {
+        for ask in [".need(\"", ".may(\"", "count(\"", "percent(\"", "up_to(\"", "radius(\""] {
+            keys.extend(source.split(ask).skip(1).map(|rest| rest.split('"').next().unwrap().to_string()));
+        }
+    }
+    keys
+}
+
+#[test]
+fn every_key_that_a_reader_asks_for_is_in_its_schema() {
+    let readers: [(&str, &[&str]); 4] = [
+        (
+            "campaign",
+            &[
+                "log/campaign.rs",
+                "log/files.rs",
+                "log/entries.rs",
+                "log/captured.rs",
+                "log/uncertainty.rs",
+                "log/arm.rs",
+                "log/columns.rs",
+                "model/joint.rs",
+            ],
+        ),
+        ("model", &["model/file.rs", "model/functions.rs"]),
+        ("trajectory", &["trajectory/file.rs"]),
+        ("batch", &["batch/manifest.rs"]),
+    ];
+    // Of what an identification adds, and by quantity rather than by key.
+    const OTHERS: [&str; 2] = ["parameter", "time"];
+    for (name, readers) in readers {
+        let schema = FILES.iter().find(|file| file.name == name).unwrap();
+        let text = (schema.schema)().as_value().to_string();
+        let missing: Vec<String> =
+            asked(readers).into_iter().filter(|key| !text.contains(&format!("\"{key}\":"))).collect();
+        let missing: Vec<&String> = missing.iter().filter(|key| !OTHERS.contains(&key.as_str())).collect();
+        assert!(missing.is_empty(), "{name}: {missing:?}");
+    }
+}
+
+#[test]
+fn every_key_has_a_sentence() {
+    fn walk(value: &serde_json::Value, path: &str, lacking: &mut Vec<String>) {
+        if let Some(properties) = value.get("properties").and_then(|p| p.as_object()) {
+            for (key, property) in properties {
+                if property.get("description").is_none() && property.get("const").is_none() {
+                    lacking.push(format!("{path}.{key}"));
+                }
+            }
+        }
+        match value {
+            serde_json::Value::Object(object) => {
+                object.iter().for_each(|(key, value)| walk(value, &format!("{path}.{key}"), lacking));
+            }
+            serde_json::Value::Array(list) => list.iter().for_each(|value| walk(value, path, lacking)),
+            _ => {}
+        }
+    }
+    for file in &FILES {
+        let mut lacking = Vec::new();
+        walk((file.schema)().as_value(), file.name, &mut lacking);
+        assert!(lacking.is_empty(), "{lacking:?}");
+    }
+}
