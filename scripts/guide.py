@@ -17,7 +17,7 @@ import sys
 import tempfile
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
-PAGES = ("identify", "campaign", "evaluate", "diagnose", "changes", "simulate", "capture", "model", "measured", "security")
+PAGES = ("identify", "campaign", "evaluate", "diagnose", "gallery", "changes", "simulate", "capture", "model", "measured", "security")
 NEED_MORE = ("cargo ", "pip ", "sbatch ", "recorder ", "tautline rig ", "--rig rig.toml", "tautline import", "tautline excite next", "tautline completions", "tautline man")
 SMALL = "--rate-hz 50 --speeds 6 --slowest-rad-s 0.05 --repeats 1 --cosines 1 --quiet"
 

@@ -94,3 +94,45 @@ fn the_test_finds_what_it_looks_for() {
     assert!(shown(Path::new("src/cli/a.rs"), "/// never saw\nx: u8").contains("never saw"));
     assert!(!shown(Path::new("src/report/a.rs"), "/// never saw\nx: u8").contains("never saw"));
 }
+
+/// The targets of the links and pictures of a Markdown text.
+fn links(text: &str) -> Vec<&str> {
+    text.split("](").skip(1).filter_map(|rest| rest.split(')').next()).collect()
+}
+
+#[test]
+fn every_link_of_the_guide_leads_somewhere() {
+    let mut pages = vec![PathBuf::from("README.md")];
+    files(Path::new("src/guide"), &["md"], &mut pages);
+    files(Path::new("data"), &["md"], &mut pages);
+    files(Path::new("scripts"), &["md"], &mut pages);
+    let mut broken = Vec::new();
+    for page in pages {
+        let text = fs::read_to_string(&page).unwrap();
+        for link in links(&text).into_iter().filter(|link| !link.starts_with("http") && !link.starts_with('#')) {
+            let target = page.parent().unwrap().join(link.split('#').next().unwrap());
+            if !target.exists() {
+                broken.push(format!("{}: {link}", page.display()));
+            }
+        }
+        for topic in text.split("`tautline guide ").skip(1).filter_map(|rest| rest.split('`').next()) {
+            let is_known = tautline::guide::PAGES.iter().any(|page| page.topic == topic) || topic == "TOPIC";
+            if !is_known {
+                broken.push(format!("{}: tautline guide {topic}", page.display()));
+            }
+        }
+    }
+    assert!(broken.is_empty(), "{broken:#?}");
+}
+
+#[test]
+fn every_page_of_the_guide_is_listed() {
+    let mut files_found = Vec::new();
+    files(Path::new("src/guide"), &["md"], &mut files_found);
+    let readme = fs::read_to_string("README.md").unwrap();
+    for file in files_found {
+        let topic = file.file_stem().unwrap().to_string_lossy().into_owned();
+        assert!(tautline::guide::PAGES.iter().any(|page| page.topic == topic), "{topic} is not in PAGES");
+        assert!(readme.contains(&format!("src/guide/{topic}.md")), "README lacks {topic}");
+    }
+}

@@ -91,6 +91,14 @@ fn without_a_clearance_the_change_is_at_once() {
     }
 }
 
+#[test]
+fn standing_still_after_a_motion_changes_nothing() {
+    for curve in CURVES {
+        let mut state = Transition::after(Direction::Up, 0.0);
+        assert!((0..50).all(|_| state.step(0.0, &curve, 0.02, 0.0) == 1.0));
+    }
+}
+
 proptest! {
     /// Wherever the joint wanders, K~ stays in [0, 1] and moves no faster than the curve's steepest slope allows:
     /// a reversal inside a transition does not jump.

@@ -103,6 +103,58 @@ fn every_key_that_a_reader_asks_for_is_in_its_schema() {
     }
 }
 
+/// The keys of `schema` as a table, sections below each other.
+fn reference(name: &str, about: &str, schema: &serde_json::Value) -> String {
+    let mut text = format!("## {name}\n\n{about}. `tautline schema {name}` prints the JSON Schema.\n");
+    let definitions = schema["$defs"].as_object().into_iter().flatten();
+    let parts = std::iter::once((String::new(), schema)).chain(definitions.map(|(key, part)| (key.clone(), part)));
+    for (part, content) in parts {
+        let variants = content["oneOf"].as_array().cloned().unwrap_or_default();
+        let tables = std::iter::once(content.clone()).chain(variants);
+        for table in tables {
+            let Some(properties) = table["properties"].as_object() else { continue };
+            let variant = properties.get("kind").and_then(|kind| kind["const"].as_str());
+            let title = [part.as_str(), variant.unwrap_or_default()].join(" ");
+            let described = table["description"].as_str().or(content["description"].as_str()).unwrap_or_default();
+            let described = described.replace('\n', " ");
+            text += &match title.trim() {
+                "" => "\n| key | | |\n|---|---|---|\n".to_string(),
+                title => format!("\n**{title}**: {described}\n\n| key | | |\n|---|---|---|\n"),
+            };
+            let needed: Vec<&str> =
+                table["required"].as_array().into_iter().flatten().filter_map(|k| k.as_str()).collect();
+            for (key, property) in properties {
+                let means = property["description"].as_str().or(property["const"].as_str()).unwrap_or_default();
+                let needs = if needed.contains(&key.as_str()) { "needed" } else { "" };
+                text += &format!("| `{key}` | {needs} | {} |\n", means.replace('\n', " ").replace('|', "\\|"));
+            }
+        }
+        for variant in content["oneOf"].as_array().into_iter().flatten().filter(|v| v["const"].is_string()) {
+            let said = variant["description"].as_str().unwrap_or_default();
+            text += &format!("\n- {part} `{}`: {said}", variant["const"].as_str().unwrap_or_default());
+        }
+        if text.ends_with(|c: char| c != '\n') {
+            text.push('\n');
+        }
+    }
+    text
+}
+
+#[test]
+fn the_reference_in_the_guide_is_what_the_schemas_say() {
+    let head = "# Reference: every key of every file\n\nMade from the types that `tautline schema` prints \
+                (`TAUTLINE_GOLDEN=write cargo test --release reference` renews it). \
+                Inputs refuse keys that are not here; results may hold more.\n";
+    let parts: Vec<String> =
+        FILES.iter().map(|file| reference(file.name, file.about, (file.schema)().as_value())).collect();
+    let made = format!("{head}\n{}", parts.join("\n"));
+    let path = Path::new("src/guide/files.md");
+    if std::env::var("TAUTLINE_GOLDEN").is_ok_and(|v| v == "write") {
+        fs::write(path, &made).unwrap();
+    }
+    assert!(fs::read_to_string(path).unwrap_or_default() == made, "src/guide/files.md is out of date");
+}
+
 #[test]
 fn every_key_has_a_sentence() {
     fn walk(value: &serde_json::Value, path: &str, lacking: &mut Vec<String>) {

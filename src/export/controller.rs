@@ -65,13 +65,13 @@ struct Follows {
 }
 
 #[derive(Template)]
-#[template(path = "model.h", escape = "none")]
+#[template(path = "model.h", escape = "none", config = "src/askama.toml")]
 struct Header {
     p: Parts,
 }
 
 #[derive(Template)]
-#[template(path = "model.rs.txt", escape = "none")]
+#[template(path = "model.rs.txt", escape = "none", config = "src/askama.toml")]
 struct Module {
     p: Parts,
 }

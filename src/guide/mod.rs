@@ -12,6 +12,10 @@ pub mod developers {}
 pub mod diagnose {}
 #[doc = include_str!("evaluate.md")]
 pub mod evaluate {}
+#[doc = include_str!("files.md")]
+pub mod files {}
+#[doc = include_str!("gallery.md")]
+pub mod gallery {}
 #[doc = include_str!("glossary.md")]
 pub mod glossary {}
 #[doc = include_str!("identify.md")]
@@ -26,6 +30,8 @@ pub mod model {}
 pub mod security {}
 #[doc = include_str!("simulate.md")]
 pub mod simulate {}
+#[doc = include_str!("theory.md")]
+pub mod theory {}
 
 /// One page.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -47,15 +53,18 @@ macro_rules! page {
 
 /// All pages, in the order in which they are read.
 pub const PAGES: &[Page] = &[
+    page!("theory", "winch, cables, clearance and joint: what the sensor reads, and the paper"),
     page!("logs", "from a lab's own files to a first model: init, units, current, gears, doubts"),
     page!("identify", "identify a joint from sweeps or free motion; statuses, options, how it works"),
     page!("campaign", "campaign.toml, units, signal checks, import of other formats"),
     page!("evaluate", "other motions, interaction torque, a whole arm"),
     page!("diagnose", "verdicts on the gap between model and recordings, and how often they are right"),
+    page!("gallery", "what the first figure of a diagnosis looks like, by verdict"),
     page!("changes", "compare two models, repeatability, regression gate, fleets"),
     page!("simulate", "excitation trajectories and simulated campaigns"),
     page!("capture", "record a joint over EtherCAT: rigs, plans, safety"),
     page!("model", "the formula, model.json, export to controllers and simulators"),
+    page!("files", "reference: every key of campaign.toml, model.json and the other files"),
     page!("measured", "speed, memory and accuracy, beside SciPy and beside the paper"),
     page!("security", "what is trusted, what is read and written, limits and integrity checks"),
     page!("glossary", "the terms of reports and messages"),

@@ -9,7 +9,7 @@ use askama::Template;
 const SHOWN: usize = 10;
 
 #[derive(Template)]
-#[template(path = "junit.xml")]
+#[template(path = "junit.xml", config = "src/askama.toml")]
 struct Junit<'a> {
     name: &'a str,
     tests: usize,

@@ -6,6 +6,7 @@ use super::words::{percent, shrink, taken};
 use crate::diagnose::{Candidate, Diagnosis, Kind};
 use crate::report::number::significant;
 use crate::report::page::Table;
+use crate::report::plots::diagnosis::candidates::added;
 use crate::report::wording::Units;
 
 /// Contacts told, the largest first.
@@ -28,15 +29,16 @@ pub fn candidates_table(found: &Diagnosis) -> Option<Table> {
             candidate.cause.name().to_string(),
             role,
             candidate.how.to_string(),
+            added(candidate, found).map_or_else(String::new, percent),
             shrink(candidate.shrink),
             units.torque(candidate.held_out_rmse_nm),
         ]
     };
     table(
         "Best first. Each is fitted along with the model's own parameters, which move within their confidence, and scored on \
-         held-out data: how far the gap above the floor shrinks, with a 95 % bootstrap interval. Where several were found, they \
-         stand with all of them, and anything else on top. A rival does as well as what was taken, on these data.",
-        &["cause", "verdict", "how", "gap shrinks by", "held-out RMSE"],
+         held-out data: how far the gap above the floor shrinks, with a 95 % bootstrap interval. Where several were taken, they \
+         stand with all of them together, and anything else on top; `adds` is the share of the residual's mean square that each takes off. A rival does as well as what was taken, on these data.",
+        &["cause", "verdict", "how", "adds", "gap shrinks by", "held-out RMSE"],
         found.candidates.iter().map(row).collect(),
     )
 }

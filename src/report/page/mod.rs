@@ -198,7 +198,7 @@ impl Table {
 
 /// The page with its figures drawn.
 #[derive(Template)]
-#[template(path = "page.html")]
+#[template(path = "page.html", config = "src/askama.toml")]
 struct Rendered<'p> {
     page: &'p Page,
     provenance: Vec<(&'static str, String)>,

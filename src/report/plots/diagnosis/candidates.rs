@@ -3,7 +3,7 @@
 use crate::diagnose::{Candidate, Diagnosis};
 use crate::report::chart::{Axis, Color, Figure, Mark, Panel, Stroke, palette};
 use crate::report::diagnosis::names::Role;
-use crate::report::diagnosis::words::{flexible_shrink, shrink};
+use crate::report::diagnosis::words::{flexible_shrink, percent, shrink};
 
 /// Causes shown.
 const SHOWN: usize = 14;
@@ -13,7 +13,7 @@ const PITCH_PX: f64 = 26.0;
 const WORST: f64 = -0.3;
 
 const CAPTION: &str = "How far the gap shrinks with each candidate cause on held-out data, with its 95 % bootstrap interval; where \
-                       several were found, with all of them, and anything else on top. The dashed line is what a flexible fit to \
+                       several were taken, with all of them together (what each adds stands to the right), and anything else on top. The dashed line is what a flexible fit to \
                        the recorded motion reaches; a cause with fewer parameters may do better still. A rival does as well as \
                        what was taken, within what these data can tell.";
 
@@ -30,7 +30,7 @@ pub(super) fn figure(found: &Diagnosis) -> Option<Figure> {
     let line = [(most, -(shown.len() as f64)), (most, 0.0)];
     panel.line("flexible fit", line, Stroke::dashed(palette::INK, 1.4, 6.0, 4.0));
     for (at, candidate) in shown.iter().enumerate() {
-        row(&mut panel, candidate, Role::of(candidate, found), -(at as f64) - 0.5);
+        row(&mut panel, candidate, found, -(at as f64) - 0.5);
     }
     let height = PITCH_PX * shown.len() as f64;
     Some(Figure::single("candidates", "Candidate causes, ranked", CAPTION, height, panel))
@@ -38,13 +38,20 @@ pub(super) fn figure(found: &Diagnosis) -> Option<Figure> {
 
 fn look(role: Role) -> (Mark, Color, &'static str) {
     match role {
-        Role::Taken => (Mark::Disc(5.5), palette::BLUE, "taken"),
+        Role::Taken => (Mark::Disc(5.5), palette::BLUE, "taken, all together"),
         Role::Rival => (Mark::Diamond, palette::VERMILION, "rival: does as well"),
         Role::Other => (Mark::Ring, palette::GREY, "not taken"),
     }
 }
 
-fn row(panel: &mut Panel, candidate: &Candidate, role: Role, y: f64) {
+/// The share of the residual's mean square that `candidate` takes off, where the budget has it.
+pub fn added(candidate: &Candidate, found: &Diagnosis) -> Option<f64> {
+    let (_, square) = found.budget.causes.iter().find(|(cause, _)| *cause == candidate.cause)?;
+    Some(square / (found.gap.rmse_nm * found.gap.rmse_nm).max(f64::MIN_POSITIVE))
+}
+
+fn row(panel: &mut Panel, candidate: &Candidate, found: &Diagnosis, y: f64) {
+    let role = Role::of(candidate, found);
     let (mark, color, name) = look(role);
     let at = &candidate.shrink;
     let width_px = if role == Role::Other { 1.4 } else { 2.4 };
@@ -52,5 +59,7 @@ fn row(panel: &mut Panel, candidate: &Candidate, role: Role, y: f64) {
     let (low, high) = panel.x.places;
     let mark = if 100.0 * at.value < low { Mark::Leftwards } else { mark };
     panel.marks(name, vec![((100.0 * at.value).clamp(low, high), y)], mark, color);
-    panel.beside.push((y, shrink(*at)));
+    // All that were taken stand together: what tells them apart is what each adds.
+    let added = added(candidate, found).filter(|_| role == Role::Taken);
+    panel.beside.push((y, added.map_or_else(|| shrink(*at), |share| format!("adds {} of the square", percent(share)))));
 }

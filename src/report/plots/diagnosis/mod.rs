@@ -1,7 +1,7 @@
 //! The figures of a diagnosis.
 
 pub mod budget;
-mod candidates;
+pub mod candidates;
 mod map;
 pub mod motion;
 mod places;
