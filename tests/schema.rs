@@ -4,6 +4,7 @@ use serde::de::DeserializeOwned;
 use std::fs;
 use std::path::{Path, PathBuf};
 use tautline::schema::{Batch, Campaign, Diagnosis, Evaluation, FILES, Model, Trajectory};
+use tautline::simulate::Plan;
 
 fn files(folder: &Path, found: &mut Vec<PathBuf>) {
     for entry in fs::read_dir(folder).unwrap() {
@@ -39,14 +40,15 @@ fn every_bundled_file_is_what_its_schema_says() {
         seen += 1;
         faults.extend(fault);
     }
-    assert!(faults.is_empty() && seen >= 8, "{seen} files; {}", faults.join("\n"));
+    assert!(faults.is_empty() && seen >= 6, "{seen} files; {}", faults.join("\n"));
 }
 
 #[test]
 fn what_is_written_is_what_its_schema_says() {
     let out = tempfile::TempDir::new().unwrap();
     let to = |name: &str| out.path().join(name).to_string_lossy().into_owned();
-    let campaign = crate::campaigns::record(&crate::campaigns::truth(), &crate::campaigns::plan());
+    let campaign =
+        crate::campaigns::record(&crate::campaigns::truth(), &Plan { cosines: 1, ..crate::campaigns::plan() });
     let campaign = campaign.path().to_string_lossy().into_owned();
     let run = |arguments: &[&str]| assert!(crate::cli::tautline(arguments).status.success(), "{arguments:?}");
     run(&["identify", &campaign, "-o", &to("i"), "--quiet"]);

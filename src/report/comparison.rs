@@ -284,7 +284,10 @@ pub fn page(found: &Comparison, names: &[String; 2]) -> Page {
         lead: figures,
         sections: vec![
             Section::open("What it does to the prediction", rest.into_iter().rev().map(Block::Figure).collect()),
-            Section::open("What is known even where parameters trade off", vec![Block::Table(functions_table(found, &units))]),
+            Section::open(
+                "What is known even where parameters trade off",
+                vec![Block::Table(functions_table(found, &units))],
+            ),
             Section::open("Parameters", vec![Block::Table(parameters_table(found))]),
             Section::folded("Friction without load, B(v)", vec![Block::Table(friction_table(found, &units))]),
         ],

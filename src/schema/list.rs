@@ -15,6 +15,9 @@ pub struct Batch {
     /// When cables were retensioned.
     #[serde(default)]
     pub retensioned: Vec<Retensioned>,
+    /// What is not to be passed, and is forecast.
+    #[serde(default)]
+    pub limits: Vec<Limit>,
 }
 
 /// The format's name.
@@ -53,6 +56,22 @@ pub enum Condition {
     Number(f64),
     /// In words.
     Word(String),
+}
+
+/// A limit; one of `at_most` and `at_least` is needed.
+#[derive(Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Limit {
+    /// What is limited: `friction_nm`, or a parameter by its dotted name.
+    pub what: String,
+    /// The joint; every joint where absent.
+    pub joint: Option<String>,
+    /// Of `friction_nm`: the speed, rad/s.
+    pub speed_rad_s: Option<f64>,
+    /// Its magnitude is not to be above this, in the unit of what is limited.
+    pub at_most: Option<f64>,
+    /// Nor below this.
+    pub at_least: Option<f64>,
 }
 
 /// When the cables of a joint were retensioned.
