@@ -36,6 +36,8 @@ pub const PAGE_HEADER_BYTES: usize = 1 << 16;
 
 /// Largest TOML or JSON file, bytes: a campaign of 40,000 trials takes 5 MB; keys take the parser 0.3 s per MB.
 pub const DOCUMENT_BYTES: u64 = 6 << 20;
+/// Largest EtherCAT slave information file, bytes: makers with hundreds of devices publish some of 20 MB.
+pub const ESI_BYTES: u64 = 64 << 20;
 /// Largest URDF, bytes. Meshes are files of their own.
 pub const URDF_BYTES: u64 = 8 << 20;
 /// Most elements of a URDF: a humanoid's has 3,000.

@@ -6,19 +6,18 @@ software bus in another process at the other, which puts the fault in and watche
 
 For each fault the joint must be stopped for a cause that fits, the torque be off within a second (or the last words say that it is not
 shown to be), and the joint stay within 1.25 times its limit of speed. A machine that stalls ends runs before the fault strikes: such a
-run is repeated up to `--times`, and then counted as spoiled, not as right. Exit status 1 if a fault that struck ended otherwise than it
-should, or if none struck. Needs no root, but user namespaces; where they are not allowed it says so and ends with 0.
+run is repeated up to `--times`, and then counted as spoiled, not as right. Exit status 1 if a fault was not stopped as it should be, or
+if none struck. Needs no root, but user namespaces; where they are not allowed it says so and ends with 0.
 """
 
 import argparse
 import json
-import os
 import subprocess
-import sys
 import tempfile
 import time
 from pathlib import Path
 
+from namespace import run_inside
 from veth import ROOT, relaxed_rig
 
 # The fault, and the causes that fit it.
@@ -85,8 +84,6 @@ def judged(fault: str, outcome: dict, report: dict, status: int) -> str:
 
 
 def inside(options: argparse.Namespace) -> None:
-    for command in ["link add ec0 type veth peer name ec1", "link set ec0 up", "link set ec1 up"]:
-        subprocess.run(["ip", *command.split()], check=True)
     wrong = spoiled = 0
     print("| fault | torque off after, ms | largest speed, rad/s | travel, rad | cause | last words |")
     print("|---|---|---|---|---|---|")
@@ -107,7 +104,7 @@ def inside(options: argparse.Namespace) -> None:
         numbers = [f"{report[key]:.3f}" if key in report else "" for key in ("off_ms", "speed_rad_s", "travel_rad")]
         print(f"| {fault} | {' | '.join(numbers)} | {cause}{' **' + why + '**' if why else ''} | {told} |", flush=True)
         wrong += bool(why)
-    print(f"{wrong} faults ended otherwise than they should, {spoiled} runs were spoiled by stalls of the machine")
+    print(f"{wrong} faults were not stopped as they should be, {spoiled} runs were spoiled by stalls of the machine")
     raise SystemExit(wrong > 0 or spoiled == sum(options.only in fault for fault in FAULTS))
 
 
@@ -117,15 +114,7 @@ def main() -> None:
     parser.add_argument("--only", default="", help="only faults whose name contains this")
     parser.add_argument("--times", default=3, type=int, help="runs of a fault that a stall of the machine may spoil")
     options = parser.parse_args()
-    if os.environ.get("TAUTLINE_INSIDE"):
-        return inside(options)
-    allowed = subprocess.run(["unshare", "-Urn", "ip", "link"], capture_output=True)
-    if allowed.returncode != 0:
-        print("skipped: user and network namespaces are not allowed here")
-        return
-    again = [sys.executable, __file__, *sys.argv[1:]]
-    done = subprocess.run(["unshare", "-Urn", *again], env={**os.environ, "TAUTLINE_INSIDE": "1"})
-    raise SystemExit(done.returncode)
+    run_inside(lambda: inside(options))
 
 
 if __name__ == "__main__":

@@ -6,16 +6,20 @@
 Needs `pip install pysoem` and no root, but user namespaces; where they are not allowed it says so and ends with 0. What is
 checked: identity and names out of the EEPROM; SDOs expedited, in one piece and in segments, up and down; refusals; OP with
 distributed clocks; process data with the right working counter; the drive enabled after CiA 402, its motor moving the joint, the
-torque sensor; a following error and its emergency message; the output watchdog.
+torque sensor; a following error and its emergency message; the output watchdog; a fault that `rig emulate --fault` puts in under a
+motion, seen by this master, and the emulator's own report of it.
 """
 
 import argparse
+import json
 import math
 import os
 import struct
 import subprocess
 import sys
+import tempfile
 import time
+from pathlib import Path
 
 MASTER, DEVICES = "ec_master", "ec_devices"
 INSIDE = "TAUTLINE_IN_NAMESPACE"
@@ -206,30 +210,60 @@ def shows(master, right):
     return False
 
 
-def run(binary):
+def emulated(binary, act, *faults):
+    """`act` with this master and the software bus, which may have faults to come."""
     import pysoem
 
-    make_wire()
-    devices = subprocess.Popen([binary, "rig", "emulate", "--interface", DEVICES])
+    devices = subprocess.Popen([binary, "rig", "emulate", "--interface", DEVICES, *faults])
     try:
         master = pysoem.Master()
         master.open(MASTER)
         check("two devices", scan(master) == 2)
-        drive, terminal = master.slaves
-        check_objects(drive, terminal)
-        to_op(master, drive)
-        power_up(master, drive)
-        move(master, drive, terminal)
-        stray(master, drive)
-        check("all in OP still", shows(master, lambda: drive.state == terminal.state == pysoem.OP_STATE))
-        time.sleep(WATCHDOG_S)
-        starved = shows(master, lambda: (drive.state, drive.al_status) == (0x14, 0x1B))
-        check("output watchdog: SAFE-OP with error 0x1B", starved)
-        check("the terminal, which has no outputs, stays in OP", terminal.state == pysoem.OP_STATE)
+        act(master, *master.slaves)
         master.close()
-        print("all well")
     finally:
         devices.kill()
+        devices.wait()
+
+
+def whole(master, drive, terminal):
+    import pysoem
+
+    check_objects(drive, terminal)
+    to_op(master, drive)
+    power_up(master, drive)
+    move(master, drive, terminal)
+    stray(master, drive)
+    check("all in OP still", shows(master, lambda: drive.state == terminal.state == pysoem.OP_STATE))
+    time.sleep(WATCHDOG_S)
+    starved = shows(master, lambda: (drive.state, drive.al_status) == (0x14, 0x1B))
+    check("output watchdog: SAFE-OP with error 0x1B", starved)
+    check("the terminal, which has no outputs, stays in OP", terminal.state == pysoem.OP_STATE)
+
+
+def struck(master, drive, terminal):
+    """Too much current while the joint moves: this master sees the drive's fault and its code."""
+    to_op(master, drive)
+    power_up(master, drive)
+    begin = status(drive)[1]
+    for i in range(2000):
+        command(drive, 0x0F, begin + round(i * PERIOD_S * 0.3 * COUNTS_PER_RAD))
+        exchange(master)
+        if status(drive)[0] & 0x4F == 0x08:
+            break
+    word, code = status(drive)[0], status(drive)[5]
+    check(f"put in: a fault of the drive (status {word:#06x}, code {code:#06x})", word & 0x4F == 0x08 and code == 0x2310)
+
+
+def run(binary):
+    make_wire()
+    emulated(binary, whole)
+    with tempfile.TemporaryDirectory() as scratch:
+        report = Path(scratch) / "report.json"
+        faults = ["--fault", "drive-fault:0x2310", "--at-rad", "0.1", "--report", str(report)]
+        emulated(binary, struck, *faults)
+        check("the emulator reports when torque was off", report.exists() and json.loads(report.read_text())["off_ms"] > 0)
+    print("all well")
 
 
 def main():

@@ -1,22 +1,21 @@
 #!/usr/bin/env python3
-"""Captures for five minutes at 1 kHz over a pair of virtual Ethernet interfaces, in a network namespace of its own: the
+"""Captures for five minutes (or --minutes) at 1 kHz over a pair of virtual Ethernet interfaces, in a network namespace of its own: the
 program with its raw socket at one end, the software bus in another process at the other. Every cycle must be accounted for.
 
-    scripts/ethercat/veth.py --binary target/release/tautline [--short]
+    scripts/ethercat/veth.py --binary target/release/tautline [--short | --minutes 10] [--real-time]
 
 Needs no root, but user namespaces; where they are not allowed it says so and ends with 0.
 """
 
 import argparse
 import json
-import os
 import subprocess
-import sys
 import tempfile
 import time
 from pathlib import Path
 
 from campaign import accounted
+from namespace import run_inside
 
 ROOT = Path(__file__).resolve().parents[2]
 # Slow motions: a drive that gets no target stops, and starts again at full speed.
@@ -25,8 +24,10 @@ rest_s = 0.5
 [[motions]]
 protocol = "uniform"
 speed_rad_s = 0.03
-repeats = 3
+repeats = {repeats}
 """
+# One sweep of LONG, s.
+SWEEP_S = 100.0
 SHORT = """format = "plan/1"
 rest_s = 0.5
 [[motions]]
@@ -36,9 +37,7 @@ speed_rad_s = 0.2
 
 
 def inside(options: argparse.Namespace) -> None:
-    for command in ["link add ec0 type veth peer name ec1", "link set ec0 up", "link set ec1 up"]:
-        subprocess.run(["ip", *command.split()], check=True)
-    emulator = subprocess.Popen([options.binary, "rig", "emulate", "--interface", "ec1"])
+    emulator = subprocess.Popen([*scheduled(options), options.binary, "rig", "emulate", "--interface", "ec1"])
     try:
         time.sleep(0.5)
         with tempfile.TemporaryDirectory() as scratch:
@@ -68,9 +67,15 @@ def relaxed_rig() -> str:
     return rig
 
 
+def scheduled(options: argparse.Namespace) -> list[str]:
+    """Real-time scheduling for a command that does not ask for it by itself."""
+    return ["chrt", "--fifo", "60"] if options.real_time else []
+
+
 def capture(options: argparse.Namespace, folder: Path) -> None:
     (folder / "rig.toml").write_text(relaxed_rig())
-    (folder / "plan.toml").write_text(SHORT if options.short else LONG)
+    repeats = max(1, round(options.minutes * 60 / SWEEP_S))
+    (folder / "plan.toml").write_text(SHORT if options.short else LONG.format(repeats=repeats))
     command = [options.binary, "capture", "--rig", folder / "rig.toml", "--plan", folder / "plan.toml"]
     command += ["-o", folder / "out", "--arm", "--json"]
     began = time.monotonic()
@@ -94,17 +99,11 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--binary", default=ROOT / "target/release/tautline", type=Path)
     parser.add_argument("--short", action="store_true", help="one sweep of 9 s")
+    parser.add_argument("--minutes", type=float, default=5.0, help="how long it goes on, without --short")
+    parser.add_argument("--real-time", action="store_true", help="real-time scheduling of the emulator too; takes the right to it")
     parser.add_argument("--allow-stop", action="store_true", help="a stall of the machine that stops the drive is no failure")
     options = parser.parse_args()
-    if os.environ.get("TAUTLINE_INSIDE"):
-        return inside(options)
-    allowed = subprocess.run(["unshare", "-Urn", "ip", "link"], capture_output=True)
-    if allowed.returncode != 0:
-        print("skipped: user and network namespaces are not allowed here")
-        return
-    again = [sys.executable, __file__, *sys.argv[1:]]
-    done = subprocess.run(["unshare", "-Urn", *again], env={**os.environ, "TAUTLINE_INSIDE": "1"})
-    raise SystemExit(done.returncode)
+    run_inside(lambda: inside(options))
 
 
 if __name__ == "__main__":

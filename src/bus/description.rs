@@ -85,6 +85,7 @@ impl Device {
             worked_ns: 0,
             is_frozen: false,
             is_unwatched: false,
+            has_news: false,
         };
         device.show_state();
         device

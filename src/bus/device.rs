@@ -34,6 +34,8 @@ pub struct Device {
     pub(super) is_frozen: bool,
     /// Whether its output watchdog does nothing.
     pub(super) is_unwatched: bool,
+    /// Whether its state has changed since the master read it.
+    pub(super) has_news: bool,
 }
 
 impl Device {
@@ -179,6 +181,7 @@ impl Device {
             datagram.pass(frame);
         }
         datagram.count(frame, counted);
+        datagram.signal(frame, self.events() & self.memory.u16(at::EVENT_MASK));
         self.notice(touched, times_ns.0);
     }
 
@@ -207,6 +210,9 @@ impl Device {
             if let Some(clock) = self.clock.as_ref().filter(|_| overlaps(offset, data.len(), at::SYSTEM_TIME, 8)) {
                 clock.show(&mut self.memory, times_ns.0);
             }
+            let events = self.events();
+            self.memory.put(at::EVENTS, &events.to_le_bytes());
+            self.has_news &= !overlaps(offset, data.len(), at::AL_STATUS, 2);
             read = self.memory.read(offset, data, command.to == Addressing::Broadcast, touched);
         }
         let written = writes && self.write(offset, &incoming, times_ns, touched);
@@ -216,8 +222,10 @@ impl Device {
     /// The master writes; registers may set things off.
     fn write(&mut self, offset: u16, data: &[u8], times_ns: (u64, Option<u64>), touched: &mut Touched) -> bool {
         let has = |register: u16, length: usize| overlaps(offset, data.len(), register, length);
-        // What has no watchdog takes no time for it.
-        if self.is_unwatched && has(at::WATCHDOG_OUTPUTS, 2)
+        // What has no watchdog takes no time for it; an EEPROM that was left to the device's processor obeys it alone.
+        let is_lent = self.memory.u8(at::EEPROM_OWNER) & 1 != 0;
+        if is_lent && (at::EEPROM_CONTROL..at::FMMU).contains(&offset)
+            || self.is_unwatched && has(at::WATCHDOG_OUTPUTS, 2)
             || self.clock.is_none() && (0x0900..0x0A00).contains(&offset)
             || !self.memory.write(offset, data, touched)
         {
@@ -247,6 +255,28 @@ impl Device {
             }
         }
         true
+    }
+
+    /// What it has to tell the master: a change of its state, and a message in its mailbox.
+    fn events(&self) -> u16 {
+        let has_mail = self.mailbox.is_some() && self.memory.is_full(IN);
+        u16::from(self.has_news) << 2 | u16::from(has_mail) << (4 + IN)
+    }
+
+    /// Counts a frame that came in damaged at `port`.
+    pub(super) fn count_damage(&mut self, port: u16) {
+        self.count_up(at::PORT_ERRORS + 2 * port);
+        self.count_up(at::PORT_ERRORS + 2 * port + 1);
+    }
+
+    /// Counts a link that was lost at `port`.
+    pub(super) fn count_lost_link(&mut self, port: u16) {
+        self.count_up(at::LOST_LINKS + port);
+    }
+
+    fn count_up(&mut self, register: u16) {
+        let count = self.memory.u8(register).saturating_add(1);
+        self.memory.put(register, &[count]);
     }
 
     /// What followed from touching the process memory.

@@ -94,6 +94,11 @@ impl Datagram {
         put(frame, self.at + 2, self.device(frame).wrapping_add(1));
     }
 
+    /// Adds to its event field.
+    pub fn signal(&self, frame: &mut [u8], events: u16) {
+        put(frame, self.data.start - 2, word(frame, self.data.start - 2) | events);
+    }
+
     /// Adds to the working counter.
     pub fn count(&self, frame: &mut [u8], more: u16) {
         put(frame, self.data.end, word(frame, self.data.end).wrapping_add(more));

@@ -45,6 +45,8 @@ const HOP_NS: u64 = 700;
 /// How long a byte takes at 100 Mbit/s, ns, and how many go before and behind a frame.
 const BYTE_NS: u64 = 80;
 const AROUND_BYTES: usize = 24;
+/// The port behind which the next device hangs.
+const BEHIND: u16 = 1;
 /// How much too fast the clocks of the demo's devices run, parts per billion: what cheap crystals do.
 const DRIFTS_PPB: [i64; 2] = [3_000, -8_000];
 
@@ -54,11 +56,18 @@ pub struct Bus {
     devices: Vec<Device>,
     world: World,
     line: Line,
-    to_come: Vec<(When, Fault)>,
+    to_come: Vec<(When, Struck, Fault)>,
     /// How many devices the wire still reaches.
     reached: usize,
     cycles: u64,
     now_ns: u64,
+}
+
+/// Whose fault it is, where there are two drives.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Struck {
+    First = 0,
+    Second = 1,
 }
 
 /// What comes back on the wire.
@@ -98,9 +107,9 @@ impl Bus {
         bus
     }
 
-    /// The same with a joint for its devices to move and measure.
+    /// The same with a joint for its devices to move and measure; with another, for the next drive to move.
     pub fn with_joint(mut self, joint: Joint) -> Self {
-        self.world.joint = Some(joint);
+        self.world.joints.push(joint);
         self
     }
 
@@ -109,6 +118,14 @@ impl Bus {
     pub fn demo(model: Model, noise_nm: f64, seed: u64) -> Self {
         let devices = vec![drive(DRIFTS_PPB[0]), Terminal::default().device(DRIFTS_PPB[1])];
         Self::new(devices).with_joint(Joint::new(model, 0.0, noise_nm, seed))
+    }
+
+    /// The same with a second drive behind, on a load of its own, which behaves like `model` too.
+    pub fn demo_of_two(model: Model, noise_nm: f64, seed: u64) -> Self {
+        let second = drive::device_on(1, DRIFTS_PPB[0]);
+        let devices = vec![drive(DRIFTS_PPB[0]), Terminal::default().device(DRIFTS_PPB[1]), second];
+        let joints = [Joint::new(model.clone(), 0.0, noise_nm, seed), Joint::new(model, 0.0, noise_nm, seed)];
+        joints.into_iter().fold(Self::new(devices), Self::with_joint)
     }
 
     /// Sends `frame`, a whole Ethernet frame, at `now_ns`, which never goes back; devices and joint advance to then first.
@@ -129,6 +146,10 @@ impl Bus {
         }
         if self.reached == 0 || faults.iter().any(|fault| matches!(fault, Fault::Unsent { .. })) {
             return Vec::new();
+        }
+        // Frames are damaged on their way back, behind the first device.
+        if faults.iter().any(|fault| matches!(fault, Fault::Corrupted { .. })) {
+            self.devices[0].count_damage(BEHIND);
         }
         let mut frame = frame.to_vec();
         let there_and_back_ns = 2 * HOP_NS * self.reached as u64;
@@ -152,7 +173,7 @@ impl Bus {
         loop {
             let at = self.now_ns;
             let device_ns = self.devices.iter().map(|device| device.due_ns(at)).min();
-            let fault_ns = self.to_come.iter().filter_map(|(when, _)| match when {
+            let fault_ns = self.to_come.iter().filter_map(|(when, ..)| match when {
                 When::Time(ns) => Some(*ns),
                 When::Cycle(_) => None,
             });
@@ -178,9 +199,14 @@ impl Bus {
         self.line.strike()
     }
 
-    /// Has something go wrong, at a time (ns) or at a cycle.
+    /// Has something go wrong, at a time (ns) or at a cycle. What is of a drive or its joint is of the first.
     pub fn inject(&mut self, fault: Fault, when: impl Into<When>) {
-        self.to_come.push((when.into(), fault));
+        self.to_come.push((when.into(), Struck::First, fault));
+    }
+
+    /// The same in the second drive, or what it moves.
+    pub fn inject_into_second(&mut self, fault: Fault, when: impl Into<When>) {
+        self.to_come.push((when.into(), Struck::Second, fault));
     }
 
     /// Lets the faults happen whose time has come.
@@ -188,15 +214,15 @@ impl Bus {
         if self.to_come.is_empty() {
             return;
         }
-        let (struck, to_come) = std::mem::take(&mut self.to_come).into_iter().partition(|(when, _)| now(*when));
+        let (struck, to_come) = std::mem::take(&mut self.to_come).into_iter().partition(|(when, ..)| now(*when));
         self.to_come = to_come;
-        let struck: Vec<(When, Fault)> = struck;
-        for (_, fault) in struck {
-            self.happen(fault);
+        let struck: Vec<(When, Struck, Fault)> = struck;
+        for (_, of, fault) in struck {
+            self.happen(of, fault);
         }
     }
 
-    fn happen(&mut self, fault: Fault) {
+    fn happen(&mut self, of: Struck, fault: Fault) {
         if self.line.take(fault) {
             return;
         }
@@ -204,6 +230,9 @@ impl Bus {
         match fault {
             Fault::Gone { device } => {
                 self.reached = self.reached.min(device);
+                if let Some(last) = self.devices[..self.reached].last_mut() {
+                    last.count_lost_link(BEHIND);
+                }
                 self.link();
             }
             Fault::SafeOp { device, .. }
@@ -216,7 +245,7 @@ impl Bus {
                 }
             }
             Fault::Blocked | Fault::CableBreak | Fault::EncoderJump { .. } => {
-                if let Some(joint) = &mut self.world.joint {
+                if let Some(joint) = self.world.joints.get_mut(of as usize) {
                     match fault {
                         Fault::Blocked => joint.set_load(Load::Obstacle),
                         Fault::EncoderJump { by_rad } => joint.motor.encoder_off_rad += by_rad,
@@ -224,7 +253,18 @@ impl Bus {
                     }
                 }
             }
-            other => self.devices.iter_mut().for_each(|device| device.fail(other, now_ns)),
+            Fault::SecondMaster => self.devices.iter_mut().for_each(|device| device.fail(fault, now_ns)),
+            // Terminals leave alone what is of a drive, and the other way round.
+            _ => {
+                let is_drive = |device: &Device| device.object(0x6041, 0).is_some();
+                let second = self.devices.iter().position(is_drive).map_or(usize::MAX, |first| {
+                    let behind = self.devices[first + 1..].iter().position(is_drive);
+                    behind.map_or(usize::MAX, |behind| first + 1 + behind)
+                });
+                let is_struck = |place: usize| (place == second) == (of == Struck::Second);
+                let struck = self.devices.iter_mut().enumerate().filter(|(place, _)| is_struck(*place));
+                struck.for_each(|(_, device)| device.fail(fault, now_ns));
+            }
         }
     }
 
@@ -241,7 +281,12 @@ impl Bus {
 
     /// The joint as it is.
     pub fn truth(&self) -> Truth {
-        self.world.joint.as_ref().map_or(Truth::default(), |joint| Truth {
+        self.truth_of(0)
+    }
+
+    /// The joint that the drive `index` moves, from 0, as it is.
+    pub fn truth_of(&self, index: usize) -> Truth {
+        self.world.joints.get(index).map_or(Truth::default(), |joint| Truth {
             position_rad: joint.position_rad(),
             velocity_rad_s: joint.velocity_rad_s(),
             torque_nm: joint.torque_nm(),
@@ -262,7 +307,12 @@ impl Bus {
 
     /// The CiA 402 status word of the first device that has one.
     pub fn drive_status(&self) -> Option<u16> {
-        let value = self.devices.iter().find_map(|device| device.object(0x6041, 0))?;
-        value.first_chunk::<2>().map(|bytes| u16::from_le_bytes(*bytes))
+        self.drive_statuses().next()
+    }
+
+    /// Those of all devices that have one.
+    pub fn drive_statuses(&self) -> impl Iterator<Item = u16> {
+        let words = self.devices.iter().filter_map(|device| device.object(0x6041, 0)?.first_chunk::<2>());
+        words.map(|bytes| u16::from_le_bytes(*bytes))
     }
 }

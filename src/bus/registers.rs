@@ -16,6 +16,14 @@ pub const AL_CONTROL: u16 = 0x0120;
 pub const AL_STATUS: u16 = 0x0130;
 /// Why the error flag is set.
 pub const AL_CODE: u16 = 0x0134;
+/// Which events a datagram's event field tells of.
+pub const EVENT_MASK: u16 = 0x0200;
+/// The events: bit 2, the AL status has changed since it was read; bits 4 to 11, sync manager 0 to 7 has something for the master.
+pub const EVENTS: u16 = 0x0210;
+/// Invalid frames at port 0, receive errors there, and so on for each port.
+pub const PORT_ERRORS: u16 = 0x0300;
+/// Lost links at port 0, and so on.
+pub const LOST_LINKS: u16 = 0x0310;
 /// What processor interface the device has.
 pub const PDI_CONTROL: u16 = 0x0140;
 /// Divider of the watchdogs' clock: a tick is 40 ns times this + 2.

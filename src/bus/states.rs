@@ -231,7 +231,9 @@ impl Device {
     /// State and reason where the master reads them.
     pub(super) fn show_state(&mut self) {
         let flag = if self.states.code == 0 { 0 } else { ERROR };
-        self.memory.put(at::AL_STATUS, &[self.states.now | flag, 0]);
+        let shown = self.states.now | flag;
+        self.has_news |= self.memory.u8(at::AL_STATUS) != shown;
+        self.memory.put(at::AL_STATUS, &[shown, 0]);
         self.memory.put(at::AL_CODE, &self.states.code.to_le_bytes());
     }
 }

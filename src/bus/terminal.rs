@@ -87,7 +87,7 @@ impl Application for Input {
         if !moment.samples || self.fault == Some(Fault::StaleSensor) {
             return None;
         }
-        let torque_nm = world.joint.as_mut().map_or(0.0, |joint| joint.reading_nm());
+        let torque_nm = world.joints.first_mut().map_or(0.0, |joint| joint.reading_nm());
         let volts = torque_nm * VOLTS_PER_NM + self.terminal.offset_v;
         let volts = if self.fault == Some(Fault::SaturatedSensor) { 2.0 * FULL_SCALE_V } else { volts };
         let not_a_number = self.fault == Some(Fault::NotANumber);

@@ -102,6 +102,9 @@ pub struct Joint {
     /// y before the sensor and when, as long as its reading is late.
     past: VecDeque<(u64, f64)>,
     now_ns: u64,
+    /// Whether it has a brake, and whether that is closed.
+    has_brake: bool,
+    is_braked: bool,
 }
 
 impl Joint {
@@ -127,7 +130,19 @@ impl Joint {
             random: ChaCha8Rng::seed_from_u64(seed),
             past: VecDeque::new(),
             now_ns: 0,
+            has_brake: false,
+            is_braked: false,
         }
+    }
+
+    /// The same with a brake that is closed without power.
+    pub fn with_brake(self) -> Self {
+        Self { has_brake: true, is_braked: true, ..self }
+    }
+
+    /// Its brake, if it has one, is closed from now on, or open.
+    pub fn brake(&mut self, closed: bool) {
+        self.is_braked = self.has_brake && closed;
     }
 
     /// Moves on to `now_ns`.
@@ -143,7 +158,12 @@ impl Joint {
             let at_ns = began_ns + ahead_ns * step / steps;
             let step_s = (at_ns - self.now_ns) as f64 * 1e-9;
             let motor = &self.motor;
+            let load = self.machine.load;
+            if self.is_braked {
+                self.machine.load = Load::Obstacle;
+            }
             self.machine.step(step_s, |own| motor.given_nm(transmission, own, at_ns));
+            self.machine.load = load;
             self.now_ns = at_ns;
             let own = Motion {
                 position: self.machine.position_rad(),
@@ -193,18 +213,16 @@ impl Joint {
     }
 }
 
-/// The joint, if there is one.
+/// The joints: the one whose torque the terminal reads first, then what further drives move.
 #[derive(Debug, Default)]
 pub struct World {
-    /// It.
-    pub joint: Option<Joint>,
+    /// They.
+    pub joints: Vec<Joint>,
 }
 
 impl World {
     /// Moves everything on to `now_ns`.
     pub fn advance(&mut self, now_ns: u64) {
-        if let Some(joint) = &mut self.joint {
-            joint.advance(now_ns);
-        }
+        self.joints.iter_mut().for_each(|joint| joint.advance(now_ns));
     }
 }

@@ -96,6 +96,8 @@ pub enum Cause {
         /// Where it is.
         found: Condition,
     },
+    /// Another axis of the rig was stopped: its name, and why.
+    OtherAxis(String, Box<Cause>),
     /// The EtherCAT stack failed.
     Stack(String),
     /// The program itself failed.
@@ -146,6 +148,7 @@ impl Cause {
             Self::Recording(_) => "recording",
             Self::Interrupted => "interrupted",
             Self::DriveSlow { .. } => "drive_slow",
+            Self::OtherAxis(..) => "other_axis",
             Self::Stack(_) => "stack",
             Self::Panic(_) => "panic",
         }
@@ -216,6 +219,7 @@ impl fmt::Display for Cause {
             Self::Recording(why) => write!(f, "the recording cannot be written: {why}"),
             Self::Interrupted => write!(f, "stopped by the operator"),
             Self::DriveSlow { wanted, found } => write!(f, "the drive did not get to `{wanted}` in time: {found}"),
+            Self::OtherAxis(name, why) => write!(f, "of `{name}`: {why}"),
             Self::Stack(why) => write!(f, "the EtherCAT stack failed: {why}"),
             Self::Panic(why) => write!(f, "the program failed: {why}"),
         }

@@ -6,6 +6,7 @@
 //! | `rig.toml`, `plan.toml` | copies of what it was captured by |
 //! | `capture.log` | what happened when |
 //! | `evidence.jsonl` | of each trial: late and missed cycles, the devices' clocks, port error counters, emergency messages |
+//! | `drive_faults.jsonl` | what each drive remembers of its faults, before the trials and after a stop |
 //! | `*.csv` | the trials |
 
 use super::origin::{Origin, today_s};
@@ -28,6 +29,9 @@ const CAMPAIGN: &str = "campaign.toml";
 const NOTES: &str = "capture.log";
 /// What the bus told of itself, a line for each trial.
 const EVIDENCE: &str = "evidence.jsonl";
+
+/// What the drives remember of their faults, a line for each drive.
+const FAULTS: &str = "drive_faults.jsonl";
 
 /// A campaign's folder, being filled.
 #[derive(Debug)]
@@ -152,7 +156,16 @@ impl Folder {
 
     /// A line of `evidence.jsonl`.
     pub(super) fn evidence(&mut self, line: &str) -> io::Result<()> {
-        let mut file = OpenOptions::new().create(true).append(true).open(self.path.join(EVIDENCE))?;
+        self.append(EVIDENCE, line)
+    }
+
+    /// A line of `drive_faults.jsonl`.
+    pub(super) fn drive_faults(&mut self, line: &str) -> io::Result<()> {
+        self.append(FAULTS, line)
+    }
+
+    fn append(&self, name: &str, line: &str) -> io::Result<()> {
+        let mut file = OpenOptions::new().create(true).append(true).open(self.path.join(name))?;
         writeln!(file, "{line}")
     }
 

@@ -87,7 +87,7 @@ where
 }
 
 /// The entry of a mapping word; its kind is a guess by the object, where that is one of a drive's.
-fn entry(mapping: u32) -> Entry {
+pub(super) fn entry(mapping: u32) -> Entry {
     let (index, sub, bits) = ((mapping >> 16) as u16, (mapping >> 8) as u8, (mapping & 0xFF) as usize);
     // Of a drive with several axes the objects of each are those of the first, further on.
     let of_first = if index >= 0x6000 { 0x6000 + (index - 0x6000) % AXIS_OBJECTS } else { index };

@@ -4,6 +4,10 @@
 //! Not every device changes it every cycle. So it is looked at for a while before there is torque: only where it never stood for
 //! more than `ALIVE` looks does a standstill count later. Where it cannot be used that is reported: then frozen inputs are noticed
 //! only once the joint must move (see `follow`), and while it is held they cannot be known.
+//!
+//! Only looks one cycle apart count. After missed cycles the signal may have gone round: of three buffers the third filled since is the
+//! same one again, and a computer that sleeps through two of three cycles sees the same buffer each time though all is well. A frame that
+//! was not received is a missed cycle, not a stale input.
 
 /// A signal that stood for more looks than this, one after the other, tells nothing.
 const ALIVE: u32 = 2;
@@ -23,12 +27,13 @@ pub struct Freshness {
 }
 
 impl Freshness {
-    /// The signal as it is now; `is_judged` once there is torque: until then it shows what it is worth. Gives for how many looks it
-    /// has stood, where that is too many.
-    pub fn look(&mut self, signal: u32, is_judged: bool) -> Option<u32> {
-        self.stands = if self.last == Some(signal) { self.stands + 1 } else { 0 };
+    /// The signal as it is now, `periods` after the last look; `is_judged` once there is torque: until then it shows what it is worth.
+    /// Gives for how many looks it has stood, where that is too many.
+    pub fn look(&mut self, signal: u32, periods: u32, is_judged: bool) -> Option<u32> {
+        let is_next = periods == 1;
+        self.stands = if self.last == Some(signal) { self.stands + u32::from(is_next) } else { 0 };
         self.last = Some(signal);
-        if !is_judged {
+        if !is_judged && is_next {
             self.looks += 1;
             self.longest = self.longest.max(self.stands);
             self.is_usable = self.looks >= LOOKS && self.longest <= ALIVE;
@@ -53,7 +58,7 @@ mod tests {
 
     fn looked(signal: impl Fn(u32) -> u32) -> Freshness {
         let mut fresh = Freshness::default();
-        (0..LOOKS).for_each(|i| assert_eq!(fresh.look(signal(i), false), None));
+        (0..LOOKS).for_each(|i| assert_eq!(fresh.look(signal(i), 1, false), None));
         fresh
     }
 
@@ -61,10 +66,10 @@ mod tests {
     fn a_signal_that_stops_is_stale_within_a_few_looks() {
         let mut fresh = looked(|i| i % 3);
         assert!(fresh.is_usable());
-        let told: Vec<_> = (0..6).map(|_| fresh.look(7, true)).collect();
+        let told: Vec<_> = (0..6).map(|_| fresh.look(7, 1, true)).collect();
         assert_eq!(told, [None, None, None, None, Some(4), Some(5)]);
         assert!(fresh.is_stale());
-        assert_eq!((fresh.look(1, true), fresh.is_stale()), (None, false));
+        assert_eq!((fresh.look(1, 1, true), fresh.is_stale()), (None, false));
     }
 
     #[test]
@@ -72,15 +77,25 @@ mod tests {
         for period in [4, 100] {
             let mut fresh = looked(|i| i / period);
             assert!(!fresh.is_usable());
-            assert!((0..100).all(|_| fresh.look(0, true).is_none()));
+            assert!((0..100).all(|_| fresh.look(0, 1, true).is_none()));
         }
         assert!(looked(|i| i / 2).is_usable());
+    }
+
+    /// A computer that sleeps through two of three cycles: the same of three buffers each time.
+    #[test]
+    fn missed_cycles_are_no_standstill() {
+        let mut fresh = looked(|i| i % 3);
+        assert!((0..100).all(|_| fresh.look(0, 3, true).is_none() && !fresh.is_stale()));
+        // What stands between them still counts.
+        let told: Vec<_> = (0..8).map(|i| fresh.look(0, 1 + 2 * (i % 2), true)).collect();
+        assert_eq!(told, [None, None, None, None, None, None, Some(4), Some(4)]);
     }
 
     #[test]
     fn too_few_looks_tell_nothing() {
         let mut fresh = Freshness::default();
-        (0..LOOKS - 1).for_each(|i| assert_eq!(fresh.look(i, false), None));
+        (0..LOOKS - 1).for_each(|i| assert_eq!(fresh.look(i, 1, false), None));
         assert!(!fresh.is_usable());
     }
 }

@@ -43,6 +43,11 @@ impl Manager {
         self.control & 3 == 0 && self.control >> 2 & 3 == 0
     }
 
+    /// Whether it is the mailbox that the device writes.
+    pub fn is_mailbox_in(&self) -> bool {
+        self.control & 3 == 2 && self.control >> 2 & 3 == 0
+    }
+
     /// The register of its control.
     pub fn control_at(&self) -> u16 {
         self.at + CONTROL

@@ -78,18 +78,18 @@ pub(super) fn map<W: Wire, S: Deref<Target = SubDevice>>(
         return Ok(());
     }
     let before = mapped(line, device, assigned);
-    if is_same(&before, wanted) {
+    if before.is_alike(wanted) {
         return Ok(());
     }
     let written = assign(line, device, assigned, &before, wanted);
     let found = mapped(line, device, assigned);
-    if is_same(&found, wanted) {
+    if found.is_alike(wanted) {
         return Ok(());
     }
     // Of a device whose list is as it is the first PDOs are read, if they are the rig's.
     let more = found.pdos.len().saturating_sub(wanted.pdos.len());
     let first = ProcessData { pdos: found.pdos[..found.pdos.len() - more].to_vec() };
-    if assigned == ASSIGNED_INPUTS && more > 0 && is_same(&first, wanted) {
+    if assigned == ASSIGNED_INPUTS && more > 0 && first.is_alike(wanted) {
         let last = wanted.assignment().last().copied().unwrap_or_default();
         report.push(format!("`{name}` sends {more} PDOs more behind {last:#06x}, which are left alone"));
         return Ok(());
@@ -124,12 +124,6 @@ fn assign<W: Wire, S: Deref<Target = SubDevice>>(
     }
     done.push(line.run(device.sdo_write_array(assigned, wanted.assignment())));
     done.into_iter().collect()
-}
-
-/// Whether both are the same PDOs with the same objects.
-fn is_same(found: &ProcessData, wanted: &ProcessData) -> bool {
-    let words = |data: &ProcessData| data.pdos.iter().map(|pdo| (pdo.index, pdo.mapping())).collect::<Vec<_>>();
-    words(found) == words(wanted)
 }
 
 fn words(data: &ProcessData) -> String {

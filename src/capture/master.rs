@@ -2,21 +2,23 @@
 
 use super::clock;
 use super::found::{ASSIGNED_INPUTS, ASSIGNED_OUTPUTS, Found, found};
+use super::history;
 use super::line::{Failure, Line};
 use super::mapping;
 use super::own_limits;
 use super::pulses;
-use super::rig::{ProcessData, Rig};
+use super::rig::{Drive, ProcessData, Rig};
 use super::watchdog;
 use super::wire::Wire;
 use ethercrab::subdevice_group::{DcConfiguration, HasDc, NoDc, Op, PreOp, PreOpPdi};
 use ethercrab::{AlStatusCode, Command, DcSync, DefaultLock, MainDevice, SubDeviceGroup, SubDeviceRef};
+use serde_json::Value;
 use std::time::Duration;
 
 /// Devices on a bus, a power of two as the stack wants it.
-pub const DEVICES: usize = 16;
+pub const DEVICES: usize = 64;
 /// Bytes of process data of all devices together.
-pub const BYTES: usize = 512;
+pub const BYTES: usize = 1024;
 /// A group of the stack in one of its states.
 pub type Group<S, C> = SubDeviceGroup<DEVICES, BYTES, DefaultLock, S, C>;
 
@@ -48,8 +50,10 @@ pub struct Findings {
     pub report: Vec<String>,
     /// The device without an output watchdog that works, and why.
     pub unwatched: Option<String>,
-    /// Whether the drive holds the joint after a quick stop.
-    pub holds: bool,
+    /// What the drives remember of their faults, by name.
+    pub histories: Vec<(String, Value)>,
+    /// Of each axis, whether its drive holds it after a quick stop.
+    pub holds: Vec<bool>,
 }
 
 impl NotStarted {
@@ -115,18 +119,39 @@ pub fn prepare<W: Wire>(
         }
         report.push(format!("{}: {}", identity.name, described(&found)));
     }
-    let drive = &devices[rig.drive.identity.place];
     for (identity, setup) in rig.devices() {
         mapping::start_up(line, &devices[identity.place], identity, setup, &mut report)?;
     }
-    mapping::map(line, drive, &rig.drive.identity, ASSIGNED_OUTPUTS, &rig.drive.outputs, &mut report)?;
-    mapping::map(line, drive, &rig.drive.identity, ASSIGNED_INPUTS, &rig.drive.inputs, &mut report)?;
+    let mut mapped: Vec<usize> = Vec::new();
+    for drive in rig.drives() {
+        let (device, identity) = (&devices[drive.identity.place], &drive.identity);
+        if !mapped.contains(&identity.place) {
+            mapping::map(line, device, identity, ASSIGNED_OUTPUTS, &drive.outputs, &mut report)?;
+            mapping::map(line, device, identity, ASSIGNED_INPUTS, &drive.inputs, &mut report)?;
+            mapped.push(identity.place);
+        }
+    }
     if !rig.sensor.is_in_drive {
         let (device, identity) = (&devices[rig.sensor.identity.place], &rig.sensor.identity);
         mapping::map(line, device, identity, ASSIGNED_INPUTS, &rig.sensor.inputs, &mut report)?;
     }
-    let holds = own_limits::set_all(line, drive, rig, &mut report)?;
-    Ok(Findings { report, unwatched: None, holds })
+    let mut holds = Vec::new();
+    for own in rig.each_axis() {
+        let device = &devices[own.drive.identity.place];
+        holds.push(own_limits::set_all(line, device, &own, &mut report)?);
+    }
+    let remembered =
+        |drive: &Drive| Some((drive.identity.name.clone(), history::read(line, &devices[drive.identity.place])?));
+    let histories: Vec<(String, Value)> = rig.drives().filter_map(remembered).collect();
+    report.extend(histories.iter().filter_map(|(name, history)| {
+        let messages = history["messages"].as_array().filter(|messages| !messages.is_empty())?;
+        Some(format!(
+            "`{name}` remembers {} faults ({}), which drive_faults.jsonl lists",
+            messages.len(),
+            history["object"]
+        ))
+    }));
+    Ok(Findings { report, unwatched: None, histories, holds })
 }
 
 fn described(found: &Found) -> String {
@@ -223,16 +248,12 @@ pub fn to_op<W: Wire, C>(
 
 /// The layout that the devices ended up with must be the one that the rig reads by.
 fn check_lengths<C>(main: &MainDevice<'_>, group: &Group<Op, C>, rig: &Rig) -> Result<(), NotStarted> {
-    let (drive, sensor) = (&rig.drive, &rig.sensor);
-    for (identity, inputs, outputs) in
-        [(&drive.identity, &drive.inputs, Some(&drive.outputs)), (&sensor.identity, &sensor.inputs, None)]
-    {
+    let drives = rig.drives().map(|drive| (&drive.identity, &drive.inputs, Some(&drive.outputs)));
+    let sensor = (!rig.sensor.is_in_drive).then_some((&rig.sensor.identity, &rig.sensor.inputs, None));
+    for (identity, inputs, outputs) in drives.chain(sensor) {
         let Ok(device) = group.subdevice(main, identity.place) else {
             return NotStarted::of(format!("`{}` is gone", identity.name));
         };
-        if sensor.is_in_drive && outputs.is_none() {
-            continue;
-        }
         let (found_in, found_out) = (device.inputs_raw().len(), device.outputs_raw().len());
         let wanted_out = outputs.map_or(found_out, ProcessData::bytes);
         if found_in < inputs.bytes() || found_out < wanted_out {

@@ -10,6 +10,7 @@
 //! | `rig`, `plan` | what is on the bus and what is to be recorded |
 //! | `wire`, `socket`, `lock`, `in_process`, `clock`, `line` | frames and time, real or virtual, and the EtherCAT stack on them |
 //! | `found`, `master`, `own_limits`, `watchdog` | who is there; the way to OP; what drive and bus interfaces watch over |
+//! | `esi` | devices as their makers describe them |
 //! | `mapping`, `pulses` | what is written to a device before it exchanges data; its clock |
 //! | `mailbox`, `managers` | messages that nobody asked for; where process data stand in a device |
 //! | `drive`, `sensor` | what the words on the wire mean |
@@ -20,7 +21,7 @@
 //! | `operator`, `briefing` | who is asked before there is torque, and what is shown first |
 //! | `run`, `tried`, `session` | the trials one after the other, after a first small motion; a whole capture |
 //! | `folder`, `origin`, `recorder` | samples to the disk as they come; by which clock |
-//! | `evidence` | what the bus told of itself during each trial |
+//! | `evidence`, `history` | what the bus told of itself during each trial; what the drives remember of their faults |
 //! | `realtime` | what the operating system grants |
 
 pub mod axis;
@@ -30,11 +31,13 @@ pub mod cause;
 mod clock;
 pub mod cycle;
 pub mod drive;
+pub mod esi;
 mod evidence;
 pub mod folder;
 mod follow;
 pub mod found;
 mod fresh;
+mod history;
 pub mod in_process;
 pub mod limits;
 pub mod line;

@@ -96,8 +96,29 @@ pub struct Seen {
     pub runs_away: bool,
     /// Whether the drive holds the joint after a quick stop.
     pub holds: bool,
+    /// Cycles that a brake takes to fall in: torque stays on for so long.
+    pub engage: u32,
     /// Cycles since this state was entered.
     pub cycles: u32,
+}
+
+impl Default for Seen {
+    /// Nothing seen, nothing wanted.
+    fn default() -> Self {
+        Self {
+            request: Request::Watch,
+            drive: Condition::NotReady,
+            has_cause: false,
+            at_rest: false,
+            in_mode: false,
+            is_fresh: false,
+            is_blind: false,
+            runs_away: false,
+            holds: false,
+            engage: 0,
+            cycles: 0,
+        }
+    }
 }
 
 impl Seen {
@@ -223,6 +244,7 @@ impl State {
             }
             Self::Readying => seen.drive.towards_enabled(),
             Self::Holding | Self::Moving => Control::Enable,
+            Self::Releasing if seen.drive == Condition::Enabled && seen.cycles < seen.engage => Control::Enable,
             Self::Releasing if seen.drive == Condition::Enabled => Control::SwitchOn,
             Self::Releasing => Control::DisableVoltage,
             Self::Stopping | Self::Held => Control::QuickStop,
@@ -242,6 +264,16 @@ impl State {
     /// Whether the drive is asked for torque: then everything that can be wrong is a cause.
     pub fn is_armed(self) -> bool {
         matches!(self, Self::Readying | Self::Holding | Self::Moving | Self::Releasing)
+    }
+
+    /// Whether a brake is let go in this state: while there is torque that holds or moves the joint, and in a stop until it rests. It
+    /// falls in before torque is taken away.
+    pub fn lets_brake_go(self, seen: &Seen) -> bool {
+        match self {
+            Self::Holding | Self::Moving => true,
+            Self::Stopping => seen.drive.has_torque() && (seen.is_blind || !seen.at_rest),
+            _ => false,
+        }
     }
 
     /// Whether a stop is under way: where the drive stands is then asked for in every way.

@@ -123,7 +123,16 @@ impl Torque {
         }
     }
 
-    fn of(axis: &Axis, watchdog_ms: u32) -> Self {
+    /// Of all axes: the first that is not shown to be off.
+    fn of<'d>(mut axes: impl Iterator<Item = (&'d str, &'d Axis)>, watchdog_ms: u32) -> Self {
+        let found = axes.find_map(|(name, axis)| match Self::of_one(axis, watchdog_ms) {
+            Self::Off => None,
+            Self::NotShownOff(seen) => Some(format!("of `{name}`: {seen}")),
+        });
+        found.map_or(Self::Off, Self::NotShownOff)
+    }
+
+    fn of_one(axis: &Axis, watchdog_ms: u32) -> Self {
         let drive = axis.drive();
         if axis.is_seen_off() || !axis.was_armed() && !drive.has_torque() {
             return Self::Off;
@@ -266,10 +275,11 @@ impl Session<'_> {
         run.guarded(Run::testify);
         let (complete, looked, before) = (run.complete, run.looked, done.len());
         let broken_before = done.iter().filter(|trial| trial.is_incomplete()).count();
-        let (cycles, counts, now) = (run.cycle.number(), run.counts(), run.cycle.now.clone());
-        let (cause, doubt) = (run.cycle.axis.cause().cloned(), run.cycle.axis.doubt().cloned());
+        let (cycles, counts, now) = (run.cycle.number(), run.counts(), run.cycle.joint.now.clone());
+        let (cause, doubt) = (run.cycle.joint.axis.cause().cloned(), run.cycle.doubt().cloned());
         let (declined, mut report) = (run.declined, std::mem::take(&mut run.report));
-        let torque = Torque::of(&run.cycle.axis, task.rig.bus.watchdog_ms);
+        let axes = run.cycle.axes().map(|driven| (driven.name.as_str(), &driven.axis));
+        let torque = Torque::of(axes, task.rig.bus.watchdog_ms);
         let left = run.cycle.finish();
         if cause.is_some() {
             report.push(format!("where the devices were at the end: {left}"));

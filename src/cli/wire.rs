@@ -10,9 +10,12 @@ use std::path::Path;
 
 /// What the demo's rig and its interface are called.
 pub const DEMO: &str = "demo";
+/// The same with a second drive, which holds a tension.
+pub const DEMO_TWO: &str = "demo-two";
 /// The demo's joint.
 const MODEL: &str = include_str!("../../data/elbow/truth/model.json");
 pub const RIG: &str = include_str!("../../data/rigs/demo/rig.toml");
+const AXES: &str = include_str!("../../data/rigs/demo/axes.toml");
 /// Noise of the demo's torque sensor, N m.
 const NOISE_NM: f64 = 0.005;
 
@@ -29,9 +32,13 @@ impl Described {
     ///
     /// Errors: everything that is wrong with the file.
     pub fn read(file: &Path) -> Result<Self> {
-        let text = if file == Path::new(DEMO) { RIG.to_string() } else { text_of(file)? };
+        let text = match file.to_str() {
+            Some(DEMO) => RIG.to_string(),
+            Some(DEMO_TWO) => rig_of_two(),
+            _ => text_of(file)?,
+        };
         let rig = Rig::parse(file, &text)?;
-        Ok(Self { is_demo: rig.bus.interface == DEMO, rig, text })
+        Ok(Self { is_demo: [DEMO, DEMO_TWO].contains(&rig.bus.interface.as_str()), rig, text })
     }
 }
 
@@ -48,10 +55,11 @@ pub fn text_of(file: &Path) -> Result<String> {
 ///
 /// Errors: there is none such, or the process may not.
 pub fn open(interface: &str, real_time: bool, seed: u64) -> Result<Box<dyn Wire>> {
-    if interface != DEMO {
-        return socket(interface);
-    }
-    let mut bus = demo_bus(seed)?;
+    let mut bus = match interface {
+        DEMO => demo_bus(seed)?,
+        DEMO_TWO => demo_bus_of_two(seed)?,
+        _ => return socket(interface),
+    };
     let answers = move |now_ns: u64, frame: &[u8]| {
         bus.send(now_ns, frame).into_iter().map(|reply| (reply.at_ns, reply.frame)).collect()
     };
@@ -61,10 +69,23 @@ pub fn open(interface: &str, real_time: bool, seed: u64) -> Result<Box<dyn Wire>
     })
 }
 
+/// The rig of the demo with two drives.
+pub fn rig_of_two() -> String {
+    format!("{}{AXES}", RIG.replace("interface = \"demo\"", "interface = \"demo-two\""))
+}
+
 /// The demo's devices on the bundled elbow.
 pub fn demo_bus(seed: u64) -> Result<Bus> {
-    let model = Model::parse(Path::new("data/elbow/truth/model.json"), MODEL)?;
-    Ok(Bus::demo(model, NOISE_NM, seed))
+    Ok(Bus::demo(elbow()?, NOISE_NM, seed))
+}
+
+/// The same with a second drive.
+pub fn demo_bus_of_two(seed: u64) -> Result<Bus> {
+    Ok(Bus::demo_of_two(elbow()?, NOISE_NM, seed))
+}
+
+fn elbow() -> Result<Model> {
+    Model::parse(Path::new("data/elbow/truth/model.json"), MODEL)
 }
 
 #[cfg(target_os = "linux")]

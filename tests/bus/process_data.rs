@@ -76,3 +76,12 @@ fn single_bits_are_mapped() {
     master.wait(MS);
     assert_eq!(master.one(LRD, 0x0002_0000, &[0x81]), (vec![0xA1], 1));
 }
+
+/// D7: it went unnoticed.
+#[test]
+fn outputs_whose_sync_manager_is_switched_off_in_op_end_op() {
+    let mut master = Master::new();
+    master.reach_op();
+    master.write(DRIVE, 0x0816, &[0]);
+    assert_eq!((master.read_u16(DRIVE, 0x0130), master.read_u16(DRIVE, 0x0134)), (0x14, 0x1D));
+}

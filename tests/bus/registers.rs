@@ -1,7 +1,7 @@
 //! Frames and registers: who is meant, who may write, and what the working counter says.
 
 use super::master::*;
-use tautline::bus::Bus;
+use tautline::bus::{Bus, Fault, When};
 
 #[test]
 fn a_broadcast_counts_the_devices_and_ors_their_registers() {
@@ -89,4 +89,52 @@ fn no_bytes_make_it_panic() {
         master.replies(&[Datagram(command, place(device, register), data)]);
     }
     master.wait(50 * MS);
+}
+
+/// The event field of a datagram tells of a change of state until that is read, where the mask lets it.
+#[test]
+fn the_event_field_tells_of_a_change_of_state() {
+    const EVENT: std::ops::Range<usize> = 24..26;
+    let mut master = Master::new();
+    master.address();
+    let events = |master: &mut Master| {
+        let replies = master.replies(&[Datagram(FPRD, place(DRIVE, 0x0110), vec![0; 2])]);
+        u16::from_le_bytes(replies[0].frame[EVENT].try_into().unwrap())
+    };
+    assert_eq!(events(&mut master), 0);
+    master.write(DRIVE, 0x0200, &0xFFFFu16.to_le_bytes());
+    master.ask(DRIVE, 0x02);
+    master.read_u16(DRIVE, 0x0130);
+    assert_eq!(events(&mut master), 0);
+    // Nothing is set up for PRE-OP, which was refused with an error: that is acknowledged.
+    master.write(DRIVE, 0x0120, &0x11u16.to_le_bytes());
+    master.wait(2_000_000);
+    assert_eq!(events(&mut master) & 4, 4);
+    assert_eq!(master.read_u16(DRIVE, 0x0210) & 4, 4);
+    master.read_u16(DRIVE, 0x0130);
+    assert_eq!(events(&mut master), 0);
+}
+
+#[test]
+fn an_eeprom_that_is_lent_to_the_device_does_not_obey_the_master() {
+    let mut master = Master::new();
+    master.address();
+    master.write(DRIVE, 0x0500, &[1, 0]);
+    assert_eq!(master.one(FPWR, place(DRIVE, 0x0502), &[0, 1, 8, 0, 0, 0]).1, 0);
+    master.write(DRIVE, 0x0500, &[0, 0]);
+    assert_eq!(master.one(FPWR, place(DRIVE, 0x0502), &[0, 1, 8, 0, 0, 0]).1, 1);
+}
+
+/// Damage and a lost link are counted where they are seen: at the port of the first device behind which the terminal hangs.
+#[test]
+fn ports_count_damaged_frames_and_lost_links() {
+    let mut master = Master::new();
+    master.reach_op();
+    let next = master.bus.cycles();
+    master.bus.inject(Fault::Corrupted { frames: 3 }, When::Cycle(next));
+    (0..5).for_each(|_| drop(master.cycle_replies()));
+    assert_eq!((master.read(DRIVE, 0x0300, 4), master.read(DRIVE, 0x0310, 2)), (vec![0, 0, 3, 3], vec![0, 0]));
+    master.bus.inject(Fault::Gone { device: 1 }, master.now_ns);
+    master.wait(1_000_000);
+    assert_eq!(master.read(DRIVE, 0x0310, 2), [0, 1]);
 }

@@ -1,10 +1,11 @@
 //! Devices as they are: several PDOs, a drive alone, objects to be written first, clocks of their own; and a joint moved by hand.
 
 use super::{RIG, SWEEP, demo, plan, rig, run, traced, truth};
+use crate::cli::tautline;
 use std::path::Path;
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
-use tautline::bus::{Bus, Fault, Joint, When, drive};
+use tautline::bus::{Bus, Fault, Joint, Terminal, When, drive};
 use tautline::capture::drive::Condition;
 use tautline::capture::found::scan;
 use tautline::capture::in_process::InProcess;
@@ -187,4 +188,48 @@ fn a_jog_is_slow_and_small_and_ends_without_torque() {
     assert!(!last.has_torque() && fastest < 0.2 && (0.05..0.1).contains(&highest), "{fastest} rad/s, {highest} rad");
     assert!(outcome.report.iter().any(|line| line.starts_with("moved between")), "{:?}", outcome.report);
     assert!(outcome.report.iter().any(|line| line.contains("signs of drive and sensor fit")), "{:?}", outcome.report);
+}
+
+/// D7: seventeen devices were "not enough capacity, check cables".
+#[test]
+fn a_long_bus_is_scanned_and_one_that_is_too_long_says_so() {
+    let scanned = |terminals: usize| {
+        let devices = std::iter::once(drive(0)).chain((0..terminals).map(|_| Terminal::default().device(0))).collect();
+        let mut bus = Bus::new(devices);
+        let wire = InProcess::new(move |now_ns: u64, frame: &[u8]| {
+            bus.send(now_ns, frame).into_iter().map(|reply| (reply.at_ns, reply.frame)).collect()
+        });
+        with_line(wire, scan)
+    };
+    assert_eq!(scanned(17).map(|found| found.len()), Ok(18));
+    let failure = scanned(64).unwrap_err();
+    assert!(failure.is_capacity() && failure.to_string().contains("64 devices"), "{failure}");
+}
+
+/// A rig from the maker's own description, before the device is there.
+#[test]
+fn an_esi_file_becomes_a_rig() {
+    let out = tempfile::TempDir::new().unwrap();
+    let path = |name: &str| out.path().join(name).to_string_lossy().into_owned();
+    let esi = "<EtherCATInfo><Vendor><Id>#xAB</Id></Vendor><Descriptions><Devices>\
+        <Device><Type ProductCode=\"#x402\" RevisionNo=\"#x1\">Old</Type>\
+        <RxPdo Sm=\"2\"><Index>#x1600</Index><Entry><Index>#x6040</Index><SubIndex>0</SubIndex><BitLen>16</BitLen></Entry></RxPdo></Device>\
+        <Device><Type ProductCode=\"#x402\" RevisionNo=\"#x2\">New</Type>\
+        <RxPdo Sm=\"2\"><Index>#x1600</Index><Entry><Index>#x6040</Index><SubIndex>0</SubIndex><BitLen>16</BitLen></Entry>\
+        <Entry><Index>#x607A</Index><SubIndex>0</SubIndex><BitLen>32</BitLen></Entry></RxPdo>\
+        <TxPdo Sm=\"3\"><Index>#x1A00</Index><Entry><Index>#x6041</Index><SubIndex>0</SubIndex><BitLen>16</BitLen></Entry></TxPdo></Device>\
+        </Devices></Descriptions></EtherCATInfo>";
+    std::fs::write(path("drive.xml"), esi).unwrap();
+    let scan = |more: &[&str]| {
+        let file = path("drive.xml");
+        tautline(&[&["rig", "scan", "--interface", "eth1", "--esi", &file], more].concat())
+    };
+    let done = scan(&["--product", "0x402", "-o", &path("rig.toml"), "--json"]);
+    assert_eq!(done.status.code(), Some(0), "{done:?}");
+    let told: serde_json::Value = serde_json::from_slice(&done.stdout).unwrap();
+    assert_eq!((&told["devices"][0]["name"], told["devices"].as_array().unwrap().len()), (&"New".into(), 1));
+    let rig = std::fs::read_to_string(path("rig.toml")).unwrap();
+    assert!(rig.contains("interface = \"eth1\"") && rig.contains("0x607a"), "{rig}");
+    let refused = scan(&["--product", "7"]);
+    assert_eq!(refused.status.code(), Some(2), "{refused:?}");
 }

@@ -1,12 +1,15 @@
 //! A capture from the software bus, in virtual time: whole, under every fault, broken off and gone on with.
 
+mod brake;
 mod commands;
 mod devices;
 mod faults;
 mod noise;
 mod recording;
+mod replay;
 mod start;
 mod stops;
+mod two;
 mod whole;
 
 use std::cell::RefCell;

@@ -1,5 +1,6 @@
 //! A drive after CiA 402: its states, its modes, what it watches, and how it stops.
 
+mod motion;
 mod objects;
 mod power;
 
@@ -13,23 +14,21 @@ use super::device::Device;
 use super::fault::Fault;
 use super::terminal::VENDOR;
 use super::world::{Joint, Law, World};
-use objects::{COUNTS_PER_RAD, CSP, CST, CSV, NM_PER_MILLE};
+use objects::{COUNTS_PER_RAD, CSP, CST, NM_PER_MILLE};
 use power::Power;
 
 /// Product code of the drive.
 pub const PRODUCT: u32 = 0x0402;
+/// The bit of the digital outputs (0x60FE:01) that lets a brake go.
+const BRAKE: u64 = 1;
+/// Serial number of the first.
+const SERIAL: u32 = 42;
 /// Error codes (CiA 402-2, table 5; ETG.6010).
 const FOLLOWING_ERROR: u16 = 0x8611;
 const COMMUNICATION: u16 = 0x7500;
 const POSITION_RANGE: u16 = 0x8600;
 /// A speed below which the motor stands, rad/s.
 const STANDS_RAD_S: f64 = 1e-3;
-/// The motor runs no faster, rad/s at the joint.
-const FASTEST_RAD_S: f64 = 50.0;
-/// How long a command is good for beyond the period in which the next is due, ns: a pulse may come late.
-const GRACE_NS: u64 = 1_000_000;
-/// The most that a command of speed gets ahead of the motor, rad: the motor's limit is met before.
-const AHEAD_RAD: f64 = 0.05;
 
 /// What a drive does by itself without the optional objects 0x6072, 0x605A and 0x605E, 0x6084 and 0x6085: per mille of rated torque,
 /// braking, counts/s^2 (20 rad/s^2).
@@ -40,6 +39,8 @@ const OWN_RAMP: i64 = (20.0 * COUNTS_PER_RAD) as i64;
 /// The drive behind its bus interface.
 #[derive(Debug)]
 struct Drive {
+    /// Which of the joints it moves.
+    joint: usize,
     power: Power,
     mode: i64,
     control: u16,
@@ -76,12 +77,21 @@ pub fn device(drift_ppb: i64) -> Device {
     device_with(drift_ppb, true, &[])
 }
 
-/// The same, without the objects `without` (index of each), and whether its EEPROM has its outputs feed the watchdog.
+/// The same, on another joint than the first.
+pub(super) fn device_on(joint: usize, drift_ppb: i64) -> Device {
+    made(joint, drift_ppb, true, &[])
+}
+
+/// The first, without the objects `without` (index of each), and whether its EEPROM has its outputs feed the watchdog.
 pub fn device_with(drift_ppb: i64, feeds_watchdog: bool, without: &[u16]) -> Device {
+    made(0, drift_ppb, feeds_watchdog, without)
+}
+
+fn made(joint: usize, drift_ppb: i64, feeds_watchdog: bool, without: &[u16]) -> Device {
     let mut dictionary = objects::dictionary();
     without.iter().for_each(|index| dictionary.remove(*index));
     let description = Description {
-        identity: [VENDOR, PRODUCT, 1, 42],
+        identity: [VENDOR, PRODUCT, 1, SERIAL + joint as u32],
         names: ["TL7402", "Drive", "Winch drive, CiA 402"],
         dictionary,
         mailbox: true,
@@ -89,6 +99,7 @@ pub fn device_with(drift_ppb: i64, feeds_watchdog: bool, without: &[u16]) -> Dev
         feeds_watchdog,
     };
     let drive = Drive {
+        joint,
         power: Power::SwitchOnDisabled,
         mode: CSP,
         control: 0,
@@ -108,13 +119,14 @@ pub fn device_with(drift_ppb: i64, feeds_watchdog: bool, without: &[u16]) -> Dev
 }
 
 impl Application for Drive {
-    fn work(&mut self, objects: &mut Dictionary, world: &mut World, moment: Moment) -> Option<Emergency> {
-        let joint = world.joint.as_mut()?;
-        let warning = self.fault(objects, joint, moment);
-        self.obey(objects, joint, moment);
-        joint.motor.limit_nm = own(objects, 0x6072, OWN_TORQUE) as f64 * NM_PER_MILLE;
-        self.steer(objects, joint, moment);
-        self.tell(objects, joint, moment);
+    fn work(&mut self, dictionary: &mut Dictionary, world: &mut World, moment: Moment) -> Option<Emergency> {
+        let joint = world.joints.get_mut(self.joint)?;
+        let warning = self.fault(dictionary, joint, moment);
+        self.obey(dictionary, joint, moment);
+        joint.motor.limit_nm = own(dictionary, 0x6072, OWN_TORQUE) as f64 * NM_PER_MILLE;
+        joint.brake(!moment.operational || dictionary.unsigned(0x60FE, 1) & BRAKE == 0);
+        self.steer(dictionary, joint, moment);
+        self.tell(dictionary, joint, moment);
         self.worked_ns = moment.now_ns;
         self.was_operational = moment.operational;
         warning
@@ -136,7 +148,7 @@ impl Application for Drive {
 
 impl Drive {
     /// What it finds wrong by itself.
-    fn fault(&mut self, objects: &Dictionary, joint: &mut Joint, moment: Moment) -> Option<Emergency> {
+    fn fault(&mut self, dictionary: &mut Dictionary, joint: &mut Joint, moment: Moment) -> Option<Emergency> {
         let enabled = self.power == Power::Enabled;
         let lost =
             self.was_operational && !moment.operational && matches!(self.power, Power::Enabled | Power::QuickStop);
@@ -147,8 +159,8 @@ impl Drive {
                 None
             }
             _ if lost => Some(COMMUNICATION),
-            _ if enabled && self.strays(objects, joint, moment) => Some(FOLLOWING_ERROR),
-            _ if enabled && self.leaves_range(objects, joint) => Some(POSITION_RANGE),
+            _ if enabled && self.strays(dictionary, joint, moment) => Some(FOLLOWING_ERROR),
+            _ if enabled && self.leaves_range(dictionary, joint) => Some(POSITION_RANGE),
             _ => None,
         };
         if self.inhibited {
@@ -156,7 +168,8 @@ impl Drive {
         }
         let code = code.filter(|_| !matches!(self.power, Power::Fault | Power::FaultReaction))?;
         self.error = code;
-        let moves = matches!(self.power, Power::Enabled | Power::QuickStop) && own(objects, 0x605E, OWN_OPTION) != 0;
+        objects::remember(dictionary, code, moment.now_ns);
+        let moves = matches!(self.power, Power::Enabled | Power::QuickStop) && own(dictionary, 0x605E, OWN_OPTION) != 0;
         self.enter(if moves { Power::FaultReaction } else { Power::Fault }, joint, moment);
         Some(Emergency { code, register: if code == FOLLOWING_ERROR { 0x21 } else { 0x81 } })
     }
@@ -226,94 +239,6 @@ impl Drive {
         }
         self.strays_since_ns = None;
         self.power = next;
-    }
-
-    /// Where the motor is, there it stays until told otherwise.
-    fn hold(&mut self, joint: &mut Joint, moment: Moment) {
-        self.target = (joint.encoder_rad() * COUNTS_PER_RAD).round() as i64;
-        joint.motor.law = Law::Follow {
-            position_rad: joint.encoder_rad(),
-            velocity_rad_s: 0.0,
-            from_ns: moment.now_ns,
-            until_ns: moment.now_ns,
-        };
-    }
-
-    /// What the motor does next.
-    fn steer(&mut self, objects: &Dictionary, joint: &mut Joint, moment: Moment) {
-        match self.power {
-            Power::Enabled if self.mode == CSP => self.follow_position(objects, joint, moment),
-            Power::Enabled if self.mode == CSV => {
-                let speed_rad_s = self.defects.runaway * objects.signed(0x60FF, 0) as f64 / COUNTS_PER_RAD;
-                self.run(joint, moment, speed_rad_s);
-            }
-            Power::Enabled => joint.motor.law = Law::Torque(self.torque_nm(objects, joint)),
-            Power::QuickStop | Power::FaultReaction => self.stop(objects, joint, moment),
-            _ => {}
-        }
-    }
-
-    /// The target torque; none that drives a motor on beyond the drive's own limit of speed (0x607F).
-    fn torque_nm(&self, objects: &Dictionary, joint: &Joint) -> f64 {
-        let torque_nm = objects.signed(0x6071, 0) as f64 * NM_PER_MILLE;
-        let speed_rad_s = if self.defects.frozen_encoder { 0.0 } else { joint.velocity_rad_s() };
-        let fastest_rad_s = objects.unsigned(0x607F, 0) as f64 / COUNTS_PER_RAD;
-        let drives_on = torque_nm * speed_rad_s > 0.0 && speed_rad_s.abs() > fastest_rad_s;
-        if drives_on { 0.0 } else { torque_nm }
-    }
-
-    /// To the target, evenly over the period in which the next is due. One that stays away is bridged at the same speed; then
-    /// the motor stands.
-    fn follow_position(&mut self, objects: &Dictionary, joint: &mut Joint, moment: Moment) {
-        let Law::Follow { velocity_rad_s: last_rad_s, from_ns, .. } = joint.motor.law else { return };
-        let (lowest, highest) = (objects.signed(0x607D, 1), objects.signed(0x607D, 2));
-        let target = objects.signed(0x607A, 0).clamp(lowest, highest.max(lowest));
-        let exponent = objects.signed(0x60C2, 2).clamp(-6, 0) as i32;
-        let period_s = objects.unsigned(0x60C2, 1).max(1) as f64 * 10f64.powi(exponent);
-        let (now_ns, period_ns) = (moment.now_ns, (period_s * 1e9) as u64);
-        // A pulse may come a little early.
-        if target == self.target && now_ns < from_ns + period_ns * 9 / 10 {
-            return;
-        }
-        let missing = !moment.fresh && target == self.target;
-        let Some((position_rad, _)) = joint.motor.law.command(now_ns) else { return };
-        let velocity_rad_s = match missing {
-            false => (target as f64 / COUNTS_PER_RAD - position_rad) / period_s,
-            // A jump of the target is no speed to go on at: command and motor would swing about it, and never be apart for long.
-            true if self.bridges || last_rad_s.abs() > FASTEST_RAD_S => 0.0,
-            true => last_rad_s,
-        };
-        (self.bridges, self.target) = (missing, target);
-        let until_ns = now_ns + period_ns;
-        joint.motor.law = Law::Follow { position_rad, velocity_rad_s, from_ns: now_ns, until_ns };
-    }
-
-    /// At a speed.
-    fn run(&mut self, joint: &mut Joint, moment: Moment, velocity_rad_s: f64) {
-        let now_ns = moment.now_ns;
-        let at_rad = joint.encoder_rad();
-        let (position_rad, _) = joint.motor.law.command(now_ns).unwrap_or((at_rad, 0.0));
-        let position_rad = position_rad.clamp(at_rad - AHEAD_RAD, at_rad + AHEAD_RAD);
-        let until_ns = now_ns + GRACE_NS + now_ns.saturating_sub(self.worked_ns).min(GRACE_NS);
-        joint.motor.law = Law::Follow { position_rad, velocity_rad_s, from_ns: now_ns, until_ns };
-    }
-
-    /// Down the ramp; then held, or without torque, as the options say.
-    fn stop(&mut self, objects: &Dictionary, joint: &mut Joint, moment: Moment) {
-        let by_fault = self.power == Power::FaultReaction;
-        let option = own(objects, if by_fault { 0x605E } else { 0x605A }, OWN_OPTION);
-        let ramp = if matches!(option, 1 | 5) { 0x6084 } else { 0x6085 };
-        let deceleration_rad_s2 = own(objects, ramp, OWN_RAMP) as f64 / COUNTS_PER_RAD;
-        let gone_s = moment.now_ns.saturating_sub(self.worked_ns) as f64 * 1e-9;
-        let left = (self.stopping_rad_s.abs() - deceleration_rad_s2 * gone_s).max(0.0);
-        self.stopping_rad_s = left.copysign(self.stopping_rad_s);
-        self.run(joint, moment, self.stopping_rad_s);
-        let stands = left == 0.0 && joint.velocity_rad_s().abs() < STANDS_RAD_S;
-        if stands && by_fault {
-            self.enter(Power::Fault, joint, moment);
-        } else if stands && option < 5 && option > 0 {
-            self.enter(Power::SwitchOnDisabled, joint, moment);
-        }
     }
 
     /// What the master reads.

@@ -21,6 +21,23 @@ pub const CSV: i64 = 9;
 /// Torque.
 pub const CST: i64 = 10;
 
+/// The history of faults (ETG.1020): messages from the sixth subindex on.
+const HISTORY: u16 = 0x10F3;
+const FIRST_MESSAGE: u8 = 6;
+const MESSAGES: u8 = 4;
+
+/// Notes the fault `code` (CiA 402) at `now_ns` in the history, in the place of the oldest.
+pub fn remember(d: &mut Dictionary, code: u16, now_ns: u64) {
+    let newest = d.unsigned(HISTORY, 2) as u8;
+    let next = if (FIRST_MESSAGE..FIRST_MESSAGE + MESSAGES - 1).contains(&newest) { newest + 1 } else { FIRST_MESSAGE };
+    let diagnosis = u32::from(code) << 16 | 0xE800;
+    let message = [&diagnosis.to_le_bytes()[..], &[2, 0, 0, 0], &now_ns.to_le_bytes()].concat();
+    if let Some(value) = d.value_mut(HISTORY, next) {
+        *value = message;
+    }
+    d.set(HISTORY, 2, next.into());
+}
+
 /// All objects at their defaults.
 pub fn dictionary() -> Dictionary {
     use Access::{Read, Write};
@@ -44,6 +61,15 @@ pub fn dictionary() -> Dictionary {
     d.within((0x6084, 0), 4, rad(5.0), (1, i64::from(u32::MAX)));
     d.within((0x6085, 0), 4, rad(20.0), (1, i64::from(u32::MAX)));
     d.number((0x60C2, 0), Read, 1, 2).within((0x60C2, 1), 1, 1, (1, 255)).within((0x60C2, 2), 1, -3, (-6, 0));
+    d.number((HISTORY, 0), Read, 1, i64::from(FIRST_MESSAGE + MESSAGES - 1));
+    d.number((HISTORY, 1), Read, 1, MESSAGES.into()).number((HISTORY, 2), Read, 1, 0);
+    d.within((HISTORY, 3), 1, 0, (0, 255)).number((HISTORY, 4), Read, 1, 0).within((HISTORY, 5), 2, 0, (0, 0xFFFF));
+    for sub in FIRST_MESSAGE..FIRST_MESSAGE + MESSAGES {
+        d.bytes((HISTORY, sub), vec![0; 16], 16);
+    }
+    // Digital outputs: bit 0 lets the brake go.
+    let bits = (0, i64::from(u32::MAX));
+    d.number((0x60FE, 0), Read, 1, 2).within((0x60FE, 1), 4, 0, bits).within((0x60FE, 2), 4, bits.1, bits);
     d.number((0x6502, 0), Read, 4, 0x0380);
     d
 }

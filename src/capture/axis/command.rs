@@ -5,6 +5,11 @@ use crate::capture::bound::{At, Sent, bounded};
 use crate::capture::rig::Place;
 use crate::capture::safety::{Request, Seen, State, Target};
 
+/// How long a tension takes to come, s.
+const TENSION_S: f64 = 1.0;
+/// Share of it that may be left then.
+const ALMOST: f64 = 0.05;
+
 impl Axis {
     /// One cycle on: from what was taken in and what is wanted, to what the drive is told. `command_rad` is where the joint is to
     /// be next, for a `Move`.
@@ -54,12 +59,11 @@ impl Axis {
         let (measured_rad, period_s) = (now.map(|now| now.position_rad), self.rig.bus.period_s());
         let behind_rad = measured_rad.map_or(0.0, |measured_rad| self.target_rad - measured_rad);
         let measured_rad_s = self.watch.speed_rad_s();
-        let torque_nm = drive.gains.stiffness_nm_rad * behind_rad
-            + drive.gains.damping_nm_s_rad * (self.target_rad_s - measured_rad_s);
+        let torque_nm = self.wanted_nm(behind_rad, measured_rad_s);
         let (speed_rad_s, torque_nm) = match target {
             Target::Held | Target::Follows => (self.target_rad_s + drive.gains.position_per_s * behind_rad, torque_nm),
             // A position that cannot be trusted has no part in a stop.
-            Target::Brakes if self.is_blind() => (self.target_rad_s, self.carrying_nm()),
+            Target::Brakes if self.is_blind() && self.tension_nm.is_none() => (self.target_rad_s, self.carrying_nm()),
             Target::Brakes => (self.target_rad_s, torque_nm),
             Target::Actual => (0.0, 0.0),
         };
@@ -81,9 +85,33 @@ impl Axis {
         };
         set(self.places.control_word, f64::from(self.state.control(&self.last).word()));
         set(self.places.mode, f64::from(drive.mode.code()));
+        let lets_go = self.state.lets_brake_go(&self.last);
+        set(self.places.brake, drive.brake.filter(|_| lets_go).map_or(0.0, |brake| f64::from(1u32 << brake.bit)));
         set(self.places.target_position, counts);
         set(self.places.target_velocity, drive.sign * self.sent.speed_rad_s * drive.counts_per_rad);
         set(self.places.target_torque, drive.sign * self.sent.torque_nm / drive.rated_torque_nm * 1e3);
+        self.unbraked = if lets_go { self.unbraked.saturating_add(1) } else { 0 };
+    }
+
+    /// What is wanted of a drive in torque mode, N m: to bring the joint to its target, or the tension that it holds, which comes within
+    /// `TENSION_S` and ends with a stop.
+    fn wanted_nm(&self, behind_rad: f64, measured_rad_s: f64) -> f64 {
+        let gains = &self.rig.drive.gains;
+        match self.tension_nm {
+            None => gains.stiffness_nm_rad * behind_rad + gains.damping_nm_s_rad * (self.target_rad_s - measured_rad_s),
+            Some(_) if self.state.target() == Target::Brakes => 0.0,
+            Some(tension_nm) => {
+                let step_nm = tension_nm.abs() * self.rig.bus.period_s() / TENSION_S;
+                self.sent.torque_nm + (tension_nm - self.sent.torque_nm).clamp(-step_nm, step_nm)
+            }
+        }
+    }
+
+    /// Whether it holds, and may move: its brake is open, and a tension, which comes along a ramp, is there.
+    pub fn is_ready(&self) -> bool {
+        let released = self.rig.drive.brake.map_or(0.0, |brake| brake.release_s / self.rig.bus.period_s());
+        let reached = |tension_nm: f64| (tension_nm - self.sent.torque_nm).abs() <= ALMOST * tension_nm.abs();
+        self.state == State::Holding && f64::from(self.unbraked) >= released && self.tension_nm.is_none_or(reached)
     }
 
     /// After a gap in which the drive may have stood still: a speed that is sent goes on from the one that is measured.

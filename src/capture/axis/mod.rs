@@ -10,8 +10,8 @@ use super::drive::{Condition, Mode};
 use super::follow::Follow;
 use super::fresh::Freshness;
 use super::limits::{Limits, SPEED_CYCLES, Watch};
-use super::rig::{Place, Rig};
-use super::safety::{Patience, Request, Seen, State};
+use super::rig::{Drive, Holds, Place, Rig};
+use super::safety::{Patience, Seen, State};
 use super::sensor::{Reading, SensorReader};
 
 /// Slower than this counts as rest, rad/s ...
@@ -31,6 +31,8 @@ const CUTTING_S: f64 = 0.3;
 pub struct Axis {
     rig: Rig,
     places: Places,
+    /// The torque that it holds at its winch, N m; else it follows or holds a position.
+    tension_nm: Option<f64>,
     sensor: SensorReader,
     watch: Watch,
     patience: Patience,
@@ -58,6 +60,8 @@ pub struct Axis {
     /// Whether the drive was ever asked for torque.
     was_armed: bool,
     error_code: Option<u16>,
+    /// Cycles for which the brake has been let go.
+    unbraked: u32,
     /// Cycles without an answer of the drive.
     silent: u32,
 }
@@ -70,6 +74,7 @@ struct Places {
     target_position: Option<Place>,
     target_velocity: Option<Place>,
     target_torque: Option<Place>,
+    brake: Option<Place>,
     status_word: Option<Place>,
     position: Option<Place>,
     torque: Option<Place>,
@@ -78,6 +83,28 @@ struct Places {
     mode_display: Option<Place>,
     error_code: Option<Place>,
     counter: Option<Place>,
+}
+
+impl Places {
+    fn of(drive: &Drive) -> Self {
+        let (input, output) = (|role: &str| drive.inputs.place(role), |role: &str| drive.outputs.place(role));
+        Self {
+            control_word: output("control_word"),
+            mode: output("mode"),
+            target_position: output("target_position"),
+            target_velocity: output("target_velocity"),
+            target_torque: output("target_torque"),
+            brake: output("brake"),
+            status_word: input("status_word"),
+            position: input("position"),
+            torque: input("torque"),
+            velocity: input("velocity"),
+            current: input("current"),
+            mode_display: input("mode"),
+            error_code: input("error_code"),
+            counter: input("counter"),
+        }
+    }
 }
 
 /// What one answer says.
@@ -109,36 +136,18 @@ pub struct Inputs<'a> {
 }
 
 impl Axis {
-    /// The joint of `rig`, not yet seen.
+    /// The axis of `rig`, not yet seen.
     pub fn new(rig: &Rig) -> Self {
-        let (input, output) = (|role: &str| rig.drive.inputs.place(role), |role: &str| rig.drive.outputs.place(role));
         let period_s = rig.bus.period_s();
-        let cycles = |time_s: f64| (time_s / period_s) as u32;
+        let is_soft = rig.drive.mode == Mode::Torque;
+        let engage = rig.drive.brake.map_or(0, |brake| (brake.engage_s / period_s).ceil() as u32);
         Self {
             rig: rig.clone(),
-            places: Places {
-                control_word: output("control_word"),
-                mode: output("mode"),
-                target_position: output("target_position"),
-                target_velocity: output("target_velocity"),
-                target_torque: output("target_torque"),
-                status_word: input("status_word"),
-                position: input("position"),
-                torque: input("torque"),
-                velocity: input("velocity"),
-                current: input("current"),
-                mode_display: input("mode"),
-                error_code: input("error_code"),
-                counter: input("counter"),
-            },
+            places: Places::of(&rig.drive),
+            tension_nm: None,
             sensor: SensorReader::new(&rig.sensor),
             watch: Watch::new(rig.limits, period_s),
-            patience: Patience {
-                switching: cycles(SWITCHING_S),
-                obeying: cycles(OBEYING_S),
-                stopping: cycles(STOPPING_S),
-                cutting: cycles(CUTTING_S),
-            },
+            patience: patience(period_s),
             rest_rad_s: REST_RAD_S.max(REST_COUNTS / rig.drive.counts_per_rad / (SPEED_CYCLES as f64 * period_s)),
             state: State::Watching,
             cycles: 0,
@@ -148,19 +157,9 @@ impl Axis {
             target_rad: 0.0,
             target_counts: 0.0,
             target_rad_s: 0.0,
-            last: Seen {
-                request: Request::Watch,
-                drive: Condition::NotReady,
-                has_cause: false,
-                at_rest: false,
-                in_mode: false,
-                is_fresh: false,
-                is_blind: false,
-                runs_away: false,
-                holds: false,
-                cycles: 0,
-            },
-            follow: Follow::new(&soft(rig), period_s, rig.drive.mode == Mode::Torque, 1.0 / rig.drive.counts_per_rad),
+            last: Seen { engage, ..Seen::default() },
+            unbraked: 0,
+            follow: Follow::new(&soft(rig), period_s, is_soft, 1.0 / rig.drive.counts_per_rad),
             fresh: Freshness::default(),
             sent: Sent::default(),
             way_rad: 0.0,
@@ -170,6 +169,15 @@ impl Axis {
             error_code: None,
             silent: 0,
         }
+    }
+
+    /// The same, which holds something and follows no path.
+    pub fn holding(self, holds: Holds) -> Self {
+        let tension_nm = match holds {
+            Holds::Position => None,
+            Holds::Tension(tension_nm) => Some(tension_nm),
+        };
+        Self { tension_nm, ..self }
     }
 
     /// Where the safety machine is.
@@ -242,9 +250,9 @@ impl Axis {
         self.places.counter.is_some()
     }
 
-    /// What tells whether the drive's inputs are new has this value now.
-    pub fn freshen(&mut self, signal: u32) {
-        if let Some(looks) = self.fresh.look(signal, self.state != State::Watching) {
+    /// What tells whether the drive's inputs are new has this value now, `periods` after it was last looked at.
+    pub fn freshen(&mut self, signal: u32, periods: u32) {
+        if let Some(looks) = self.fresh.look(signal, periods, self.state != State::Watching) {
             self.blame(Cause::DriveStale(looks));
         }
     }
@@ -264,6 +272,16 @@ impl Axis {
     /// A reason to stop, whatever is being done.
     pub fn fail(&mut self, cause: Cause) {
         self.cause.get_or_insert(cause);
+    }
+}
+
+fn patience(period_s: f64) -> Patience {
+    let cycles = |time_s: f64| (time_s / period_s) as u32;
+    Patience {
+        switching: cycles(SWITCHING_S),
+        obeying: cycles(OBEYING_S),
+        stopping: cycles(STOPPING_S),
+        cutting: cycles(CUTTING_S),
     }
 }
 

@@ -24,11 +24,11 @@ impl Axis {
         let measured = Measured {
             position_rad,
             torque_nm: sensor.torque_nm,
-            command_rad: self.must_follow().then_some(self.target_rad),
+            command_rad: self.must_keep_to_path().then_some(self.target_rad),
             periods: inputs.periods,
         };
-        if let Some(counter) = drive(self.places.counter).filter(|_| inputs.periods == 1) {
-            self.freshen(counter as i64 as u32);
+        if let Some(counter) = drive(self.places.counter) {
+            self.freshen(counter as i64 as u32, inputs.periods);
         }
         let beyond = self.watch.step(&measured);
         let beyond = beyond.or(self.follows(position_rad, inputs.periods));
@@ -70,7 +70,7 @@ impl Axis {
 
     /// Whether the joint goes the way that it is told.
     fn follows(&mut self, position_rad: f64, periods: u32) -> Option<Cause> {
-        if !self.must_follow() {
+        if !self.must_keep_to_path() {
             self.follow.forget();
             return None;
         }
@@ -92,6 +92,11 @@ impl Axis {
     /// Whether torque is on, so that the drive must follow.
     pub(super) fn must_follow(&self) -> bool {
         matches!(self.state, State::Holding | State::Moving)
+    }
+
+    /// Whether the position must be where it is told to be: an axis that holds a tension goes where that and its load take it.
+    fn must_keep_to_path(&self) -> bool {
+        self.must_follow() && self.tension_nm.is_none()
     }
 
     /// How the drive left the state in which it follows.

@@ -10,6 +10,7 @@ mod writer;
 use super::folder::Folder;
 use super::line::words;
 use crate::log::{Captured, TrialEntry};
+use serde_json::{Value, json};
 use std::collections::VecDeque;
 use std::io::{self, Write};
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -81,6 +82,7 @@ enum Message {
     End(Captured),
     Note(String),
     Evidence(String),
+    DriveFaults(String),
 }
 
 /// What the threads tell each other.
@@ -168,6 +170,14 @@ impl Recorder {
     /// A line of JSON for the campaign's evidence.
     pub fn evidence(&mut self, line: String) {
         self.tell(Message::Evidence(line));
+    }
+
+    /// What the drives remember of their faults, by name, before the trials or after a stop.
+    pub fn remembered(&mut self, when: &str, histories: Vec<(String, Value)>) {
+        for (drive, history) in histories {
+            let line = json!({ "drive": drive, "when": when, "fault_history": history });
+            self.tell(Message::DriveFaults(line.to_string()));
+        }
     }
 
     /// Why nothing more can be recorded, if that is so.

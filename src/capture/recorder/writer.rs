@@ -64,6 +64,7 @@ impl Writer {
             Message::Row(sample) => sample.write(&mut self.rows),
             Message::Note(line) => self.folder.note(&line),
             Message::Evidence(line) => self.folder.evidence(&line),
+            Message::DriveFaults(line) => self.folder.drive_faults(&line),
             Message::Begin(entry) => {
                 let begun = self.open(&entry.file).and_then(|log| self.folder.begin(entry).map(|()| log));
                 // Rows may come; else `run` says that they cannot.

@@ -1,11 +1,13 @@
 //! `rig.toml`: which devices are on the bus, what their process data mean, what the joint may do.
 
+mod axes;
 pub mod preset;
 mod process_data;
 mod read;
 mod setup;
 mod start;
 
+pub use axes::{HeldAxis, Holds};
 pub use process_data::{Entry, Kind, Pdo, Place, ProcessData};
 pub use setup::{Pulses, Setup, Startup};
 pub use start::starting_rig;
@@ -21,8 +23,9 @@ use std::path::Path;
 
 /// The format's name and version.
 pub(super) const FORMAT: &str = "rig/1";
-/// Roles of a drive's outputs; the control word and the target of its mode are needed.
-pub const DRIVE_OUTPUTS: [&str; 5] = ["control_word", "target_position", "target_velocity", "target_torque", "mode"];
+/// Roles of a drive's outputs; the control word and the target of its mode are needed. `brake` is an output that lets a brake go.
+pub const DRIVE_OUTPUTS: [&str; 6] =
+    ["control_word", "target_position", "target_velocity", "target_torque", "mode", "brake"];
 /// Roles of a drive's inputs; the first two are needed. `counter` is anything that the drive changes every cycle, `sensor` and
 /// `sensor_status` a torque sensor that is wired to the drive.
 pub const DRIVE_INPUTS: [&str; 10] = [
@@ -60,6 +63,8 @@ pub struct Rig {
     pub dynamics: Dynamics,
     /// What is to be done to the torque.
     pub signal: Signal,
+    /// Further axes, which hold while the joint moves.
+    pub axes: Vec<HeldAxis>,
 }
 
 /// How the bus is run.
@@ -134,10 +139,30 @@ pub struct Drive {
     pub following_error_s: f64,
     /// In velocity and torque mode: how the position error is closed.
     pub gains: Gains,
+    /// A brake that we let go, where the drive does not do that by itself.
+    pub brake: Option<Brake>,
     /// What is sent to it.
     pub outputs: ProcessData,
     /// What comes from it.
     pub inputs: ProcessData,
+}
+
+/// A brake that stands closed without power, and takes its time.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Brake {
+    /// The bit of the output with the role `brake` that lets it go (0x60FE, or a bit of its own).
+    pub bit: u32,
+    /// From letting it go until the joint may move, s: torque is on before.
+    pub release_s: f64,
+    /// From closing it until it holds, s: torque stays on for so long.
+    pub engage_s: f64,
+}
+
+/// What a drive is sent: targets along a path, or a torque that stands.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Target {
+    Path,
+    Tension,
 }
 
 /// How a position error becomes a velocity or a torque where the drive does not close that loop itself.
@@ -212,7 +237,18 @@ impl Rig {
     /// The devices that the rig names, each once, with how they are set up.
     pub fn devices(&self) -> impl Iterator<Item = (&Identity, &Setup)> {
         let sensor = (!self.sensor.is_in_drive).then_some((&self.sensor.identity, &self.sensor.setup));
-        std::iter::once((&self.drive.identity, &self.drive.setup)).chain(sensor)
+        // A device with two axes counts once, by the first of them.
+        let held = self.axes.iter().enumerate().filter(|(i, axis)| {
+            self.drives().take(i + 1).all(|other| other.identity.place != axis.drive.identity.place)
+        });
+        std::iter::once((&self.drive.identity, &self.drive.setup))
+            .chain(sensor)
+            .chain(held.map(|(_, axis)| (&axis.drive.identity, &axis.drive.setup)))
+    }
+
+    /// The joint's own drive, and those of the axes that hold.
+    pub fn drives(&self) -> impl Iterator<Item = &Drive> {
+        std::iter::once(&self.drive).chain(self.axes.iter().map(|axis| &axis.drive))
     }
 
     /// What the device at `place` is called, in quotes, if it is the rig's.

@@ -18,23 +18,6 @@ pub enum Kind {
 }
 
 impl Kind {
-    const ALL: [(&'static str, Self); 14] = [
-        ("i8", Self::Signed(8)),
-        ("i16", Self::Signed(16)),
-        ("i32", Self::Signed(32)),
-        ("u8", Self::Unsigned(8)),
-        ("u16", Self::Unsigned(16)),
-        ("u32", Self::Unsigned(32)),
-        ("f32", Self::Real),
-        ("bit", Self::Bits(1)),
-        ("bit2", Self::Bits(2)),
-        ("bit3", Self::Bits(3)),
-        ("bit4", Self::Bits(4)),
-        ("bit5", Self::Bits(5)),
-        ("bit6", Self::Bits(6)),
-        ("bit7", Self::Bits(7)),
-    ];
-
     /// Those that objects of a dictionary have.
     pub const OBJECTS: [(&'static str, Self); 7] = [
         ("i8", Self::Signed(8)),
@@ -45,6 +28,20 @@ impl Kind {
         ("u32", Self::Unsigned(32)),
         ("f32", Self::Real),
     ];
+    const BITS: [(&'static str, Self); 7] = [
+        ("bit", Self::Bits(1)),
+        ("bit2", Self::Bits(2)),
+        ("bit3", Self::Bits(3)),
+        ("bit4", Self::Bits(4)),
+        ("bit5", Self::Bits(5)),
+        ("bit6", Self::Bits(6)),
+        ("bit7", Self::Bits(7)),
+    ];
+
+    /// All that have a name.
+    fn named() -> Vec<(&'static str, Self)> {
+        [Self::OBJECTS, Self::BITS].concat()
+    }
 
     /// Its length in bits.
     pub fn bits(self) -> usize {
@@ -56,13 +53,13 @@ impl Kind {
 
     /// The name used in files; a gap has none.
     pub fn name(self) -> &'static str {
-        Self::ALL.iter().find(|(_, kind)| *kind == self).map_or("", |(name, _)| name)
+        Self::named().iter().find(|(_, kind)| *kind == self).map_or("", |(name, _)| name)
     }
 
     /// The unsigned kind of that length, where there is one.
     pub fn of_bits(bits: usize) -> Option<Self> {
-        let mut plain = Self::ALL.iter().map(|(_, kind)| *kind).filter(|k| !matches!(k, Self::Signed(_) | Self::Real));
-        plain.find(|kind| kind.bits() == bits)
+        let plain = |kind: &Self| !matches!(kind, Self::Signed(_) | Self::Real) && kind.bits() == bits;
+        Self::named().into_iter().map(|(_, kind)| kind).find(plain)
     }
 }
 
@@ -112,7 +109,7 @@ impl Pdo {
             let kind = match entry.may("bits").whole(1, 255).and_then(|bits| u8::try_from(bits).ok()) {
                 Some(bits) => Some(Kind::Gap(bits)),
                 None => {
-                    entry.need("type").such_as("\"u16\"", "or `bits = 24` of what is left alone").choice(&Kind::ALL)
+                    entry.need("type").such_as("\"u16\"", "or `bits = 24` of what is left alone").choice(&Kind::named())
                 }
             };
             if role.is_some() && matches!(kind, Some(Kind::Gap(_))) {
@@ -169,6 +166,12 @@ impl ProcessData {
     /// Its length in whole bytes.
     pub fn bytes(&self) -> usize {
         self.entries().map(|entry| entry.kind.bits()).sum::<usize>().div_ceil(8)
+    }
+
+    /// Whether the same objects stand in the same places, whatever they are to us.
+    pub fn is_alike(&self, other: &Self) -> bool {
+        let words = |data: &Self| data.pdos.iter().map(|pdo| (pdo.index, pdo.mapping())).collect::<Vec<_>>();
+        words(self) == words(other)
     }
 
     /// The same bytes with other roles: what plays `from` plays `to`, nothing else plays any.

@@ -2,8 +2,8 @@
 
 use super::StaleBy;
 use super::{
-    Bus, DRIVE_INPUTS, DRIVE_OUTPUTS, Drive, FORMAT, Gains, Identity, Place, ProcessData, Rig, SENSOR_INPUTS, Sensor,
-    Setup,
+    Brake, Bus, DRIVE_INPUTS, DRIVE_OUTPUTS, Drive, FORMAT, Gains, HeldAxis, Identity, Place, ProcessData, Rig,
+    SENSOR_INPUTS, Sensor, Setup, Target,
 };
 use crate::capture::drive::Mode;
 use crate::capture::limits::Limits;
@@ -15,11 +15,16 @@ use crate::model::Joint;
 /// The longest that a drive may be off its command, s: longer would be no watch.
 const LONGEST_ERROR_S: f64 = 10.0;
 
+/// No brake takes longer than that, s.
+const SLOWEST_BRAKE_S: f64 = 2.0;
+
 /// A whole rig.
 pub(super) fn rig(root: &Section<'_>) -> Option<Rig> {
     root.need("format").choice(&[(FORMAT, ())]);
     let bus = root.need("bus").such_as("[bus]", "a section with the interface").section(read_bus);
-    let drive = root.need("drive").such_as("[drive]", "a section on the drive").section(read_drive);
+    let drive = root.need("drive").such_as("[drive]", "a section on the drive");
+    let drive = drive.section(|section| read_drive(section, Target::Path));
+    let axes = root.may("axes").sections(HeldAxis::read);
     let sensor = root.need("sensor").such_as("[sensor]", "where the torque comes from");
     let sensor = sensor.section(|section| read_sensor(section, drive.as_ref()));
     let limits = root.need("limits").such_as("[limits]", "what the joint may do").section(Limits::read);
@@ -39,7 +44,7 @@ pub(super) fn rig(root: &Section<'_>) -> Option<Rig> {
     if let (Some(bus), Some(signal)) = (&bus, &signal) {
         check_gaps(root, bus, signal);
     }
-    Some(Rig {
+    let rig = Rig {
         bus: bus?,
         drive: drive?,
         sensor: sensor?,
@@ -47,7 +52,13 @@ pub(super) fn rig(root: &Section<'_>) -> Option<Rig> {
         joint: joint?,
         dynamics: dynamics?,
         signal: signal?,
-    })
+        axes: axes.unwrap_or_default(),
+    };
+    for (index, axis) in rig.axes.iter().enumerate() {
+        axis.check(root, &rig, index);
+        check_counts(root, &axis.drive, &axis.limits);
+    }
+    Some(rig)
 }
 
 /// What the joint may go on through must leave a log that opens; two missed cycles always do.
@@ -141,13 +152,14 @@ fn read_identity(section: &Section<'_>) -> Option<Identity> {
     })
 }
 
-fn read_drive(section: &Section<'_>) -> Option<Drive> {
+/// A drive, which follows a path or holds a tension.
+pub(super) fn read_drive(section: &Section<'_>, follows: Target) -> Option<Drive> {
     let positive = |key, example, means| section.need(key).such_as(example, means).positive();
     let identity = read_identity(section);
     let setup = Setup::read(section);
     let axis = section.may("axis").whole(0, 7).unwrap_or(0);
     let without = section.may("without").wholes(0x6000, 0x67FF).unwrap_or_default();
-    let mode = section.may("mode").choice(&Mode::NAMES).unwrap_or(Mode::Position);
+    let mode = read_mode(section, follows);
     let counts_per_rad = positive("counts_per_rad", "83443.0", "counts of the position for a rad of the joint");
     let zero_counts = section.need("zero_counts").such_as("0", "counts where the joint is at 0 rad").number();
     let sign = read_sign(section, "1", "-1 where counts grow as the joint goes down");
@@ -167,12 +179,17 @@ fn read_drive(section: &Section<'_>) -> Option<Drive> {
     };
     let outputs = section.need("outputs").such_as("[drive.outputs]", "its RxPDO");
     let outputs = outputs.section(|s| ProcessData::read(s, &DRIVE_OUTPUTS, &["control_word", target]));
+    let brake = section.may("brake").section(read_brake);
+    if brake.is_some() != outputs.as_ref().is_some_and(|data: &ProcessData| data.place("brake").is_some()) {
+        let cure = "write both: the output that lets it go (`as = \"brake\"`), and [drive.brake] with its times";
+        section.reject("brake", "has an output and no times, or times and no output", cure);
+    }
     let inputs = section.need("inputs").such_as("[drive.inputs]", "its TxPDO");
     let inputs = inputs.section(|s| ProcessData::read(s, &DRIVE_INPUTS, &["status_word", "position"]));
     let is_closed = match mode {
         Mode::Position => true,
         Mode::Velocity => gains.position_per_s > 0.0,
-        Mode::Torque => gains.stiffness_nm_rad > 0.0 && gains.damping_nm_s_rad > 0.0,
+        Mode::Torque => follows == Target::Tension || gains.stiffness_nm_rad > 0.0 && gains.damping_nm_s_rad > 0.0,
     };
     if !is_closed {
         let what = "leave the position open in this mode";
@@ -192,9 +209,39 @@ fn read_drive(section: &Section<'_>) -> Option<Drive> {
         following_error_rad: following_error_rad?,
         following_error_s,
         gains,
+        brake,
         outputs: outputs?,
         inputs: inputs?,
     })
+}
+
+/// What the drive is told to follow. A tension is a torque.
+fn read_mode(section: &Section<'_>, follows: Target) -> Mode {
+    let mode = section.may("mode").choice(&Mode::NAMES);
+    if follows == Target::Tension {
+        if mode.is_some_and(|mode| mode != Mode::Torque) {
+            section.reject("mode", "is not \"cst\", which holding a tension takes", "leave it out");
+        }
+        return Mode::Torque;
+    }
+    mode.unwrap_or(Mode::Position)
+}
+
+fn read_brake(section: &Section<'_>) -> Option<Brake> {
+    let bit = section.may("bit").whole(0, 31).unwrap_or(0);
+    let time = |key, means| section.need(key).such_as("0.1", means).not_negative();
+    let release_s = time("release_s", "from letting it go until the joint may move, s");
+    let engage_s = time("engage_s", "from closing it until it holds, s");
+    for (key, time_s) in [("release_s", release_s), ("engage_s", engage_s)] {
+        if time_s.is_some_and(|time_s| time_s > SLOWEST_BRAKE_S) {
+            section.reject(
+                key,
+                format!("is {}", time_s.unwrap_or(0.0)),
+                format!("expected {SLOWEST_BRAKE_S} s at most"),
+            );
+        }
+    }
+    Some(Brake { bit: u32::try_from(bit).ok()?, release_s: release_s?, engage_s: engage_s? })
 }
 
 fn read_gains(section: &Section<'_>) -> Option<Gains> {
@@ -213,16 +260,15 @@ const IN_DRIVE: [(&str, &str); 2] = [("drive_torque", "torque"), ("drive_sensor"
 fn read_sensor_in_drive(section: &Section<'_>, drive: &Drive) -> Option<Sensor> {
     let role = section.need("from").choice(&IN_DRIVE)?;
     let is_own = role == "torque";
-    // The drive's own torque is per mille of its rated torque, with the drive's sign.
-    let own_nm_per_count = drive.sign * drive.rated_torque_nm * 1e-3;
+    let own = sensor_in_drive(drive);
     let nm_per_count = match is_own {
-        true => section.may("nm_per_count").number().or(Some(own_nm_per_count)),
+        true => section.may("nm_per_count").number().or(Some(own.nm_per_count)),
         false => section.need("nm_per_count").such_as("0.0001526", "torque for a count, N m").number(),
     };
-    let zero_counts = section.may("zero_counts").number().unwrap_or(0.0);
-    let saturated_counts = section.may("saturated_counts").positive().unwrap_or(32_767.0);
-    let stale_by = section.may("stale_by").choice(&StaleBy::NAMES).unwrap_or(StaleBy::Nothing);
-    let stale_cycles = section.may("stale_cycles").whole(1, 10_000).unwrap_or(3);
+    let zero_counts = section.may("zero_counts").number().unwrap_or(own.zero_counts);
+    let saturated_counts = section.may("saturated_counts").positive().unwrap_or(own.saturated_counts);
+    let stale_by = section.may("stale_by").choice(&StaleBy::NAMES).unwrap_or(own.stale_by);
+    let stale_cycles = section.may("stale_cycles").whole(1, 10_000).unwrap_or(own.stale_cycles.into());
     let inputs = drive.inputs.with_roles(&[(role, "torque"), ("sensor_status", "status")]);
     if inputs.place("torque").is_none() {
         let cure = if is_own { "object 0x6077" } else { "the object that holds the sensor's value" };
@@ -230,16 +276,29 @@ fn read_sensor_in_drive(section: &Section<'_>, drive: &Drive) -> Option<Sensor> 
         section.reject("from", what, format!("map {cure} in [drive.inputs], with `as = \"{role}\"`"));
     }
     Some(Sensor {
-        identity: drive.identity.clone(),
-        is_in_drive: true,
-        setup: Setup::default(),
         nm_per_count: nm_per_count?,
         zero_counts,
         saturated_counts,
         stale_by,
         stale_cycles: u32::try_from(stale_cycles).ok()?,
         inputs,
+        ..own
     })
+}
+
+/// The torque of `drive` itself (0x6077), per mille of its rated torque with the drive's sign.
+pub(super) fn sensor_in_drive(drive: &Drive) -> Sensor {
+    Sensor {
+        identity: drive.identity.clone(),
+        is_in_drive: true,
+        setup: Setup::default(),
+        nm_per_count: drive.sign * drive.rated_torque_nm * 1e-3,
+        zero_counts: 0.0,
+        saturated_counts: 32_767.0,
+        stale_by: StaleBy::Nothing,
+        stale_cycles: 3,
+        inputs: drive.inputs.with_roles(&[("torque", "torque")]),
+    }
 }
 
 fn read_sensor(section: &Section<'_>, drive: Option<&Drive>) -> Option<Sensor> {

@@ -20,13 +20,13 @@ impl<W: Wire, C> Run<'_, '_, W, C> {
             self.turn(Request::Watch, None);
         }
         self.judge_cycle(BRIEFED_CYCLES);
-        if self.cycle.is_watched() == Some(false) {
-            let why = "the drive's output watchdog does not run (register 0x0440), though it is set".to_string();
-            self.cycle.axis.fail(Cause::Watchdog(why));
+        if let Some(name) = self.cycle.unwatched() {
+            let why = format!("the output watchdog of `{name}` does not run (register 0x0440), though it is set");
+            self.cycle.joint.axis.fail(Cause::Watchdog(why));
             return false;
         }
-        let axis = &self.cycle.axis;
-        let now = self.cycle.now.as_ref();
+        let axis = &self.cycle.joint.axis;
+        let now = self.cycle.joint.now.as_ref();
         let sight = Sight {
             drive: axis.drive(),
             error_code: axis.error_code(),
@@ -59,17 +59,17 @@ impl<W: Wire, C> Run<'_, '_, W, C> {
     /// The first motion: small and slow, up and back; false where it showed something wrong.
     pub(super) fn tries(&mut self) -> bool {
         self.shown.name = "first motion".to_string();
-        let from_rad = self.cycle.axis.target_rad();
+        let from_rad = self.cycle.joint.axis.target_rad();
         let ways = tried::motion(self.task.rig, from_rad);
         let goes_up = ways[0].last().is_some_and(|to_rad| *to_rad > from_rad);
         let [there, back] = ways.map(|positions_rad| {
             let mut torques_nm = Vec::with_capacity(positions_rad.len());
             self.follow(&positions_rad, |run, _| {
-                torques_nm.extend(run.cycle.now.as_ref().and_then(|now| now.sensor.torque_nm));
+                torques_nm.extend(run.cycle.joint.now.as_ref().and_then(|now| now.sensor.torque_nm));
             });
             torques_nm
         });
-        if self.cycle.axis.cause().is_some() {
+        if self.cycle.joint.axis.cause().is_some() {
             return false;
         }
         let (up_nm, down_nm) = if goes_up { (there, back) } else { (back, there) };
@@ -77,7 +77,7 @@ impl<W: Wire, C> Run<'_, '_, W, C> {
         self.cycle.recorder().note(told.clone());
         self.report.push(told);
         cause.is_none_or(|cause| {
-            self.cycle.axis.blame(cause);
+            self.cycle.joint.axis.blame(cause);
             false
         })
     }

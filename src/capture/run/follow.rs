@@ -7,18 +7,19 @@ use crate::capture::wire::Wire;
 
 /// After a gap the motion gets under way again at this share of the limit of acceleration.
 const GENTLE: f64 = 0.5;
-/// In a gap the target comes to rest within so many cycles: a drive that hears us must not be stopped dead, one that does not must not
-/// find its next target far away.
-const BRAKING_CYCLES: f64 = 3.0;
-/// Share of a cycle's way that the target then goes back in a cycle, to where a drive stands that heard nothing.
-const BACK: f64 = 0.4;
+/// In a gap the target brakes by this share of a cycle's way in each cycle, and then goes back as fast, to where a drive stands that
+/// heard nothing: a drive that hears us must not be stopped dead, one that does not must not find its next target far away.
+const BRAKES: f64 = 0.5;
+/// When a gap is noticed two samples have not been heard, a third is ready to be sent, and a drive bridges one: so many samples behind
+/// the last commanded one it stands.
+const BEHIND: f64 = 2.0;
 
 /// Where along its samples a motion is.
 #[derive(Debug, Clone, Copy)]
 struct Pace {
     /// Samples gone, with their fraction.
     at: f64,
-    /// Samples in a cycle: 1, and less after a gap.
+    /// Samples in a cycle: 1, less after a gap, and below 0 while the target goes back in one.
     pace: f64,
     /// Where a drive stands that hears nothing since the gap began.
     stands_at: Option<f64>,
@@ -37,15 +38,14 @@ impl Pace {
             return;
         }
         if gap == Gap::Lasts {
-            let stands_at = *self.stands_at.get_or_insert((self.at - 1.0).max(0.0));
-            self.pace = (self.pace - 1.0 / BRAKING_CYCLES).max(0.0);
-            let brakes = self.pace > 1e-9;
-            self.at = if brakes { (self.at + self.pace).min(last) } else { (self.at - BACK).max(stands_at) };
+            let stands_at = *self.stands_at.get_or_insert((self.at - BEHIND).max(0.0));
+            self.pace = (self.pace - BRAKES).max(-BRAKES);
+            self.at = (self.at + self.pace).min(last).max(stands_at);
             return;
         }
         // Whole samples stay whole.
         let is_whole = self.pace >= 1.0 && self.at.fract() == 0.0;
-        self.pace = (self.pace + faster).min(1.0);
+        self.pace = (self.pace.max(0.0) + faster).min(1.0);
         self.at = if is_whole && self.pace >= 1.0 { self.at + 1.0 } else { (self.at + self.pace).min(last) };
     }
 }
@@ -71,7 +71,7 @@ impl<W: Wire, C> Run<'_, '_, W, C> {
             }
             let gap = self.cycle.gap();
             if gap != Gap::None {
-                self.cycle.axis.resume();
+                self.cycle.joint.axis.resume();
             }
             pace.step(gap, faster, last as f64);
         }
@@ -92,6 +92,7 @@ mod tests {
     }
 
     /// A gap of nine cycles, of which seven are known to be one: where a drive stands that heard nothing is where it is told to be.
+    /// The last commanded sample is 100; the last that it heard 97, and one it bridges.
     #[test]
     fn a_gap_is_braked_into_and_left_slowly() {
         let mut pace = Pace { at: 100.0, ..Pace::new() };
@@ -103,7 +104,7 @@ mod tests {
         }
         let steps: Vec<f64> = all.windows(2).map(|pair| pair[1] - pair[0]).collect();
         assert!(steps.windows(2).all(|pair| (pair[1] - pair[0]).abs() < 0.75), "{:?}", &steps[..12]);
-        assert!((all[8] - 99.0).abs() < 0.01, "{}", all[8]);
+        assert!((all[8] - 98.0).abs() < 0.01, "{}", all[8]);
         assert!(steps[8..].windows(2).all(|pair| (-1e-9..0.011).contains(&(pair[1] - pair[0]))), "{:?}", &steps[6..20]);
         assert!((steps.last().unwrap() - 1.0).abs() < 1e-9);
     }

@@ -69,7 +69,7 @@ impl<W: Wire, C> Run<'_, '_, W, C> {
         self.shown.name = "jog".to_string();
         let (limits, period_s) = (&self.task.rig.limits, self.task.rig.bus.period_s());
         let top_rad_s = SPEED_RAD_S.min(limits.approach_rad_s);
-        let mut command = Command { position_rad: self.cycle.axis.target_rad(), speed_rad_s: 0.0 };
+        let mut command = Command { position_rad: self.cycle.joint.axis.target_rad(), speed_rad_s: 0.0 };
         let (mut seen_rad, mut up_nm, mut down_nm) = ((f64::MAX, f64::MIN), Vec::new(), Vec::new());
         for cycle in 0u64.. {
             let wanted = jogger.wanted(cycle as f64 * period_s);
@@ -77,7 +77,7 @@ impl<W: Wire, C> Run<'_, '_, W, C> {
             if !self.turn(Request::Move, Some(command.position_rad)) {
                 return;
             }
-            if let Some(now) = &self.cycle.now {
+            if let Some(now) = &self.cycle.joint.now {
                 seen_rad = (seen_rad.0.min(now.position_rad), seen_rad.1.max(now.position_rad));
                 let side = if command.speed_rad_s > 0.0 { &mut up_nm } else { &mut down_nm };
                 let is_steady = command.speed_rad_s.abs() >= top_rad_s * (1.0 - 1e-9) && side.len() < KEPT;

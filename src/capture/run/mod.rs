@@ -15,7 +15,7 @@ use super::safety::{Request, State};
 use super::session::{Live, Looked, Task};
 use super::wire::Wire;
 use crate::log::{Captured, TrialEntry};
-use serde_json::json;
+use serde_json::{Value, json};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::atomic::Ordering;
 use std::sync::{Arc, Mutex};
@@ -42,6 +42,8 @@ pub(super) struct Run<'a, 's, W, C> {
     pub complete: usize,
     /// What a look without torque saw.
     pub looked: Looked,
+    /// What the drives remember of their faults from before, by name.
+    histories: Vec<(String, Value)>,
     /// What is told at the end.
     pub report: Vec<String>,
     /// Whether the operator did not want it.
@@ -51,7 +53,7 @@ pub(super) struct Run<'a, 's, W, C> {
 impl<'a, 's, W: Wire, C> Run<'a, 's, W, C> {
     /// Nothing done yet.
     pub fn new(cycle: Cycle<'a, 's, W, C>, task: &'a Task<'a>, live: &Arc<Mutex<Live>>, findings: Findings) -> Self {
-        let Findings { report, unwatched, holds } = findings;
+        let Findings { report, unwatched, histories, holds } = findings;
         let mut new = Self {
             cycle,
             task,
@@ -62,18 +64,19 @@ impl<'a, 's, W: Wire, C> Run<'a, 's, W, C> {
             closed: None,
             complete: 0,
             looked: Looked::default(),
+            histories,
             report,
             declined: false,
         };
-        new.cycle.axis.set_holds(holds);
-        unwatched.into_iter().for_each(|why| new.cycle.axis.blame(Cause::Watchdog(why)));
+        new.cycle.set_holds(&holds);
+        unwatched.into_iter().for_each(|why| new.cycle.joint.axis.blame(Cause::Watchdog(why)));
         new
     }
 
     /// Acts. A panic has the drive in its hands: it is a cause like any other, and what comes next stops the drive.
     pub fn guarded(&mut self, act: impl FnOnce(&mut Self)) {
         if let Err(panic) = catch_unwind(AssertUnwindSafe(|| act(self))) {
-            self.cycle.axis.fail(Cause::Panic(words(&*panic)));
+            self.cycle.joint.axis.fail(Cause::Panic(words(&*panic)));
         }
     }
 
@@ -88,7 +91,7 @@ impl<'a, 's, W: Wire, C> Run<'a, 's, W, C> {
             }
             let missed = self.cycle.counts.missed;
             self.turn(Request::Watch, None);
-            let fresh = self.cycle.now.as_ref().filter(|_| self.cycle.counts.missed == missed);
+            let fresh = self.cycle.joint.now.as_ref().filter(|_| self.cycle.counts.missed == missed);
             if let Some(now) = fresh {
                 counts.push(now.sensor.counts);
                 seen_rad = (seen_rad.0.min(now.position_rad), seen_rad.1.max(now.position_rad));
@@ -106,13 +109,18 @@ impl<'a, 's, W: Wire, C> Run<'a, 's, W, C> {
     fn judge_cycle(&mut self, cycles: u32) {
         let missed = self.cycle.counts.missed;
         if f64::from(missed) > MISSED_SHARE * f64::from(cycles) {
-            self.cycle.axis.blame(Cause::CycleQuality { missed, cycles });
+            self.cycle.joint.axis.blame(Cause::CycleQuality { missed, cycles });
         }
     }
 
     /// All trials that are not `done`.
     pub fn trials(&mut self, done: &[TrialEntry]) {
-        if !self.asks() || !self.hold() || !self.tries() {
+        if !self.asks() {
+            return;
+        }
+        let before = std::mem::take(&mut self.histories);
+        self.cycle.recorder().remembered("before", before);
+        if !self.hold() || !self.tries() {
             return;
         }
         self.gather();
@@ -126,7 +134,7 @@ impl<'a, 's, W: Wire, C> Run<'a, 's, W, C> {
             if !self.hold() {
                 break;
             }
-            home_rad.get_or_insert(self.cycle.axis.target_rad());
+            home_rad.get_or_insert(self.cycle.joint.axis.target_rad());
             if !(self.approach(trial.trajectory.own.start_rad) && self.record(trial)) {
                 break;
             }
@@ -135,29 +143,32 @@ impl<'a, 's, W: Wire, C> Run<'a, 's, W, C> {
         // Where the joint was at rest without torque it will be so again, or near it.
         let limits = &self.task.rig.limits;
         let home_rad = home_rad.map(|home_rad| home_rad.clamp(limits.low_rad, limits.high_rad));
-        if let Some(home_rad) = home_rad.filter(|_| self.cycle.axis.cause().is_none()) {
+        if let Some(home_rad) = home_rad.filter(|_| self.cycle.joint.axis.cause().is_none()) {
             self.approach(home_rad);
         }
     }
 
     /// Torque on and at rest; false where that is not reached.
     fn hold(&mut self) -> bool {
-        let is_there = |state| matches!(state, State::Holding | State::Stopped | State::Lost);
-        while !is_there(self.cycle.axis.state()) {
+        while !self.cycle.is_held() && !matches!(self.cycle.joint.axis.state(), State::Stopped | State::Lost) {
             self.turn(Request::Hold, None);
-            if self.cycle.axis.state() == State::Watching && self.cycle.axis.is_silent() {
-                self.cycle.axis.fail(Cause::MissedCycles(self.task.rig.bus.missed_cycles_max + 1));
+            if self.cycle.joint.axis.state() == State::Watching && self.cycle.joint.axis.is_silent() {
+                self.cycle.joint.axis.fail(Cause::MissedCycles(self.task.rig.bus.missed_cycles_max + 1));
                 return false;
             }
         }
-        self.cycle.axis.state() == State::Holding
+        self.cycle.is_held()
     }
 
     /// To `to_rad` along half a cosine, and at rest there.
     fn approach(&mut self, to_rad: f64) -> bool {
         let (limits, period_s) = (&self.task.rig.limits, self.task.rig.bus.period_s());
-        let ramp =
-            Ramp::new(self.cycle.axis.target_rad(), to_rad, limits.approach_rad_s, limits.acceleration_rad_s2 / 2.0);
+        let ramp = Ramp::new(
+            self.cycle.joint.axis.target_rad(),
+            to_rad,
+            limits.approach_rad_s,
+            limits.acceleration_rad_s2 / 2.0,
+        );
         if !self.follow(&ramp.positions_rad(period_s), |_, _| {}) {
             return false;
         }
@@ -189,7 +200,7 @@ impl<'a, 's, W: Wire, C> Run<'a, 's, W, C> {
     pub fn close(&mut self) {
         self.cycle.records = false;
         let Counts { late, missed } = self.gather();
-        let incomplete = self.cycle.axis.cause().map(|cause| format!("{}: {cause}", cause.name()));
+        let incomplete = self.cycle.joint.axis.cause().map(|cause| format!("{}: {cause}", cause.name()));
         if std::mem::take(&mut self.is_open) {
             self.closed = Some((self.shown.name.clone(), Counts { late, missed }));
             self.cycle.recorder().end(Captured { incomplete, late_cycles: late, missed_cycles: missed });
@@ -200,8 +211,10 @@ impl<'a, 's, W: Wire, C> Run<'a, 's, W, C> {
     /// emergency messages have come.
     pub fn testify(&mut self) {
         if let Some((trial, Counts { late, missed })) = self.closed.take() {
-            let devices = self.cycle.evidence();
-            let line = json!({ "trial": trial, "late_cycles": late, "missed_cycles": missed, "devices": devices });
+            let (devices, axes) = self.cycle.evidence();
+            let line = json!({
+                "trial": trial, "late_cycles": late, "missed_cycles": missed, "devices": devices, "axes": axes,
+            });
             self.cycle.recorder().evidence(line.to_string());
         }
     }
@@ -218,7 +231,7 @@ impl<'a, 's, W: Wire, C> Run<'a, 's, W, C> {
         if self.cycle.number().is_multiple_of(WATCHED_CYCLES) {
             self.show();
         }
-        self.cycle.axis.cause().is_none()
+        self.cycle.joint.axis.cause().is_none()
     }
 
     /// Adds the counts up, and sets them back; gives them.
@@ -232,9 +245,9 @@ impl<'a, 's, W: Wire, C> Run<'a, 's, W, C> {
     /// Shows where things are to whoever looks, unless they are looking just now: nothing is waited for.
     fn show(&mut self) {
         let limits = &self.task.rig.limits;
-        self.shown.state = self.cycle.axis.state().name();
+        self.shown.state = self.cycle.joint.axis.state().name();
         self.shown.counts = self.cycle.counts;
-        if let Some(now) = &self.cycle.now {
+        if let Some(now) = &self.cycle.joint.now {
             let at = now.position_rad;
             self.shown.position_rad = at;
             self.shown.torque_nm = now.sensor.torque_nm;

@@ -20,6 +20,7 @@ fn everything() -> impl Iterator<Item = Seen> {
                     is_blind: bits & 16 != 0,
                     runs_away: bits & 32 != 0,
                     holds: bits & 64 != 0,
+                    engage: 0,
                     cycles,
                 })
             })
@@ -38,8 +39,24 @@ fn seen(request: Request, drive: Condition) -> Seen {
         is_blind: false,
         runs_away: false,
         holds: false,
+        engage: 0,
         cycles: 0,
     }
+}
+
+/// Torque stays on while a brake falls in, and no longer.
+#[test]
+fn a_brake_falls_in_under_torque() {
+    let at = |cycles| Seen { engage: 80, cycles, ..seen(Request::Watch, Condition::Enabled) };
+    assert_eq!(State::Releasing.control(&at(79)), Control::Enable);
+    assert_eq!(State::Releasing.control(&at(80)), Control::SwitchOn);
+    for state in State::ALL {
+        let goes = state.lets_brake_go(&Seen { at_rest: false, ..at(5) });
+        assert_eq!(goes, matches!(state, State::Holding | State::Moving | State::Stopping), "{state:?}");
+    }
+    assert!(!State::Stopping.lets_brake_go(&at(5)));
+    assert!(State::Stopping.lets_brake_go(&Seen { is_blind: true, ..at(5) }));
+    assert!(!State::Stopping.lets_brake_go(&Seen { at_rest: false, ..seen(Request::Watch, Condition::Ready) }));
 }
 
 #[test]

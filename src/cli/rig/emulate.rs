@@ -3,7 +3,7 @@
 use crate::bus::{Bus, Fault, Reply};
 use crate::capture::drive::Condition;
 use crate::capture::wire::{FRAME_BYTES, Wire};
-use crate::cli::wire::{demo_bus, open};
+use crate::cli::wire::{demo_bus, demo_bus_of_two, open};
 use crate::problem::{Problem, Result};
 use serde_json::json;
 use std::path::{Path, PathBuf};
@@ -22,6 +22,9 @@ pub struct Arguments {
     /// The network interface at which the devices hang
     #[arg(long)]
     interface: String,
+    /// A second drive behind the torque sensor, on a load of its own
+    #[arg(long)]
+    two: bool,
     /// Seed of the torque sensor's noise
     #[arg(long, default_value_t = 1)]
     seed: u64,
@@ -58,7 +61,7 @@ pub fn run(arguments: &Arguments) -> Result<ExitCode> {
         }
     }
     let mut wire = open(&arguments.interface, true, arguments.seed)?;
-    let mut bus = demo_bus(arguments.seed)?;
+    let mut bus = if arguments.two { demo_bus_of_two(arguments.seed)? } else { demo_bus(arguments.seed)? };
     let mut aftermath = Aftermath { faults, at_rad: arguments.at_rad, struck: None };
     match serve(&mut *wire, &mut bus, &mut aftermath, arguments.report.as_deref()) {
         Ok(()) => Ok(ExitCode::SUCCESS),

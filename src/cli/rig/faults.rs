@@ -11,11 +11,11 @@ use crate::capture::plan::Plan;
 use crate::capture::rig::Rig;
 use crate::capture::session::{Outcome, Task, capture};
 use crate::cli::outcome::{JUDGED_BAD, Talk};
-use crate::cli::wire::{RIG, demo_bus};
+use crate::cli::wire::{RIG, demo_bus, demo_bus_of_two, rig_of_two};
 use crate::dynamics::JointKind;
 use crate::problem::{Problem, Result};
 use allowed::Allowed;
-use cases::{Case, MODES, cases};
+use cases::{Case, MODES, TWO, cases};
 use rayon::prelude::*;
 use serde_json::{Value, json};
 use std::cell::RefCell;
@@ -59,6 +59,8 @@ struct Row {
     position_rad: (f64, f64),
     allowed: Allowed,
     warning: Option<String>,
+    /// Why it is beyond the limits and one braking ramp, where no command could prevent that.
+    beyond: Option<&'static str>,
     /// What is wrong with it.
     wrong: Option<&'static str>,
 }
@@ -72,23 +74,31 @@ pub fn run(arguments: &Arguments, talk: &Talk) -> Result<ExitCode> {
     };
     let rows: Vec<Row> = cases.par_iter().map(one).collect::<Result<_>>()?;
     let wrong = rows.iter().filter(|row| row.wrong.is_some()).count();
+    let beyond = rows.iter().filter(|row| row.beyond.is_some() && row.wrong.is_none()).count();
     talk.result(
-        || json!({ "cases": rows.iter().map(Row::to_json).collect::<Vec<_>>(), "wrong": wrong }),
+        || json!({ "cases": rows.iter().map(Row::to_json).collect::<Vec<_>>(), "beyond": beyond, "wrong": wrong }),
         |out| {
             let [fault, off, speed, travel] = ["fault", "off, ms", "rad/s of", "rad of"];
             writeln!(out, "{fault:<62} {off:>8} {speed:>12} {travel:>13}  cause, last words")?;
             rows.iter().try_for_each(|row| row.write(out))?;
-            writeln!(out, "{} cases, {wrong} beyond the limits or silent", rows.len())
+            let within = rows.len() - beyond - wrong;
+            writeln!(out, "{} cases: {within} within the limits and one braking ramp,", rows.len())?;
+            writeln!(out, "{beyond} beyond that by what no command could prevent, {wrong} beyond even that or silent")
         },
     )?;
     Ok(if wrong == 0 { ExitCode::SUCCESS } else { ExitCode::from(JUDGED_BAD) })
 }
 
 fn rig_of(mode: usize) -> Result<Rig> {
-    let text = RIG
+    let text = if mode == TWO { rig_of_two() } else { RIG.to_string() };
+    let text = text
         .replace(MODES[0].1, MODES[mode].1)
         .replace("speed_rad_s = 1.5", &format!("speed_rad_s = {}", MODES[mode].2));
     Rig::parse(Path::new("rig.toml"), &text)
+}
+
+fn bus_of(mode: usize) -> Result<Bus> {
+    if mode == TWO { demo_bus_of_two(1) } else { demo_bus(1) }
 }
 
 /// What is looked at after every frame with process data: time, ns, and the bus.
@@ -129,7 +139,7 @@ fn is_enabled(bus: &Bus) -> bool {
 /// without faults.
 fn moments(mode: usize) -> Result<(u64, u64)> {
     let (mut moving, mut holding, mut still, mut longest) = (0, 0, 0, 0);
-    captured(&rig_of(mode)?, demo_bus(1)?, &mut |_, bus| {
+    captured(&rig_of(mode)?, bus_of(mode)?, &mut |_, bus| {
         let truth = bus.truth();
         if moving == 0 && is_enabled(bus) {
             still = if truth.velocity_rad_s.abs() < STILL_RAD_S { still + 1 } else { 0 };
@@ -150,13 +160,17 @@ fn moments(mode: usize) -> Result<(u64, u64)> {
 
 /// A capture in which the faults of `case` strike at the cycle `at`.
 fn played(case: &Case, at: u64) -> Result<Row> {
-    let (rig, mut bus) = (rig_of(case.mode)?, demo_bus(1)?);
-    case.faults.iter().for_each(|fault| bus.inject(*fault, When::Cycle(at)));
+    let (rig, mut bus) = (rig_of(case.mode)?, bus_of(case.mode)?);
+    case.faults.iter().for_each(|fault| match case.second {
+        true => bus.inject_into_second(*fault, When::Cycle(at)),
+        false => bus.inject(*fault, When::Cycle(at)),
+    });
+    let struck = usize::from(case.second);
     let (mut began, mut off_ns, mut speed_rad_s, mut travel_rad) = (None, None, 0.0f64, 0.0f64);
-    let (mut commanded_ns, allowed) = (None, Allowed::of(&rig, &case.faults));
+    let (mut commanded_ns, allowed) = (None, Allowed::of(&rig.each_axis()[struck], &case.faults));
     let mut position_rad = (f64::MAX, f64::MIN);
     let outcome = captured(&rig, bus, &mut |now_ns, bus| {
-        let truth = bus.truth();
+        let truth = bus.truth_of(struck);
         if bus.cycles() < at || off_ns.is_some() {
             return;
         }
@@ -164,7 +178,7 @@ fn played(case: &Case, at: u64) -> Result<Row> {
         speed_rad_s = speed_rad_s.max(truth.velocity_rad_s.abs());
         travel_rad = travel_rad.max((truth.position_rad - from_rad).abs());
         position_rad = (position_rad.0.min(truth.position_rad), position_rad.1.max(truth.position_rad));
-        let word = bus.devices()[0].object(0x6040, 0).and_then(|word| word.first_chunk::<2>());
+        let word = bus.devices()[2 * struck].object(0x6040, 0).and_then(|word| word.first_chunk::<2>());
         let was_commanded = commanded_ns.is_some();
         if commanded_ns.is_none() && word.is_some_and(|word| u16::from_le_bytes(*word) != Control::Enable.word()) {
             commanded_ns = Some(now_ns - began_ns);
@@ -173,7 +187,7 @@ fn played(case: &Case, at: u64) -> Result<Row> {
             began = Some((began_ns, truth.position_rad));
             travel_rad = 0.0;
         }
-        let has_torque = Condition::of(bus.drive_status().unwrap_or(0)).has_torque();
+        let has_torque = bus.drive_statuses().any(|status| Condition::of(status).has_torque());
         off_ns = (!has_torque).then(|| now_ns - began_ns);
     })?;
     let cause = outcome.cause.as_ref().map_or("nothing", |cause| cause.name()).to_string();
@@ -188,46 +202,54 @@ fn played(case: &Case, at: u64) -> Result<Row> {
         position_rad,
         allowed,
         warning,
+        beyond: None,
         wrong: None,
     };
     row.wrong = row.judged(outcome.cause.is_some());
+    row.beyond = row.is_beyond();
     Ok(row)
 }
 
 impl Row {
     /// What is wrong: faster, farther or elsewhere than is allowed, or silent.
     fn judged(&self, has_cause: bool) -> Option<&'static str> {
-        let Allowed { speed_rad_s, travel_rad, range_rad, .. } = &self.allowed;
-        if !has_cause {
-            Some("silent")
-        } else if self.off_ms.is_none() && self.warning.is_none() {
-            Some("torque on, and not told")
-        } else if self.speed_rad_s > *speed_rad_s {
-            Some("too fast")
-        } else if travel_rad.is_some_and(|allowed_rad| self.travel_rad > allowed_rad) {
-            Some("too far")
-        } else {
-            let is_outside = self.position_rad.0 < *range_rad.start() || self.position_rad.1 > *range_rad.end();
-            is_outside.then_some("out of its range")
-        }
+        let Allowed { within, beyond, range_rad, .. } = &self.allowed;
+        let bound = beyond.map_or(*within, |(_, bound)| bound);
+        let is_outside = self.position_rad.0 < *range_rad.start() || self.position_rad.1 > *range_rad.end();
+        [
+            (!has_cause, "silent"),
+            (self.off_ms.is_none() && self.warning.is_none(), "torque on, and not told"),
+            (self.speed_rad_s > bound.speed_rad_s, "too fast"),
+            (self.travel_rad > bound.travel_rad, "too far"),
+            (is_outside, "out of its range"),
+        ]
+        .into_iter()
+        .find_map(|(is_so, wrong)| is_so.then_some(wrong))
+    }
+
+    /// Why it is beyond the limits and one braking ramp, if it is.
+    fn is_beyond(&self) -> Option<&'static str> {
+        let is_within = self.allowed.within.holds(self.speed_rad_s, self.travel_rad);
+        self.allowed.beyond.filter(|_| !is_within).map(|(why, _)| why)
     }
 
     fn to_json(&self) -> Value {
         json!({
             "fault": self.name, "cause": self.cause, "off_ms": self.off_ms, "speed_rad_s": self.speed_rad_s,
             "travel_rad": self.travel_rad, "commanded_ms": self.commanded_ms,
-            "speed_allowed_rad_s": self.allowed.speed_rad_s, "travel_allowed_rad": self.allowed.travel_rad, "warning": self.warning, "wrong": self.wrong,
+            "speed_allowed_rad_s": self.allowed.within.speed_rad_s, "travel_allowed_rad": self.allowed.within.travel_rad,
+            "beyond": self.beyond, "warning": self.warning, "wrong": self.wrong,
         })
     }
 
     fn write(&self, out: &mut impl Write) -> std::io::Result<()> {
         let Self { name, cause, speed_rad_s, travel_rad, allowed, .. } = self;
-        let allowed_rad = allowed.travel_rad.map_or("range".to_string(), |rad| format!("{rad:.3}"));
         let off = self.off_ms.map_or("never".to_string(), |ms| format!("{ms:.0}"));
         let shown = if self.warning.is_some() { ", TORQUE NOT SHOWN OFF" } else { "" };
+        let beyond = self.beyond.map_or(String::new(), |why| format!("  beyond: {why}"));
         let wrong = self.wrong.map_or(String::new(), |wrong| format!("  <-- {wrong}"));
-        let allowed_rad_s = allowed.speed_rad_s;
-        let moved = format!("{speed_rad_s:>6.3} {allowed_rad_s:>5.3} {travel_rad:>7.4} {allowed_rad:>5}");
-        writeln!(out, "{name:<62} {off:>8} {moved}  {cause}{shown}{wrong}")
+        let (allowed_rad_s, allowed_rad) = (allowed.within.speed_rad_s, allowed.within.travel_rad);
+        let moved = format!("{speed_rad_s:>6.3} {allowed_rad_s:>5.3} {travel_rad:>7.4} {allowed_rad:>5.3}");
+        writeln!(out, "{name:<62} {off:>8} {moved}  {cause}{shown}{beyond}{wrong}")
     }
 }

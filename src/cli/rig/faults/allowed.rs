@@ -1,17 +1,18 @@
 //! What a joint may do under a fault until its torque is off: the rig's limits and one braking ramp.
 //!
-//! **Speed**: the limit, with the share above it that is allowed to be measured. Some faults drive the joint by themselves, with all
-//! the torque that the rig lets the drive give, before anybody can know: an encoder that loses count, a drive that runs at another speed
-//! than it is told, a cable that breaks under load. No command can act earlier than three cycles after that (sampled, decided, acted
-//! on), and a second one, where the drive ignores the first, no earlier than three more: by so much acceleration they may exceed it; an
-//! encoder that loses count drives the joint no faster than it takes to make up for what it lost, sqrt(a d).
+//! **Speed**: the limit, with the share above it that is allowed to be measured. **Travel**: what passes at the limit of speed until the
+//! fault is seen (`SEEN_CYCLES`), then one braking ramp, v^2 / 2a, at the limit of acceleration. **Range**: the rig's, the lag and one
+//! braking ramp. A drive that only ignores commands does what it is told until it is told to stop: its travel counts from then.
 //!
-//! **Way**: what it takes to see the fault (the way after which a joint must be seen to follow, twice, and ten cycles at the limit of
-//! speed), then one stop (`stop_rad`: the braking ramp and the lag). Where no frame reaches the drive, what it goes on for until its
-//! watchdog expires. A drive that only ignores commands does what it is told until it is told to stop: its way counts from then.
+//! Some faults exceed that whatever this program does, because nothing that it sends acts before they have happened. Such cases are
+//! bounded as well, and listed by name with their reason:
 //!
-//! **Range**: the rig's, the lag and one braking ramp. It is all that is left where no frame reaches the drive and its watchdog has
-//! failed too: the drive's own limits of position.
+//! - **driven**: an encoder that loses count, a drive that runs at another speed than it is told, a cable that breaks under load. All
+//!   the torque that the rig lets the drive give acts on what it moves until a command can act, `ACTS_CYCLES` later; where the drive
+//!   ignores the quick stop, until voltage is taken away. An encoder that loses count drives the joint no faster than sqrt(a d).
+//! - **deaf**: a drive that ignores the quick stop follows its target to rest, for as long as it may take to obey (`OBEYING_S`).
+//! - **cut off**: no frame reaches the drive, which goes on until its watchdog expires.
+//! - **unwatched**: the watchdog has failed as well, and only the drive's own limits of position are left.
 
 use crate::bus::{Fault, MOTOR_INERTIA_KG_M2};
 use crate::capture::rig::Rig;
@@ -19,40 +20,67 @@ use std::ops::RangeInclusive;
 
 /// By how much the true speed may be above the limit, as a share: what the rig allows a measurement.
 const ROOM: f64 = 1.25;
-/// Cycles until a command can act on a fault: sampled, decided, acted on.
-const ACTS_CYCLES: f64 = 3.0;
-/// Cycles that may bring the evidence of a fault.
+/// Cycles until a command can act on a fault: sampled at the next pulse, decided and sent half a cycle later, acted on at the pulse
+/// after that.
+const ACTS_CYCLES: f64 = 2.0;
+/// Cycles that may bring the evidence of a fault: a mailbox is looked at once in so many.
 const SEEN_CYCLES: f64 = 10.0;
+/// How long a drive may take to obey a quick stop, s.
+const OBEYING_S: f64 = 0.05;
 
 /// What is allowed.
 #[derive(Debug, Clone)]
 pub(super) struct Allowed {
-    pub speed_rad_s: f64,
-    /// Since the fault; nothing where only the range is left.
-    pub travel_rad: Option<f64>,
+    pub within: Bound,
+    /// What the fault does beyond that by itself, and why.
+    pub beyond: Option<(&'static str, Bound)>,
     pub range_rad: RangeInclusive<f64>,
     /// Whether the way counts from the first command that is not to go on, and not from the fault.
     pub from_command: bool,
+}
+
+/// The largest speed, and travel since the fault; no bound of travel where only the range is left.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Bound {
+    pub speed_rad_s: f64,
+    pub travel_rad: f64,
+}
+
+impl Bound {
+    pub fn holds(&self, speed_rad_s: f64, travel_rad: f64) -> bool {
+        speed_rad_s <= self.speed_rad_s && travel_rad <= self.travel_rad
+    }
 }
 
 impl Allowed {
     /// Under `faults` that strike together.
     pub fn of(rig: &Rig, faults: &[Fault]) -> Self {
         let limits = &rig.limits;
-        let (period_s, speed_rad_s) = (rig.bus.period_s(), ROOM * limits.speed_rad_s);
+        let ramp_rad = |speed_rad_s: f64| speed_rad_s.powi(2) / (2.0 * limits.acceleration_rad_s2);
+        let seen_rad = SEEN_CYCLES * rig.bus.period_s() * limits.speed_rad_s;
+        let within =
+            Bound { speed_rad_s: ROOM * limits.speed_rad_s, travel_rad: seen_rad + ramp_rad(limits.speed_rad_s) };
         let is_deaf = |fault: &Fault| matches!(fault, Fault::IgnoredQuickStop | Fault::IgnoredControl);
-        let steps = if faults.iter().any(is_deaf) { 2.0 } else { 1.0 };
-        let is_cut_off = faults.contains(&Fault::Gone { device: 0 });
-        let watchdog_s = if is_cut_off { f64::from(rig.bus.watchdog_ms) * 1e-3 } else { 0.0 };
-        let driven_s = steps * ACTS_CYCLES * period_s + watchdog_s;
+        let has = |fault: Fault| faults.contains(&fault);
+        let deaf_s = if faults.iter().any(is_deaf) { OBEYING_S } else { 0.0 };
+        let watchdog_s = if has(Fault::Gone { device: 0 }) { f64::from(rig.bus.watchdog_ms) * 1e-3 } else { 0.0 };
+        let driven_s = ACTS_CYCLES * rig.bus.period_s() + deaf_s + watchdog_s;
         let kick_rad_s = faults.iter().map(|fault| kick_rad_s(rig, *fault, driven_s)).fold(0.0, f64::max);
-        let seen_rad = 2.0 * limits.stuck_rad + SEEN_CYCLES * period_s * speed_rad_s;
-        let is_unwatched = faults.contains(&Fault::WatchdogOff { device: 0 });
-        let ramp_rad = speed_rad_s.powi(2) / (2.0 * limits.acceleration_rad_s2);
-        let room_rad = limits.lag_rad + ramp_rad;
+        let speed_rad_s = within.speed_rad_s + kick_rad_s;
+        let travel_rad = seen_rad + ramp_rad(limits.speed_rad_s + kick_rad_s) + (deaf_s + watchdog_s) * speed_rad_s;
+        let is_unwatched = has(Fault::WatchdogOff { device: 0 });
+        let travel_rad = if is_unwatched { f64::INFINITY } else { travel_rad };
+        let why = [
+            (is_unwatched, "unwatched"),
+            (watchdog_s > 0.0, "cut off"),
+            (kick_rad_s > 0.0, "driven"),
+            (deaf_s > 0.0, "deaf"),
+        ];
+        let why = why.into_iter().find_map(|(is_so, why)| is_so.then_some(why));
+        let room_rad = limits.lag_rad + ramp_rad(within.speed_rad_s);
         Self {
-            speed_rad_s: speed_rad_s + kick_rad_s,
-            travel_rad: (!is_unwatched).then_some(seen_rad + watchdog_s * speed_rad_s + limits.stop_rad),
+            within,
+            beyond: why.map(|why| (why, Bound { speed_rad_s, travel_rad })),
             range_rad: limits.low_rad - room_rad..=limits.high_rad + room_rad,
             from_command: faults.iter().all(is_deaf),
         }
@@ -71,7 +99,8 @@ fn kick_rad_s(rig: &Rig, fault: Fault, driven_s: f64) -> f64 {
             let driven_rad_s2 = torque_nm / joint_kg_m2;
             (driven_rad_s2 * driven_s).min((driven_rad_s2 * by_rad.abs()).sqrt())
         }
-        Fault::Runaway { .. } => torque_nm / joint_kg_m2 * driven_s,
+        // What is sent fades with the measured speed, whether the drive obeys its control word or not.
+        Fault::Runaway { .. } => torque_nm / joint_kg_m2 * driven_s.min(2.0 * ACTS_CYCLES * rig.bus.period_s()),
         Fault::CableBreak => torque_nm / motor_kg_m2 * driven_s.min(2.0 * ACTS_CYCLES * rig.bus.period_s()),
         _ => 0.0,
     }

@@ -4,10 +4,25 @@ use crate::bus::Fault;
 
 /// Modes, each with the lines of the rig that choose it, and its limit of speed, rad/s: not far above the plan, and above what the
 /// joint does by itself in torque mode where it falls through its backlash.
-pub(super) const MODES: [(&str, &str, f64); 3] = [
+pub(super) const MODES: [(&str, &str, f64); 4] = [
     ("csp", "mode = \"csp\"", 0.5),
     ("csv", "mode = \"csv\"\ngains = { position_per_s = 20.0 }", 0.5),
     ("cst", "mode = \"cst\"\ngains = { stiffness_nm_rad = 60.0, damping_nm_s_rad = 1.5 }", 0.8),
+    ("two drives", "mode = \"csp\"", 0.5),
+];
+/// The first of them have one drive; in the last there is a second one, which holds a tension.
+pub(super) const TWO: usize = 3;
+
+/// What strikes the first or the second of two drives.
+const OF_TWO: [(bool, Fault); 8] = [
+    (true, Fault::Drive { code: 0x2310 }),
+    (true, Fault::FrozenInputs { device: 2 }),
+    (true, Fault::Inhibit),
+    (true, Fault::IgnoredQuickStop),
+    (true, Fault::EncoderJump { by_rad: 0.03 }),
+    (true, Fault::Gone { device: 2 }),
+    (false, Fault::FrozenEncoder),
+    (false, Fault::Drive { code: 0x2310 }),
 ];
 
 /// One case: what strikes, in which mode, and whether the joint is held or moves then.
@@ -15,6 +30,8 @@ pub(super) const MODES: [(&str, &str, f64); 3] = [
 pub(super) struct Case {
     pub mode: usize,
     pub holding: bool,
+    /// Whether the second of two drives is struck.
+    pub second: bool,
     pub faults: Vec<Fault>,
 }
 
@@ -69,9 +86,9 @@ pub(super) fn cases() -> Vec<Case> {
     let differs_by_mode = |fault: &&Fault| {
         !matches!(fault, Fault::Late { .. } | Fault::Corrupted { .. } | Fault::WorkingCounterShort { .. })
     };
-    let case = |mode, holding, faults| Case { mode, holding, faults };
+    let case = |mode, holding, faults| Case { mode, holding, second: false, faults };
     let mut all: Vec<Case> = SINGLE.iter().map(|fault| case(0, false, vec![*fault])).collect();
-    for mode in 0..MODES.len() {
+    for mode in 0..TWO {
         let others = SINGLE.iter().filter(differs_by_mode).filter(|_| mode > 0);
         all.extend(others.map(|fault| case(mode, false, vec![*fault])));
         for (i, first) in WORST.iter().enumerate() {
@@ -86,6 +103,7 @@ pub(super) fn cases() -> Vec<Case> {
     all.push(case(1, false, vec![Fault::Runaway { factor: 4.0 }]));
     all.push(case(1, false, vec![Fault::Runaway { factor: 4.0 }, Fault::IgnoredQuickStop]));
     all.push(case(1, false, vec![Fault::Runaway { factor: -1.0 }]));
+    all.extend(OF_TWO.map(|(second, fault)| Case { second, ..case(TWO, false, vec![fault]) }));
     all
 }
 
@@ -94,6 +112,7 @@ impl Case {
         let faults: Vec<String> =
             self.faults.iter().map(|fault| format!("{fault:?}").replace(" {", "").replace(" }", "")).collect();
         let when = if self.holding { " while held" } else { "" };
-        format!("{} {}{when}", MODES[self.mode].0, faults.join(" + "))
+        let which = if self.second { ", the second:" } else { "" };
+        format!("{}{which} {}{when}", MODES[self.mode].0, faults.join(" + "))
     }
 }

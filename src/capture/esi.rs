@@ -1,0 +1,256 @@
+//! Devices as their makers describe them: EtherCAT slave information files (ESI, ETG.2000).
+//!
+//! Taken from a file are vendor, product code, revision and name of each device, whether it has a clock (`Dc`), and the PDOs that it
+//! exchanges unless told otherwise: those with a sync manager (`Sm`), with their entries. What a device on the bus reports always
+//! counts; an ESI file serves before it is there.
+
+use super::found::{Found, entry};
+use super::rig::{Entry, Kind, Pdo, ProcessData};
+use crate::document::bytes;
+use crate::limits::ESI_BYTES;
+use crate::problem::{Problem, Result};
+use quick_xml::Reader;
+use quick_xml::events::{BytesStart, Event};
+use std::path::Path;
+
+/// The devices that `file` describes, in its order; their place is their number there.
+///
+/// Errors: it cannot be read, is no ESI file, or a number in it cannot be read.
+pub fn read(file: &Path) -> Result<Vec<Found>> {
+    let text = String::from_utf8_lossy(&bytes(file, ESI_BYTES)?).into_owned();
+    parse(&text).or_else(|(row, what)| {
+        let cure = "name an EtherCAT slave information file (ESI, XML) as the maker publishes it";
+        Problem::error(file, what, cure).at_row(row).alone()
+    })
+}
+
+/// The same of a file's text.
+///
+/// Errors: the row, and what is wrong there.
+fn parse(text: &str) -> std::result::Result<Vec<Found>, (u64, String)> {
+    let mut reader = Reader::from_str(text);
+    let mut open = Open::default();
+    loop {
+        let event = reader.read_event();
+        let done = match event {
+            Ok(Event::Eof) => break,
+            Ok(Event::Start(start)) => open.begin(&start),
+            Ok(Event::Empty(start)) => open.begin(&start).and_then(|()| open.end()),
+            Ok(Event::End(_)) => open.end(),
+            Ok(Event::Text(part)) => {
+                open.text.push_str(&part.decode().unwrap_or_default());
+                Ok(())
+            }
+            Ok(Event::CData(part)) => {
+                open.text.push_str(&part.decode().unwrap_or_default());
+                Ok(())
+            }
+            Ok(_) => Ok(()),
+            Err(error) => Err(format!("is no XML: {error}")),
+        };
+        done.map_err(|what| (row_of(text, reader.buffer_position()), what))?;
+    }
+    if !open.is_esi {
+        return Err((1, "is no ESI file: it has no element `EtherCATInfo`".to_string()));
+    }
+    Ok(open.devices)
+}
+
+/// The row, from 1, of the byte `at` of `text`.
+fn row_of(text: &str, at: u64) -> u64 {
+    let before = text.bytes().take(usize::try_from(at).unwrap_or(usize::MAX));
+    1 + before.filter(|byte| *byte == b'\n').count() as u64
+}
+
+/// Where the reader is.
+#[derive(Debug, Default)]
+struct Open {
+    is_esi: bool,
+    path: Vec<String>,
+    text: String,
+    vendor: u32,
+    devices: Vec<Found>,
+    /// The PDO that is open, and whether the device exchanges it by default.
+    pdo: Option<(Pdo, bool)>,
+    entry: EntryText,
+}
+
+/// An entry of a PDO as it is written there.
+#[derive(Debug, Default)]
+struct EntryText {
+    index: u32,
+    sub: u32,
+    bits: u32,
+    kind: String,
+}
+
+impl Open {
+    fn begin(&mut self, start: &BytesStart<'_>) -> std::result::Result<(), String> {
+        let name = String::from_utf8_lossy(start.local_name().as_ref()).into_owned();
+        let attribute = |key: &str| {
+            let found = start.attributes().flatten().find(|attribute| attribute.key.as_ref() == key.as_bytes());
+            found.map(|attribute| String::from_utf8_lossy(&attribute.value).into_owned())
+        };
+        let number_of = |key: &str| attribute(key).map_or(Ok(0), |text| number(&text));
+        self.path.push(name);
+        self.text.clear();
+        let path = self.path.clone();
+        let at: Vec<&str> = path.iter().map(String::as_str).collect();
+        match at[..] {
+            ["EtherCATInfo"] => self.is_esi = true,
+            [.., "Devices", "Device"] => self.devices.push(Found {
+                place: self.devices.len(),
+                name: String::new(),
+                vendor: self.vendor,
+                product: 0,
+                revision: 0,
+                serial: 0,
+                alias: 0,
+                has_clock: false,
+                inputs: ProcessData::default(),
+                outputs: ProcessData::default(),
+            }),
+            [.., "Device", "Type"] => {
+                let (product, revision) = (number_of("ProductCode")?, number_of("RevisionNo")?);
+                if let Some(device) = self.devices.last_mut() {
+                    (device.product, device.revision) = (product, revision);
+                }
+            }
+            [.., "Device", "Dc"] => {
+                if let Some(device) = self.devices.last_mut() {
+                    device.has_clock = true;
+                }
+            }
+            [.., "Device", "RxPdo" | "TxPdo"] => {
+                let is_assigned = attribute("Sm").is_some();
+                self.pdo = Some((Pdo { index: 0, entries: Vec::new() }, is_assigned));
+            }
+            [.., "RxPdo" | "TxPdo", "Entry"] => self.entry = EntryText::default(),
+            _ => {}
+        }
+        Ok(())
+    }
+
+    fn end(&mut self) -> std::result::Result<(), String> {
+        let text = std::mem::take(&mut self.text).trim().to_string();
+        let path: Vec<String> = self.path.clone();
+        let at: Vec<&str> = path.iter().map(String::as_str).collect();
+        match at[..] {
+            ["EtherCATInfo", "Vendor", "Id"] => self.vendor = number(&text)?,
+            // The name in the first language; the type's own where there is none.
+            [.., "Device", "Type" | "Name"] => {
+                if let Some(device) = self.devices.last_mut().filter(|device| device.name.is_empty()) {
+                    device.name = text;
+                }
+            }
+            [.., "Device", "RxPdo" | "TxPdo", "Index"] => {
+                let index = u16::try_from(number(&text)?).map_err(|_| format!("has a PDO {text}"))?;
+                if let Some((pdo, _)) = &mut self.pdo {
+                    pdo.index = index;
+                }
+            }
+            [.., "Entry", "Index"] => self.entry.index = number(&text)?,
+            [.., "Entry", "SubIndex"] => self.entry.sub = number(&text)?,
+            [.., "Entry", "BitLen"] => self.entry.bits = number(&text)?,
+            [.., "Entry", "DataType"] => self.entry.kind = text,
+            [.., "RxPdo" | "TxPdo", "Entry"] => {
+                let entry = self.entry.entry()?;
+                if let Some((pdo, _)) = &mut self.pdo {
+                    pdo.entries.push(entry);
+                }
+            }
+            [.., "Device", direction @ ("RxPdo" | "TxPdo")] => {
+                let assigned = self.pdo.take().filter(|(_, is_assigned)| *is_assigned);
+                if let (Some((pdo, _)), Some(device)) = (assigned, self.devices.last_mut()) {
+                    let data = if direction == "RxPdo" { &mut device.outputs } else { &mut device.inputs };
+                    data.pdos.push(pdo);
+                }
+            }
+            _ => {}
+        }
+        self.path.pop();
+        Ok(())
+    }
+}
+
+impl EntryText {
+    /// As the rig has it; its kind by the type that the file tells, else by the object.
+    fn entry(&self) -> std::result::Result<Entry, String> {
+        let fits = self.index <= 0xFFFF && self.sub <= 0xFF && (1..=255).contains(&self.bits);
+        if !fits {
+            let Self { index, sub, bits, .. } = self;
+            return Err(format!("has an entry {index:#x}:{sub:#x} of {bits} bit"));
+        }
+        let guessed = entry(self.index << 16 | self.sub << 8 | self.bits);
+        let bits = self.bits as u8;
+        let kind = match (self.kind.as_str(), bits) {
+            ("SINT" | "INT" | "DINT", 8 | 16 | 32) => Kind::Signed(bits),
+            ("USINT" | "UINT" | "UDINT" | "BYTE" | "WORD" | "DWORD", 8 | 16 | 32) => Kind::Unsigned(bits),
+            ("REAL", 32) => Kind::Real,
+            _ => guessed.kind,
+        };
+        Ok(Entry { kind, ..guessed })
+    }
+}
+
+/// A number as ESI files write it: `#x1A00` or decimal.
+fn number(text: &str) -> std::result::Result<u32, String> {
+    let text = text.trim();
+    let found = match text.strip_prefix("#x").or_else(|| text.strip_prefix("#X")) {
+        Some(hex) => u32::from_str_radix(hex, 16),
+        None => text.parse(),
+    };
+    found.map_err(|_| format!("has `{text}` where a number should be, such as #x1A00"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::capture::rig::starting_rig;
+
+    const DRIVE: &str = r##"<?xml version="1.0"?>
+<EtherCATInfo Version="1.6">
+  <Vendor><Id>#x000000AB</Id><Name>A maker</Name></Vendor>
+  <Descriptions><Devices>
+    <Device Physics="YY">
+      <Type ProductCode="#x00000402" RevisionNo="#x00010000">DRV-1</Type>
+      <Name LcId="1033"><![CDATA[A drive]]></Name>
+      <RxPdo Fixed="0" Sm="2">
+        <Index>#x1600</Index><Name>Outputs</Name>
+        <Entry><Index>#x6040</Index><SubIndex>0</SubIndex><BitLen>16</BitLen><Name>Control</Name><DataType>UINT</DataType></Entry>
+        <Entry><Index>#x607A</Index><SubIndex>#x00</SubIndex><BitLen>32</BitLen><DataType>DINT</DataType></Entry>
+      </RxPdo>
+      <RxPdo><Index>#x1601</Index><Entry><Index>#x60FF</Index><SubIndex>0</SubIndex><BitLen>32</BitLen></Entry></RxPdo>
+      <TxPdo Sm="3">
+        <Index>#x1A00</Index>
+        <Entry><Index>#x6041</Index><SubIndex>0</SubIndex><BitLen>16</BitLen></Entry>
+        <Entry><Index>#x0</Index><BitLen>8</BitLen></Entry>
+        <Entry><Index>#x6064</Index><SubIndex>0</SubIndex><BitLen>32</BitLen></Entry>
+        <Entry><Index>#x6077</Index><SubIndex>0</SubIndex><BitLen>16</BitLen></Entry>
+        <Entry><Index>#x2100</Index><SubIndex>3</SubIndex><BitLen>32</BitLen><DataType>REAL</DataType></Entry>
+      </TxPdo>
+      <Dc><OpMode><Name>DC</Name><AssignActivate>#x300</AssignActivate></OpMode></Dc>
+    </Device>
+  </Devices></Descriptions>
+</EtherCATInfo>"##;
+
+    #[test]
+    fn a_drive_becomes_a_rig_to_fill_in() {
+        let found = parse(DRIVE).unwrap();
+        let [drive] = &found[..] else { panic!("{found:?}") };
+        assert_eq!((drive.vendor, drive.product, drive.revision, drive.has_clock), (0xAB, 0x402, 0x10000, true));
+        assert_eq!((drive.outputs.assignment(), drive.inputs.bytes()), (vec![0x1600], 13));
+        assert_eq!(drive.inputs.entries().last().map(|entry| entry.kind), Some(Kind::Real));
+        let text = starting_rig("eth1", &found).unwrap();
+        assert!(text.contains("vendor = 0x000000ab") && text.contains("as = \"target_position\""), "{text}");
+    }
+
+    #[test]
+    fn what_is_wrong_is_told_by_its_row() {
+        assert_eq!(parse("<robot/>").unwrap_err().0, 1);
+        let (row, what) = parse(&DRIVE.replace("#x607A", "607A")).unwrap_err();
+        assert_eq!((row, what.contains("`607A`")), (11, true), "{what}");
+        assert!(parse(&DRIVE.replace("<BitLen>8<", "<BitLen>0<")).unwrap_err().1.contains("of 0 bit"));
+        assert!(parse("<EtherCATInfo><a></b>").is_err());
+    }
+}
