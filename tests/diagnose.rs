@@ -12,7 +12,7 @@ const MODEL: &str = "data/davinci_l4/base_model.json";
 /// Every figure that this campaign has data for, with labels that it must bear.
 const FIGURES: [(&str, &[&str]); 11] = [
     ("budget", &["share of the residual's mean square (%)", "as delivered", "unexplained", "100"]),
-    ("map", &["position (deg)", "speed (rad/s)", "as delivered", "▸ floor"]),
+    ("map", &["position (deg)", "speed (rad/s)", "as delivered", "floor"]),
     ("candidates", &["how far the gap above the floor shrinks (%)", "taken", "flexible fit"]),
     ("where", &["share of the gap's energy above the floor (%)"]),
     ("residual_time", TRACE),

@@ -5,7 +5,7 @@ use super::life;
 use super::number::{counted, interval, significant};
 use super::page::{Block, Card, Page, Section, Table, Warning, cells};
 use super::plots;
-use super::terminal::{BOLD, DIM, YELLOW, heading};
+use super::terminal::{BOLD, DIM, YELLOW, heading, wrapped};
 use super::wording::{Units, moving};
 use crate::batch::{Drift, Fleet, Joint, Outlier, Row};
 use crate::compare::{Attribution, parameters_of};
@@ -279,7 +279,7 @@ pub fn write_summary(out: &mut impl Write, fleet: &Fleet, written: &Path) -> io:
         out,
         "{BOLD}{}{BOLD:#}  {DIM}{}{DIM:#}",
         counted(fleet.rows.len(), "campaign", "campaigns"),
-        sentence(fleet)
+        wrapped(&sentence(fleet), 15)
     )?;
     lines(out, "Changed since the cables were last retensioned", changes(fleet).1)?;
     lines(out, "Limits", life::limits(fleet).1)?;
@@ -299,7 +299,7 @@ fn lines<const N: usize>(out: &mut impl Write, title: &str, rows: Vec<[String; N
     }
     heading(out, title)?;
     for row in rows.iter().take(ON_THE_TERMINAL) {
-        writeln!(out, "  {YELLOW}!{YELLOW:#} {}", row.join("  "))?;
+        writeln!(out, "  {YELLOW}!{YELLOW:#} {}", wrapped(&row.join(", "), 4))?;
     }
     match rows.len().saturating_sub(ON_THE_TERMINAL) {
         0 => Ok(()),

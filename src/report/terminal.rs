@@ -147,7 +147,7 @@ pub fn sweeps(out: &mut impl Write, fits: &Both<FrictionFit>, units: &Units) -> 
         let fit = fits.of(direction);
         let a = units.amplitude(&fit.a);
         let name = moving(direction);
-        writeln!(out, "  {name:<12} A = {a}; B(v) {}", met(fit, units))?;
+        writeln!(out, "  {name:<12} {}", wrapped(&format!("A = {a}; B(v) {}", met(fit, units)), 15))?;
     }
     for direction in Direction::BOTH {
         let fit = fits.of(direction);

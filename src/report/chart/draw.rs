@@ -6,7 +6,7 @@ use super::palette::{GREY, GRID, INK};
 use super::{Anchor, Cells, Figure, Panel, Point, Series, Shape, Stroke, thin};
 
 /// Stretches of a line of which the lowest and the highest point are drawn, in files: about one per pixel.
-pub const FOR_FILES: usize = 900;
+pub const FOR_FILES: usize = 1000;
 /// The same in a page, for readers without its script and for print.
 pub const FOR_PAGES: usize = 180;
 
@@ -66,6 +66,9 @@ struct Drawing<'c, 'a> {
 impl Drawing<'_, '_> {
     fn draw(&self, buckets: usize) -> Drawn {
         self.axes()?;
+        // A narrow panel shows no more than its width.
+        let part = (self.frame.right - self.frame.left) / WIDTH_PX;
+        let buckets = (buckets as f64 * part).ceil() as usize;
         self.panel.series.iter().try_for_each(|series| self.shape(&series.shape, buckets))?;
         for (value, text) in &self.panel.beside {
             let at = (self.frame.right + 10.0, self.upwards(self.panel.y.place_within(*value)));
@@ -184,7 +187,8 @@ impl Drawing<'_, '_> {
         }
         let marked = level(cells.axis.place_within(cells.marked.0));
         self.canvas.mark((left - 6.0, marked), super::Mark::Rightwards, INK)?;
-        self.canvas.text((left - 2.0, bottom + 16.0), &format!("▸ {}", cells.marked.1), TEXT_PX, GREY, Anchor::Left)?;
+        self.canvas.mark((left + 2.0, bottom + 16.0), super::Mark::Rightwards, GREY)?;
+        self.canvas.text((left + 12.0, bottom + 16.0), cells.marked.1, TEXT_PX, GREY, Anchor::Left)?;
         self.canvas.text((left - 2.0, top - 12.0), &cells.axis.label, TEXT_PX, INK, Anchor::Left)
     }
 }

@@ -20,6 +20,9 @@ const CANDIDATES: usize = 5;
 const PARAMETERS: usize = 3;
 /// Columns before a candidate's parameters.
 const INDENT: usize = 6;
+/// Columns before the note of a number, and before how a candidate is taken.
+const NOTE: usize = 41;
+const HOW: usize = 47;
 
 /// Writes the summary to `out`; `written` is where the files went.
 pub fn write_summary(out: &mut impl Write, found: &Diagnosis, campaign: &str, written: &Path) -> io::Result<()> {
@@ -45,7 +48,7 @@ fn gap(out: &mut impl Write, found: &Diagnosis) -> io::Result<()> {
     let (gap, verdict) = (&found.gap, &found.verdict);
     heading(out, &format!("Gap above the floor, on held-out {}", found.held_out))?;
     let mut row = |name: &str, value_nm: f64, note: String| {
-        writeln!(out, "  {name:<24} {:>12}  {DIM}{note}{DIM:#}", units.torque(value_nm))
+        writeln!(out, "  {name:<24} {:>12}  {DIM}{}{DIM:#}", units.torque(value_nm), wrapped(&note, NOTE))
     };
     row("as delivered", verdict.gap_before_nm, format!("RMSE {}", units.torque(gap.rmse_nm)))?;
     if verdict.kind != Kind::None {
@@ -81,7 +84,12 @@ fn places(out: &mut impl Write, found: &Diagnosis) -> io::Result<()> {
     for at in found.places.iter().take(PLACES) {
         let samples = format!("{} of the samples, RMS {}", percent(at.share_of_samples), units.torque(at.rmse_nm));
         let share = percent(at.share_of_gap);
-        writeln!(out, "  {:<24} {share:>12}  {}  {DIM}{samples}{DIM:#}", place(at.region), at.detail)?;
+        writeln!(
+            out,
+            "  {:<24} {share:>12}  {}",
+            place(at.region),
+            wrapped(&format!("{}; {samples}", at.detail), NOTE)
+        )?;
     }
     Ok(())
 }
@@ -98,7 +106,7 @@ fn candidates(out: &mut impl Write, found: &Diagnosis) -> io::Result<()> {
         let range = shrink(candidate.shrink);
         let how =
             [role.name(), candidate.how].into_iter().filter(|text| !text.is_empty()).collect::<Vec<_>>().join(", ");
-        writeln!(out, "  {bold}{:<24}{plain} {range:>18}  {how}", candidate.cause.name())?;
+        writeln!(out, "  {bold}{:<24}{plain} {range:>18}  {}", candidate.cause.name(), wrapped(&how, HOW))?;
         let all = shown(candidate, found);
         let told = if role == Role::Taken { all.len() } else { PARAMETERS.min(all.len()) };
         let mut parameters: Vec<String> = all[..told].iter().map(Shown::sentence).collect();

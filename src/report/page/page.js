@@ -38,7 +38,7 @@
     const decimals = Math.max(0, Math.min(9, -Math.floor(Math.log10(step) + 1e-9)));
     return Math.abs(x) >= 1e7 ? shown(x, 3) : minus((Math.abs(x) < step / 1e6 ? 0 : x).toFixed(decimals));
   };
-  const ticks = (axis, [low, high], px, each = 90) => {
+  const ticks = (axis, [low, high], px, each = 80) => {
     if (axis.texts) return axis.texts;
     const found = [];
     const linear = (low, high, at, wanted) => {
@@ -46,7 +46,7 @@
       const step = power * ([1, 2, 5].find((digit) => rough <= digit * power) || 10);
       for (let k = Math.ceil(low / step - 1e-9); k <= high / step + 1e-9 && found.length < 60; k++) found.push([at(k * step), tidy(k * step, step)]);
     };
-    const wanted = Math.max(2, px / each);
+    const wanted = Math.max(3, px / each);
     if (axis.kind === "linear") linear(low, high, (x) => x, wanted);
     else if (axis.kind === "log") {
       if (high - low < 0.5) linear(10 ** low, 10 ** high, (x) => Math.log10(x), wanted);
@@ -191,7 +191,7 @@
       for (const row of this.data.rows) {
         const side = width / row.panels.length >= NARROW ? row.panels.length : 1;
         for (let at = 0; at < row.panels.length; at += side) {
-          const panels = row.panels.slice(at, at + side);
+          const panels = row.panels.slice(at, at + side), height = this.tall(row, width);
           const titles = panels.map((panel) => wrapped(panel.title, (width - RIGHT) / panels.length - 70));
           const lines = Math.max(...panels.map((panel, i) => (panel.title ? titles[i].length : 0)));
           top += lines ? 10 + 15 * lines : ROOM;
@@ -200,12 +200,12 @@
             const cells = panel.series.some((series) => series.kind === "cells");
             const beside = Math.max(0, ...panel.beside.map((text) => Math.min(wide(text[1]), 0.3 * width) + 10), cells ? 74 : 0);
             const left = from + this.left(panel, width, side, at + i);
-            const frame = { panel, left, top, right: from + width / panels.length - Math.max(RIGHT, beside), bottom: top + row.height, alone: side === 1 && row.panels.length > 1 };
+            const frame = { panel, left, top, right: from + width / panels.length - Math.max(RIGHT, beside), bottom: top + height, alone: side === 1 && row.panels.length > 1 };
             if (panel.title) titles[i].forEach((line, k) => make("text", { x: left, y: top - 8 - 15 * (titles[i].length - 1 - k), class: "head" }, svg, line));
             this.frame(svg, frame);
           });
-          const ticked = panels.some((panel) => !panel.x.hidden), labelled = panels.some((panel) => panel.x.label);
-          top += row.height + (ticked ? 22 : 6) + (labelled ? 20 : 0);
+          const ticked = panels.some((panel) => !panel.x.hidden), labelled = Math.max(...this.frames.slice(-panels.length).map((frame) => frame.lines));
+          top += height + (ticked ? 22 : 6) + (labelled ? 5 + 15 * labelled : 0);
         }
       }
       make("title", {}, svg, this.data.title);
@@ -215,6 +215,14 @@
       this.svg = svg;
       this.listen();
       this.reset.hidden = !this.panels.some((panel) => this.zoomed.has(panel) || (panel.link && state.zoom.has(panel.link)));
+    }
+    tall(row, width) {
+      // Names that wrap need higher rows.
+      const of = (panel) => {
+        const lines = Math.max(1, ...panel.y.texts.map((text) => wrapped(text[1], 0.34 * width).length), ...panel.beside.map((text) => wrapped(text[1], 0.3 * width).length));
+        return panel.y.texts.length * (13 * lines + 5);
+      };
+      return Math.max(row.height, ...row.panels.filter((panel) => panel.y.texts).map(of));
     }
     left(panel, width, side, column) {
       const alike = side === 1 ? this.panels : this.data.rows.filter((row) => row.panels.length === side).map((row) => row.panels[column]);
@@ -248,7 +256,9 @@
         lines.forEach((line, i) => make("text", { x: left - 8, y: y + 4 + 13 * (i - (lines.length - 1) / 2), "text-anchor": "end" }, svg, line));
       }
       make("path", { d: `M${left} ${top}V${bottom}H${right}`, class: "axis" }, svg);
-      if (panel.x.label) make("text", { x: (left + right) / 2, y: bottom + (panel.x.hidden ? 14 : 34), "text-anchor": "middle", class: "label" }, svg, panel.x.label);
+      const label = panel.x.label ? wrapped(panel.x.label, right - left + 40) : [];
+      frame.lines = label.length;
+      label.forEach((line, i) => make("text", { x: (left + right) / 2, y: bottom + (panel.x.hidden ? 14 : 34) + 15 * i, "text-anchor": "middle", class: "label" }, svg, line));
       if (panel.y.label) {
         const own = ticks(panel.y, ends.y, bottom - top, TALL).map((tick) => wide(tick[1]));
         const x = left - 18 - (panel.y.hidden ? 0 : Math.max(0, ...own));
