@@ -74,7 +74,7 @@ assert rows['value'][0] == 0.012 and rows['low'][0] is None and rows['name'][0] 
     let folder = TempDir::new().unwrap();
     let run = Command::new("python3")
         .args(["-c", script, &folder.path().join("out").to_string_lossy()])
-        .env("PYTHONPATH", "python")
+        .env("PYTHONPATH", "src/python")
         .env("PYTHONDONTWRITEBYTECODE", "1")
         .env("TAUTLINE", env!("CARGO_BIN_EXE_tautline"))
         .output();

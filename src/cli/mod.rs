@@ -67,7 +67,7 @@ enum Command {
     Identify(identify::Arguments),
     /// Evaluate a model on recorded motions, best on held-out ones
     Evaluate(evaluate::Arguments),
-    /// Write the prediction of every sample, its parts and the residual
+    /// Write the prediction of every sample, and its parts
     Predict(predict::Arguments),
     /// Extract the torque that a person adds, from logs or a stream
     Interaction(interaction::Arguments),

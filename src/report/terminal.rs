@@ -117,7 +117,7 @@ pub(super) fn table(out: &mut impl Write, heads: &[String], rows: &[Vec<String>]
 }
 
 /// `text` in lines of at most `width()` columns, all but the first set in by `indent`.
-pub(super) fn wrapped(text: &str, indent: usize) -> String {
+pub fn wrapped(text: &str, indent: usize) -> String {
     wrapped_to(text, indent, width())
 }
 
@@ -245,10 +245,14 @@ pub(super) fn picture(out: &mut impl Write, figure: &Figure) -> io::Result<()> {
     if !console::Term::stdout().is_term() {
         return Ok(());
     }
-    for panel in figure.rows.iter().take(1).flat_map(|row| &row.panels) {
+    let (Some(first), Some(last)) = (figure.rows.first(), figure.rows.last()) else { return Ok(()) };
+    for (panel, lowest) in first.panels.iter().zip(&last.panels) {
         let title = if panel.title.is_empty() { &figure.title } else { &panel.title };
-        writeln!(out, "\n  {DIM}{title}{DIM:#}")?;
-        characters(panel, width().min(PICTURE)).iter().try_for_each(|line| writeln!(out, "  {line}"))?;
+        let unit = if panel.y.label.is_empty() { String::new() } else { format!("; {}", panel.y.label) };
+        writeln!(out, "\n  {DIM}{title}{unit}{DIM:#}")?;
+        characters(panel, &lowest.x.label, width().min(PICTURE))
+            .iter()
+            .try_for_each(|line| writeln!(out, "  {line}"))?;
     }
     Ok(())
 }

@@ -9,9 +9,9 @@ const DOTS: (usize, usize) = (2, 4);
 /// Eighths of a block, from the left.
 const BLOCKS: [char; 9] = [' ', '▏', '▎', '▍', '▌', '▋', '▊', '▉', '█'];
 
-/// `panel` in lines of at most `width` characters.
-pub fn characters(panel: &Panel, width: usize) -> Vec<String> {
-    if panel.y.is_names { bars(panel, width) } else { dots(panel, width) }
+/// `panel` in lines of at most `width` characters, its horizontal axis called `label`.
+pub fn characters(panel: &Panel, label: &str, width: usize) -> Vec<String> {
+    if panel.y.is_names { bars(panel, width) } else { dots(panel, label, width) }
 }
 
 /// A line for each name: its bars, and the text beside it.
@@ -44,7 +44,7 @@ fn span_at(shape: &Shape, level: f64) -> Option<Point> {
 }
 
 /// The lines and points, with the ends of both axes.
-fn dots(panel: &Panel, width: usize) -> Vec<String> {
+fn dots(panel: &Panel, x_label: &str, width: usize) -> Vec<String> {
     let ends = [panel.y.places.1, panel.y.places.0].map(|place| end(&panel.y, place));
     let left = ends.iter().map(|text| text.chars().count()).max().unwrap_or(0) + 1;
     let columns = width.saturating_sub(left + 2).max(10);
@@ -89,11 +89,9 @@ fn dots(panel: &Panel, width: usize) -> Vec<String> {
     };
     let mut lines: Vec<String> = grid.chunks(columns).enumerate().map(row).collect();
     let (low, high) = (end(&panel.x, panel.x.places.0), end(&panel.x, panel.x.places.1));
-    let label = format!("{low} {} {high}", panel.x.label);
-    let axis = "─".repeat(columns);
-    lines.push(format!("{:>left$}└{axis}", ""));
-    let gap = columns.saturating_sub(label.chars().count()) / 2;
-    lines.push(format!("{:left$} {low}{}{}{}{high}", "", " ".repeat(gap), panel.x.label, " ".repeat(gap)));
+    lines.push(format!("{:>left$}└{}", "", "─".repeat(columns)));
+    let gap = columns.saturating_sub(format!("{low}{x_label}{high}").chars().count()) / 2;
+    lines.push(format!("{:left$} {low}{}{x_label}{}{high}", "", " ".repeat(gap), " ".repeat(gap)));
     lines
 }
 
@@ -125,7 +123,7 @@ mod tests {
         let mut panel = Panel::new(Axis::linear("%", 0.0, 100.0), Axis::names(["all".to_string(), "half".to_string()]));
         panel.bar("", (0.0, 100.0), (-0.9, -0.1), palette::INK);
         panel.bar("", (50.0, 100.0), (-1.9, -1.1), palette::INK);
-        let lines = characters(&panel, 45);
+        let lines = characters(&panel, "", 45);
         let blocks = |line: &String| line.matches('█').count();
         assert_eq!((blocks(&lines[0]), blocks(&lines[1])), (39, 19), "{lines:?}");
         assert!(lines.iter().all(|line| line.chars().count() <= 45));
@@ -135,7 +133,7 @@ mod tests {
     fn a_line_runs_from_corner_to_corner() {
         let mut panel = Panel::new(Axis::linear("s", 0.0, 1.0), Axis::linear("", 0.0, 1.0));
         panel.line("", [(0.0, 0.0), (1.0, 1.0)], Stroke::solid(palette::INK, 1.0));
-        let lines = characters(&panel, 40);
+        let lines = characters(&panel, "s", 40);
         assert_eq!(lines.len(), LINES + 2);
         assert!(
             lines[0].ends_with('⠉') || lines[0].ends_with('⠋') || lines[0].trim_end().ends_with(|c| c > '\u{2800}')
