@@ -8,7 +8,7 @@ use super::{Anchor, Cells, Figure, Panel, Point, Series, Shape, Stroke, thin};
 /// Stretches of a line of which the lowest and the highest point are drawn, in files: about one per pixel.
 pub const FOR_FILES: usize = 1000;
 /// The same in a page, for readers without its script and for print.
-pub const FOR_PAGES: usize = 180;
+pub const FOR_PAGES: usize = 120;
 
 /// Viridis (van der Walt and Smith) from its bright end: lightness falls all along, so that it reads in print and by
 /// colour-blind readers, and no value is as pale as paper.
