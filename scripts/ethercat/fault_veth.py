@@ -2,12 +2,13 @@
 """A part of the fault matrix over a pair of virtual Ethernet interfaces, in real time: the program with its raw socket at one end, the
 software bus in another process at the other, which puts the fault in and watches the true joint.
 
-    scripts/ethercat/fault_veth.py --binary target/release/tautline [--only frozen] [--times 3]
+    scripts/ethercat/fault_veth.py --binary target/release/tautline [--only frozen] [--times 3] [--real-time]
 
 For each fault the joint must be stopped for a cause that fits, the torque be off within a second (or the last words say that it is not
 shown to be), and the joint stay within 1.25 times its limit of speed. A machine that stalls ends runs before the fault strikes: such a
 run is repeated up to `--times`, and then counted as spoiled, not as right. Exit status 1 if a fault was not stopped as it should be, or
-if none struck. Needs no root, but user namespaces; where they are not allowed it says so and ends with 0.
+if none struck. A broken cable is left to virtual time: it is seen by a step of the torque, which gaps on a busy machine make too. Needs
+no root, but user namespaces; where they are not allowed it says so and ends with 0.
 """
 
 import argparse
@@ -18,7 +19,7 @@ import time
 from pathlib import Path
 
 from namespace import run_inside
-from veth import ROOT, relaxed_rig
+from veth import ROOT, relaxed_rig, scheduled
 
 # The fault, and the causes that fit it.
 FAULTS = {
@@ -30,7 +31,6 @@ FAULTS = {
     "inhibit": {"drive_left"},
     "quick-stop": {"drive_quick_stop", "drive_left"},
     "internal-limit": {"internal_limit"},
-    "cable-break": {"torque_step", "torque", "speed_gap", "speed", "not_following"},
     "encoder-jump:0.03": {"encoder_jump", "torque_step"},
     "safe-op:0": {"device_state", "drive_fault", "working_counter"},
     "second-master": {"device_state", "working_counter"},
@@ -43,9 +43,8 @@ rest_s = 0.5
 protocol = "uniform"
 speed_rad_s = 0.2
 """
-# The rig's limit of speed, rad/s, and the share above it that is allowed to be measured; what an encoder that jumps or a cable that
-# breaks adds by itself.
-SPEED_RAD_S, ROOM, KICK_RAD_S = 1.5, 1.25, 3.0
+# The rig's limit of speed, rad/s, and the share above it that is allowed to be measured.
+SPEED_RAD_S, ROOM = 1.5, 1.25
 OFF_MS = 1000.0
 
 
@@ -54,7 +53,7 @@ def run(options: argparse.Namespace, fault: str) -> tuple[dict, dict, int]:
         folder = Path(scratch)
         (folder / "rig.toml").write_text(relaxed_rig())
         (folder / "plan.toml").write_text(PLAN)
-        emulate = [options.binary, "rig", "emulate", "--interface", "ec1", "--fault", fault]
+        emulate = [*scheduled(options), options.binary, "rig", "emulate", "--interface", "ec1", "--fault", fault]
         emulator = subprocess.Popen([*emulate, "--report", folder / "report.json"])
         try:
             time.sleep(0.5)
@@ -73,14 +72,13 @@ def run(options: argparse.Namespace, fault: str) -> tuple[dict, dict, int]:
 
 def judged(fault: str, outcome: dict, report: dict, status: int) -> str:
     cause = (outcome.get("stopped_by") or {}).get("name")
-    kick = KICK_RAD_S if fault.startswith(("encoder-jump", "cable-break")) else 0.0
     if cause not in FAULTS[fault]:
         return f"stopped by {cause}"
     if not report:
         return "" if status == 3 and outcome.get("torque_warning") else "torque on, and not told"
     if report["off_ms"] > OFF_MS:
         return "torque on for too long"
-    return "" if report["speed_rad_s"] <= ROOM * SPEED_RAD_S + kick else "too fast"
+    return "" if report["speed_rad_s"] <= ROOM * SPEED_RAD_S else "too fast"
 
 
 def inside(options: argparse.Namespace) -> None:
@@ -113,6 +111,7 @@ def main() -> None:
     parser.add_argument("--binary", default=ROOT / "target/release/tautline", type=Path)
     parser.add_argument("--only", default="", help="only faults whose name contains this")
     parser.add_argument("--times", default=3, type=int, help="runs of a fault that a stall of the machine may spoil")
+    parser.add_argument("--real-time", action="store_true", help="real-time scheduling of the emulator too; takes the right to it")
     options = parser.parse_args()
     run_inside(lambda: inside(options))
 

@@ -115,7 +115,7 @@ pub enum Fault {
 
 impl Fault {
     /// Faults by the names that a command line gives them; what follows a colon is their number.
-    pub const NAMES: [&'static str; 24] = [
+    pub const NAMES: [&'static str; 26] = [
         "late:FRAMES",
         "lost:FRAMES",
         "unsent:FRAMES",
@@ -140,6 +140,8 @@ impl Fault {
         "ignored-quick-stop",
         "stale-sensor",
         "saturated-sensor",
+        "not-a-number",
+        "runaway:FACTOR",
     ];
 
     /// The fault of that name; nothing where there is none, or its number is missing or too large.
@@ -151,6 +153,7 @@ impl Fault {
             None => number.parse().ok(),
         };
         let device = || number.parse::<usize>().ok();
+        let real = || number.parse().ok().filter(|real: &f64| real.is_finite());
         Some(match name {
             "late" => Self::Late { frames: whole()?, by_ns: 3_000_000 },
             "lost" => Self::Lost { frames: whole()? },
@@ -169,13 +172,15 @@ impl Fault {
             "internal-limit" => Self::InternalLimit,
             "blocked" => Self::Blocked,
             "cable-break" => Self::CableBreak,
-            "encoder-jump" => Self::EncoderJump { by_rad: number.parse().ok().filter(|rad: &f64| rad.is_finite())? },
+            "encoder-jump" => Self::EncoderJump { by_rad: real()? },
             "frozen-encoder" => Self::FrozenEncoder,
             "frozen-inputs" => Self::FrozenInputs { device: 0 },
             "ignored-control" => Self::IgnoredControl,
             "ignored-quick-stop" => Self::IgnoredQuickStop,
             "stale-sensor" => Self::StaleSensor,
             "saturated-sensor" => Self::SaturatedSensor,
+            "not-a-number" => Self::NotANumber,
+            "runaway" => Self::Runaway { factor: real()? },
             _ => return None,
         })
     }

@@ -17,7 +17,7 @@ use std::process::ExitCode;
 Faults strike when the joint moves up through --at-rad: late:FRAMES lost:FRAMES unsent:FRAMES corrupted:FRAMES
 short:FRAMES safe-op:DEVICE gone:DEVICE second-master emergency:CODE watchdog watchdog-off drive-fault:CODE
 quick-stop inhibit internal-limit blocked cable-break encoder-jump:RAD frozen-encoder frozen-inputs
-ignored-control ignored-quick-stop stale-sensor saturated-sensor")]
+ignored-control ignored-quick-stop stale-sensor saturated-sensor not-a-number runaway:FACTOR")]
 pub struct Arguments {
     /// The network interface at which the devices hang
     #[arg(long)]

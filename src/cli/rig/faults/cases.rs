@@ -18,7 +18,7 @@ const OF_TWO: [(bool, Fault); 8] = [
     (true, Fault::Drive { code: 0x2310 }),
     (true, Fault::FrozenInputs { device: 2 }),
     (true, Fault::Inhibit),
-    (true, Fault::IgnoredQuickStop),
+    (true, Fault::IgnoredControl),
     (true, Fault::EncoderJump { by_rad: 0.03 }),
     (true, Fault::Gone { device: 2 }),
     (false, Fault::FrozenEncoder),
