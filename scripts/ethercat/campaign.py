@@ -6,7 +6,9 @@ from pathlib import Path
 
 
 def trials(folder: Path) -> list[dict]:
-    """`[[trials]]` of campaign.toml."""
+    """`[[trials]]` of campaign.toml; none where the capture was stopped before the first."""
+    if not (folder / "campaign.toml").exists():
+        return []
     return tomllib.loads((folder / "campaign.toml").read_text())["trials"]
 
 

@@ -2,7 +2,7 @@
 """A part of the fault matrix over a pair of virtual Ethernet interfaces, in real time: the program with its raw socket at one end, the
 software bus in another process at the other, which puts the fault in and watches the true joint.
 
-    scripts/ethercat/fault_veth.py --binary target/release/tautline [--only frozen] [--times 3] [--real-time]
+    scripts/ethercat/fault_veth.py --binary target/release/tautline [--only frozen] [--times 3]
 
 For each fault the joint must be stopped for a cause that fits, the torque be off within a second (or the last words say that it is not
 shown to be), and the joint stay within 1.25 times its limit of speed. A machine that stalls ends runs before the fault strikes: such a
@@ -53,7 +53,7 @@ def run(options: argparse.Namespace, fault: str) -> tuple[dict, dict, int]:
         folder = Path(scratch)
         (folder / "rig.toml").write_text(relaxed_rig())
         (folder / "plan.toml").write_text(PLAN)
-        emulate = [*scheduled(options), options.binary, "rig", "emulate", "--interface", "ec1", "--fault", fault]
+        emulate = [*scheduled(), options.binary, "rig", "emulate", "--interface", "ec1", "--fault", fault]
         emulator = subprocess.Popen([*emulate, "--report", folder / "report.json"])
         try:
             time.sleep(0.5)
@@ -111,7 +111,6 @@ def main() -> None:
     parser.add_argument("--binary", default=ROOT / "target/release/tautline", type=Path)
     parser.add_argument("--only", default="", help="only faults whose name contains this")
     parser.add_argument("--times", default=3, type=int, help="runs of a fault that a stall of the machine may spoil")
-    parser.add_argument("--real-time", action="store_true", help="real-time scheduling of the emulator too; takes the right to it")
     options = parser.parse_args()
     run_inside(lambda: inside(options))
 

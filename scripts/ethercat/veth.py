@@ -2,7 +2,7 @@
 """Captures for five minutes (or --minutes) at 1 kHz over a pair of virtual Ethernet interfaces, in a network namespace of its own: the
 program with its raw socket at one end, the software bus in another process at the other. Every cycle must be accounted for.
 
-    scripts/ethercat/veth.py --binary target/release/tautline [--short | --minutes 10] [--real-time]
+    scripts/ethercat/veth.py --binary target/release/tautline [--short | --minutes 10]
 
 Needs no root, but user namespaces; where they are not allowed it says so and ends with 0.
 """
@@ -37,7 +37,7 @@ speed_rad_s = 0.2
 
 
 def inside(options: argparse.Namespace) -> None:
-    emulator = subprocess.Popen([*scheduled(options), options.binary, "rig", "emulate", "--interface", "ec1"])
+    emulator = subprocess.Popen([*scheduled(), options.binary, "rig", "emulate", "--interface", "ec1"])
     try:
         time.sleep(0.5)
         with tempfile.TemporaryDirectory() as scratch:
@@ -67,9 +67,15 @@ def relaxed_rig() -> str:
     return rig
 
 
-def scheduled(options: argparse.Namespace) -> list[str]:
-    """Real-time scheduling for a command that does not ask for it by itself."""
-    return ["chrt", "--fifo", "60"] if options.real_time else []
+def scheduled() -> list[str]:
+    """Real-time scheduling for the emulator, as the program asks for it by itself, where there is a right to it: one end that stalls
+    spoils what the other measures."""
+    real_time = ["chrt", "--fifo", "60"]
+    try:
+        allowed = subprocess.run([*real_time, "true"], capture_output=True).returncode == 0
+    except FileNotFoundError:
+        allowed = False
+    return real_time if allowed else []
 
 
 def capture(options: argparse.Namespace, folder: Path) -> None:
@@ -100,7 +106,6 @@ def main() -> None:
     parser.add_argument("--binary", default=ROOT / "target/release/tautline", type=Path)
     parser.add_argument("--short", action="store_true", help="one sweep of 9 s")
     parser.add_argument("--minutes", type=float, default=5.0, help="how long it goes on, without --short")
-    parser.add_argument("--real-time", action="store_true", help="real-time scheduling of the emulator too; takes the right to it")
     parser.add_argument("--allow-stop", action="store_true", help="a stall of the machine that stops the drive is no failure")
     options = parser.parse_args()
     run_inside(lambda: inside(options))
