@@ -101,6 +101,17 @@ fn a_retensioning_needs_less_evidence_than_a_jump_at_any_time() {
     assert_eq!((found.len(), found[0]["kind"].as_str()), (1, Some("retensioning")), "{found:?}");
     assert_eq!(told["retensionings"][0]["date"].as_str(), Some(date.as_str()));
     assert!(!told["retensionings"][0]["changes"].as_array().unwrap().is_empty());
+    assert!(told["retensionings"][0]["differs"].to_string().contains("B(0.089"), "{told}");
+}
+
+#[test]
+fn a_retensioning_that_restores_the_joint_says_so() {
+    // Friction falls steadily, and a retensioning brings it back.
+    let sessions = every_month(16, |i| if i >= 9 { 1.0 - 0.02 * (i - 9) as f64 } else { 1.0 - 0.02 * i as f64 });
+    let joint = history(&sessions, &format!("[[retensioned]]\njoint = \"elbow\"\ndate = {}\n", sessions[9].0));
+    let found = &joint["retensionings"][0];
+    assert!(!found["changes"].as_array().unwrap().is_empty(), "{found}");
+    assert_eq!((&found["differs"], &found["as_after"]), (&Value::Array(vec![]), &sessions[0].0.as_str().into()));
 }
 
 #[test]

@@ -1,15 +1,15 @@
 //! The fleet by joint, over time: what happened to each, when limits will be reached, and what stands out.
 
 use super::calendar::day;
-use super::life::{Forecast, Happened, Life, Limit, Part, Refusal, Sessions};
+use super::events::{Drift, Event, differences, events};
+use super::life::{Forecast, Life, Limit, Refusal, Sessions};
 use super::manifest::Batch;
 use super::outliers::{Outlier, outliers};
 use super::quantities::{self, Quantity};
 use super::table::Row;
-use crate::compare::{Attribution, attribution_among, compare_among};
+use crate::compare::{Attribution, compare_among};
 use crate::document::suggest;
 use crate::model::{Direction, Model};
-use crate::numerics::statistics::together;
 use rayon::prelude::*;
 use std::collections::BTreeMap;
 
@@ -55,21 +55,6 @@ pub struct Joint {
     pub incomparable: Option<String>,
 }
 
-/// A retensioning, or another time at which something changed its level.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Event {
-    /// When the cables were retensioned; `None` of another event.
-    pub retensioned: Option<String>,
-    /// Places in `Fleet::rows` of the last campaign before and the first since.
-    pub rows: [usize; 2],
-    /// Place of the first campaign in which it was over again.
-    pub until: Option<usize>,
-    /// What changed, judged by the whole history.
-    pub changes: Vec<(String, &'static str, Happened)>,
-    /// What changed from the one campaign to the other, told by its cause.
-    pub changed: Attribution,
-}
-
 /// A limit and when it will be reached.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Foreseen {
@@ -93,23 +78,6 @@ impl Joint {
     pub fn drifted(&self) -> bool {
         !self.drifts.is_empty() || self.changed.differs()
     }
-}
-
-/// A value that changed beyond its confidence.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Drift {
-    /// The parameter's dotted name, or the function's.
-    pub name: String,
-    /// Its unit.
-    pub unit: &'static str,
-    /// In the first campaign since retensioning, as the whole history has it.
-    pub before: f64,
-    /// In the last.
-    pub after: f64,
-    /// The change's interval, 95 % over all that is compared in the fleet.
-    pub low: f64,
-    /// Its upper end.
-    pub high: f64,
 }
 
 impl Fleet {
@@ -193,11 +161,12 @@ impl History {
         let date = |at: usize| rows[at].entry.date.as_deref();
         let retensioned = dates.iter().rev().find(|at| date(last) >= Some(at.as_str())).cloned();
         let since = of.iter().copied().find(|at| retensioned.as_deref() <= date(*at)).unwrap_or(first);
+        let place = of.iter().position(|at| *at == since).unwrap_or(0);
         let lives: Vec<Life> = quantities.into_iter().filter_map(|q| Life::new(q, &sessions, compared)).collect();
         let mut joint = Joint {
-            events: events(rows, &of, &dates, &lives, joints),
+            events: events(rows, &of, &dates, &lives, [compared, joints]),
             limits: limits.iter().flat_map(|(limit, names)| foreseen(limit, names, &lives, &sessions)).collect(),
-            drifts: drifts(&lives, &of, since, compared),
+            drifts: differences(&lives, place, of.len() - 1, compared),
             name,
             rows: of,
             retensioned,
@@ -222,57 +191,6 @@ impl History {
         }
         joint
     }
-}
-
-/// What changed from the campaign at `since` to the last of those at `of`, with intervals that hold together.
-fn drifts(lives: &[Life], of: &[usize], since: usize, compared: usize) -> Vec<Drift> {
-    let wider = together(compared);
-    let from = of.iter().position(|at| *at == since).unwrap_or(0);
-    let one = |life: &Life| {
-        // Not every session shows every parameter.
-        let shown = || life.sessions.iter().copied().filter(|session| *session >= from);
-        let found = life.between(shown().next()?, shown().last()?)?;
-        let (change, reach) = (found.after - found.before, wider * found.half_width);
-        let (low, high) = (change - reach, change + reach);
-        let drift =
-            Drift { name: life.name.clone(), unit: life.unit, before: found.before, after: found.after, low, high };
-        (low > 0.0 || high < 0.0).then_some(drift)
-    };
-    lives.iter().filter_map(one).collect()
-}
-
-/// The retensionings at `dates`, and at what other times a level of `lives` changed.
-fn events(rows: &[Row], of: &[usize], dates: &[String], lives: &[Life], joints: usize) -> Vec<Event> {
-    let first_since = |date: &String| of.iter().position(|at| rows[*at].entry.date.as_ref() >= Some(date));
-    let known = dates.iter().filter_map(|date| Some((first_since(date)?, None, Some(date.clone()))));
-    let mut times: Vec<(usize, Option<usize>, Option<String>)> = known.filter(|time| time.0 > 0).collect();
-    for happened in lives.iter().flat_map(|life| &life.parts) {
-        if let Part::Jump { at, until, retensioned: false } = happened.part
-            && !times.iter().any(|time| (time.0, time.1) == (at, until))
-        {
-            times.push((at, until, None));
-        }
-    }
-    times.sort_by_key(|time| time.0);
-    let event = |(at, until, retensioned): (usize, Option<usize>, Option<String>)| {
-        let is_then = |happened: &&Happened| match happened.part {
-            Part::Jump { at: then, until: end, .. } => (then, end) == (at, until),
-            _ => false,
-        };
-        let pair = [of[at - 1], of[at]];
-        let [before, after] = pair.map(|at| rows[at].model.as_ref());
-        let changes = lives.iter().flat_map(|life| {
-            life.parts.iter().filter(is_then).map(|happened| (life.name.clone(), life.unit, *happened))
-        });
-        Some(Event {
-            changes: changes.collect(),
-            changed: attribution_among(before?, after?, joints).ok()?,
-            retensioned,
-            rows: pair,
-            until: until.map(|until| of[until]),
-        })
-    };
-    times.into_iter().filter_map(event).collect()
 }
 
 /// When `limit` on the quantities called `names` will be reached.

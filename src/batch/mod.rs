@@ -10,6 +10,7 @@
 //! | `table` | a row for each campaign |
 //! | `quantities` | what several campaigns of a joint know of it: parameters and functions |
 //! | `life` | what happened to a parameter or function over time, and when a limit will be reached |
+//! | `events` | retensionings and other times at which something changed |
 //! | `fleet` | by joint, over time: what happened to it |
 //! | `outliers` | what stands out |
 //! | `repeatability` | runs under the same conditions: what comes out the same |
@@ -17,6 +18,7 @@
 mod calendar;
 mod condition;
 mod digest;
+mod events;
 mod fleet;
 mod life;
 mod manifest;
@@ -29,7 +31,8 @@ mod table;
 mod work;
 
 pub use calendar::{date_of, day};
-pub use fleet::{Drift, Event, Fleet, Foreseen, Joint};
+pub use events::{Drift, Event};
+pub use fleet::{Fleet, Foreseen, Joint};
 pub use life::{Change, Forecast, Happened, Life, Limit, Part};
 pub use manifest::{Batch, Entry, Reference};
 pub use outliers::Outlier;

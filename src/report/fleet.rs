@@ -21,10 +21,6 @@ const ON_THE_TERMINAL: usize = 12;
 /// The fleet for programs.
 pub fn to_json(fleet: &Fleet) -> Value {
     let name = |at: usize| fleet.rows[at].entry.name.as_str();
-    let drift = |d: &Drift| {
-        json!({ "name": d.name, "unit": d.unit, "before": d.before, "after": d.after,
-                "change": d.after - d.before, "low": d.low, "high": d.high })
-    };
     let causes = |of: &Attribution| of.causes.iter().map(cause_json).collect::<Vec<Value>>();
     let joint = |j: &Joint| {
         json!({
@@ -37,7 +33,7 @@ pub fn to_json(fleet: &Fleet) -> Value {
             "events": life::events_json(fleet, j, false),
             "quantities": j.lives.iter().map(|of| life::to_json(fleet, j, of)).collect::<Vec<Value>>(),
             "limits": j.limits.iter().map(|of| life::foreseen_json(fleet, j, of)).collect::<Vec<Value>>(),
-            "drifted": j.drifts.iter().map(drift).collect::<Vec<Value>>(),
+            "drifted": j.drifts.iter().map(life::drift_json).collect::<Vec<Value>>(),
             "prediction_rms_change_nm": j.change_nm,
             "incomparable": j.incomparable,
         })

@@ -4,13 +4,14 @@ use super::comparison::cause_json;
 use super::fleet::{Cells, told, when};
 use super::number::{interval, significant};
 use super::wording::Units;
-use crate::batch::{Event, Fleet, Forecast, Foreseen, Happened, Joint, Life, Part, date_of, day};
+use crate::batch::{Drift, Event, Fleet, Forecast, Foreseen, Happened, Joint, Life, Part, date_of, day};
 use serde_json::{Value, json};
 
 pub(super) const LIMITS: &str = "The line through each history continued at its slope of now, with the 95 % interval of when it crosses \
     the limit; refused where the history cannot say.";
 pub(super) const EVENTS: &str = "A level that changed from one campaign to the next, judged by the whole history; a date that is not a \
-    retensioning was found. What changed is told from the last campaign before and the first since.";
+    retensioning was found. What changed is told from the last campaign before and the first since; restored, against the \
+    campaign after the retensioning before, or the first of all.";
 pub(super) const DRIFTS: &str = "Steady change from the named campaign on, jumps and temperature taken out. Scatter: the standard \
     deviation from session to session beyond what the campaigns claim.";
 pub(super) const TEMPERATURE: &str =
@@ -57,11 +58,19 @@ pub(super) fn events_json(fleet: &Fleet, joint: &Joint, retensionings: bool) -> 
     let event = |event: &Event| {
         json!({
             "date": event.retensioned, "before": name(event.rows[0]), "after": name(event.rows[1]), "until": event.until.map(name),
+            "as_after": name(event.reference),
+            "differs": event.differs.iter().map(drift_json).collect::<Vec<Value>>(),
             "changes": event.changes.iter().map(change).collect::<Vec<Value>>(),
             "what_changed": event.changed.causes.iter().map(cause_json).collect::<Vec<Value>>(),
         })
     };
     joint.events.iter().filter(|event| event.retensioned.is_some() == retensionings).map(event).collect()
+}
+
+/// A value that changed.
+pub(super) fn drift_json(d: &Drift) -> Value {
+    json!({ "name": d.name, "unit": d.unit, "before": d.before, "after": d.after,
+            "change": d.after - d.before, "low": d.low, "high": d.high })
 }
 
 /// When a limit of `joint` will be reached.
@@ -114,7 +123,7 @@ fn change(name: &str, unit: &str, of: &Happened) -> String {
 }
 
 /// Retensionings and other changes at one time, for readers.
-pub(super) fn events(fleet: &Fleet) -> Cells<4> {
+pub(super) fn events(fleet: &Fleet) -> Cells<5> {
     let row = |joint: &Joint, event: &Event| {
         let kind = fleet.rows[event.rows[1]].model.as_ref().map(|model| model.joint.kind).unwrap_or_default();
         let span = format!("{} to {}", when(fleet, event.rows[0]), when(fleet, event.rows[1]));
@@ -129,10 +138,21 @@ pub(super) fn events(fleet: &Fleet) -> Cells<4> {
             changes.push(format!("{} more", event.changes.len() - WRITTEN));
         }
         let changes = if changes.is_empty() { "nothing beyond the scatter".to_string() } else { changes.join("; ") };
-        [joint.name.clone(), time, told(&event.changed, &Units::of(kind)), changes]
+        let reference = when(fleet, event.reference);
+        let restored = match &event.differs[..] {
+            _ if event.retensioned.is_none() => String::new(),
+            [] => format!("as on {reference}"),
+            all => {
+                let share = |d: &Drift| format!("{} {:+.1} %", d.name, 100.0 * (d.after / d.before - 1.0));
+                let more = if all.len() > WRITTEN { format!("; {} more", all.len() - WRITTEN) } else { String::new() };
+                let told: Vec<String> = all.iter().take(WRITTEN).map(share).collect();
+                format!("not as on {reference}: {}{more}", told.join("; "))
+            }
+        };
+        [joint.name.clone(), time, told(&event.changed, &Units::of(kind)), changes, restored]
     };
     let rows = fleet.joints.iter().flat_map(|joint| joint.events.iter().map(move |event| row(joint, event)));
-    (["joint", "when", "what changed", "over the whole history"], rows.collect())
+    (["joint", "when", "what changed", "over the whole history", "restored"], rows.collect())
 }
 
 /// Drifts, for readers.

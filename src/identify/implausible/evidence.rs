@@ -1,0 +1,137 @@
+//! What the data say of gravity, friction and zero: one regression over all moving samples, with the legs' own where there are sweeps.
+
+use super::super::legs::{amplitude, fit_legs, load_of_a_nm};
+use super::super::reading::Reading;
+use super::super::sums::LegSums;
+use super::ZERO_MOST_RAD;
+use crate::dynamics::{Dynamics, JointKind};
+use crate::log::{Campaign, Protocol};
+use crate::model::Direction;
+use crate::numerics::linear::solve;
+use crate::numerics::statistics::{extent, mean, root_mean_square};
+use nalgebra::{DMatrix, DVector};
+use std::f64::consts::FRAC_PI_2;
+
+/// Samples used at most.
+const SAMPLES: usize = 6000;
+/// A speed below this share of the trial's fastest is too slow for its sign to count.
+const MOVING: f64 = 0.05;
+/// This share of a trial's range of position at either end is left out.
+const ENDS: f64 = 0.1;
+/// The load must change by this share of itself for gravity to be told from an offset.
+const LOAD_CHANGE: f64 = 0.2;
+
+/// What the data say of gravity, friction and zero.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Evidence {
+    /// Torque that follows the declared load, over what the declared radii make of it: 1 / (1 - mu_c).
+    pub gain: f64,
+    /// Torque that friction takes, half the difference between up and down, N m; negative where it drives.
+    pub friction_nm: f64,
+    /// Angle by which the load leads the declared one, rad.
+    pub zero_rad: f64,
+    /// Root mean square of y, N m.
+    pub torque_nm: f64,
+    /// Whether the load changes enough along the motion for `gain` to mean something.
+    pub has_load: bool,
+}
+
+/// One moving sample: load as seen at the sensor, its derivative, direction, speed, y.
+pub(super) type Row = [f64; 5];
+
+/// What the `readings` of `campaign` say; `None` without motion.
+pub fn evidence(campaign: &Campaign, readings: &[Reading]) -> Option<Evidence> {
+    let rows: Vec<Vec<Row>> = readings.iter().map(|reading| moving(campaign, reading)).collect();
+    Some(by_legs(campaign, fit(&rows.concat())?, &legs_of(readings)))
+}
+
+pub(super) fn legs_of(readings: &[Reading]) -> Vec<LegSums> {
+    readings.iter().flat_map(|reading| &reading.legs).cloned().collect()
+}
+
+/// `found` with the gain of A over the legs of sweeps, where there are any and the zero is not far off.
+pub(super) fn by_legs(campaign: &Campaign, found: Evidence, legs: &[LegSums]) -> Evidence {
+    let scale = campaign.joint.transmission() * load_of_a_nm(campaign);
+    let within_rad = if campaign.joint.kind == JointKind::Revolute { ZERO_MOST_RAD } else { 0.0 };
+    let (_, fits) = fit_legs(legs, within_rad);
+    let both = Direction::BOTH.map(|direction| amplitude(&fits, direction).map(|a| a.a_nm / scale));
+    match both {
+        [Some(up), Some(down)] if found.zero_rad.abs() < ZERO_MOST_RAD && (up + down).is_finite() => {
+            Evidence { gain: (up + down) / 2.0, zero_rad: 0.0, ..found }
+        }
+        _ => found,
+    }
+}
+
+/// The moving samples of `reading`.
+pub(super) fn moving(campaign: &Campaign, reading: &Reading) -> Vec<Row> {
+    if reading.entry.protocol == Protocol::Interaction {
+        return Vec::new();
+    }
+    let series = &reading.prepared.series;
+    let ratio = campaign.joint.transmission();
+    let load_nm = series.joint_torque_nm(&campaign.dynamics);
+    // Turned by a quarter either way it differs by twice its derivative.
+    let turned = |by_rad: f64| Dynamics { position_zero_rad: by_rad, ..campaign.dynamics };
+    let (before_nm, after_nm) =
+        (series.joint_torque_nm(&turned(-FRAC_PI_2)), series.joint_torque_nm(&turned(FRAC_PI_2)));
+    let slope_nm_rad = |i: usize| (after_nm(i) - before_nm(i)) / 2.0;
+    let fastest = series.velocity_rad_s.iter().fold(0.0, |most: f64, v| most.max(v.abs()));
+    let (low, high) = extent(&series.position_rad);
+    let inner = low + ENDS * (high - low)..high - ENDS * (high - low);
+    let is_used = |i: &usize| {
+        let is_moving = series.velocity_rad_s[*i].abs() > MOVING * fastest;
+        is_moving && series.in_range[*i] && inner.contains(&series.position_rad[*i])
+    };
+    let used: Vec<usize> = (0..series.torque_nm.len()).filter(is_used).collect();
+    let step = used.len().div_ceil(SAMPLES).max(1);
+    let row = |i: usize| {
+        let (load, slope) = (ratio * load_nm(i), ratio * slope_nm_rad(i));
+        let velocity_rad_s = series.velocity_rad_s[i];
+        [load, slope, velocity_rad_s.signum(), velocity_rad_s.abs(), series.torque_nm[i]]
+    };
+    used.into_iter().step_by(step).map(row).collect()
+}
+
+/// The regression over `rows`.
+pub(super) fn fit(rows: &[Row]) -> Option<Evidence> {
+    let step = rows.len().div_ceil(SAMPLES).max(1);
+    let rows: Vec<Row> = rows.iter().step_by(step).copied().collect();
+    if rows.len() < 50 || [1.0, -1.0].iter().any(|sign| rows.iter().all(|row| row[2] != *sign)) {
+        return None;
+    }
+    let column = |at: usize| rows.iter().map(|row| row[at]).collect::<Vec<f64>>();
+    let change = |values: &[f64]| {
+        let (low, high) = extent(values);
+        (high - low) / low.abs().max(high.abs()).max(f64::MIN_POSITIVE)
+    };
+    let (load, slope) = (column(0), column(1));
+    let has_load = change(&load) > LOAD_CHANGE;
+    let has_slope = has_load && change(&slope) > LOAD_CHANGE;
+    let speed = column(3);
+    let has_speeds = change(&speed) > LOAD_CHANGE;
+    let mut terms: Vec<Vec<f64>> = vec![column(2), vec![1.0; rows.len()]];
+    let signed = |values: &[f64]| values.iter().zip(&rows).map(|(value, row)| value * row[2]).collect::<Vec<f64>>();
+    let mut put = |is_there: bool, term: Vec<f64>| {
+        is_there.then(|| {
+            terms.push(term);
+            terms.len() - 1
+        })
+    };
+    let by_speed = put(has_speeds, signed(&speed));
+    put(has_speeds, speed.clone());
+    let by_load = put(has_load, signed(&load));
+    let of_load = put(has_load, load.clone());
+    let of_slope = put(has_slope, slope);
+    let design = DMatrix::from_fn(rows.len(), terms.len(), |i, j| terms[j][i]);
+    let y = column(4);
+    let found = solve(&design, &DVector::from_column_slice(&y))?.coefficients;
+    let of = |term: Option<usize>| term.map_or(0.0, |at| found[at]);
+    Some(Evidence {
+        gain: of(of_load),
+        friction_nm: found[0] + of(by_speed) * mean(&speed) + of(by_load) * mean(&load),
+        zero_rad: of(of_slope).atan2(of(of_load)),
+        torque_nm: root_mean_square(&y),
+        has_load,
+    })
+}
