@@ -1,10 +1,11 @@
 #!/usr/bin/env python3
 """What `batch` finds in the lives of simulated joints: false alarms, the delay of detection, coverage of forecasts.
 
-usage: scripts/histories.py [--fleets 60] [--seed 1] [--binary target/release/tautline] [--jobs N] [--need FALSE FOUND LOW HIGH]
+usage: scripts/histories.py [--fleets 60] [--first 0] [--seed 1] [--binary target/release/tautline] [--jobs N] [--need FALSE FOUND LOW HIGH]
 
 A fleet is four joints over two years, a session each month, 30 +- 8 days apart: one to which nothing happens, one that drifts
-(friction, 0.5 to 3 % a month), one with a jump at an unknown time (Coulomb friction of one direction by 8 to 40 %, or A by 3 to 10 %),
+(friction, 0.5 to 3 % a month), one with a jump at an unknown time, eight sessions or more after the first (friction of one direction by 8 to 40 %, or A by 3 to
+10 %),
 one that is retensioned twice (friction by -30 to 40 %, or by nothing). In every second fleet friction follows a recorded
 temperature of the seasons, by 0.2 to 1 % per K. What a session finds is drawn, not recorded: A, B(v) and the parameters scatter by the intervals that
 `identify` gives them for one simulated campaign, and from session to session friction by 0.5 to 2 %, A by 0.1 to 0.4 %. They go
@@ -54,7 +55,7 @@ def life(rng, kind, days, degc, warmth):
         for d in friction:
             friction[d] = [f + told["per_day"] * t for f, t in zip(friction[d], days)]
     elif kind == "jump":
-        told["at"], told["direction"] = rng.randrange(6, SESSIONS - 3), rng.choice(("up", "down"))
+        told["at"], told["direction"] = rng.randrange(8, SESSIONS - 3), rng.choice(("up", "down"))
         of, low, high = rng.choice(((friction, 0.08, 0.4), (friction, 0.08, 0.4), (a, 0.03, 0.1)))
         told["of"], told["by"] = "A" if of is a else "B", rng.choice((-1, 1)) * rng.uniform(low, high)
         series = of[told["direction"]]
@@ -202,6 +203,7 @@ def forecasts(counts, joint, told, days, sessions, level, most, cold):
 def main():
     arguments = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     arguments.add_argument("--fleets", type=int, default=60)
+    arguments.add_argument("--first", type=int, default=0)
     arguments.add_argument("--seed", type=int, default=1)
     arguments.add_argument("--binary", default="target/release/tautline")
     arguments.add_argument("--jobs", type=int, default=os.cpu_count())
@@ -210,8 +212,10 @@ def main():
     a = arguments.parse_args()
     base, counts = reference(a.binary), collections.Counter()
     with concurrent.futures.ThreadPoolExecutor(a.jobs) as pool:
-        for of in pool.map(lambda number: fleet(a, base, number), range(a.fleets)):
+        for of in pool.map(lambda number: fleet(a, base, number), range(a.first, a.fleets)):
             counts.update(of)
+            if a.verbose:
+                print({key: count for key, count in counts.items() if isinstance(key, str)}, file=sys.stderr)
     share = lambda part, whole: counts[part] / counts[whole] if counts[whole] else math.nan
     false, found = share("false", "joints without"), share("in time", "jumps")
     held = share("forecasts held", "forecasts given")

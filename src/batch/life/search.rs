@@ -5,7 +5,7 @@
 //! retensioning is a place that is known, so a jump there needs less evidence than one found anywhere. Parts are taken one at a time, the
 //! clearest first; after each, every one is moved where another place explains more, and dropped where the others made it needless.
 
-use super::regression::{Course, Fit, Part};
+use super::regression::{Course, Fit, Part, SCATTER_KNOWN_FROM};
 
 /// Share of fleets in which nothing happened and anything is found.
 pub(super) const OUTSIDE: f64 = 0.05;
@@ -28,7 +28,7 @@ pub(super) struct Search<'a> {
 impl Search<'_> {
     /// The fit with all the parts that are there, `forced` among them; `None` where the sessions cannot tell those apart.
     pub fn run(&self, forced: &[Part]) -> Option<Fit> {
-        let mut fit = Fit::new(self.course, forced)?;
+        let mut fit = self.settled(self.start(forced)?, forced);
         while fit.parts.len() < PARTS {
             let Some((more, _)) = self.best(&fit).filter(|(_, odds)| *odds < OUTSIDE) else { break };
             fit = self.settled(more, forced);
@@ -36,29 +36,39 @@ impl Search<'_> {
         Some(fit)
     }
 
-    /// `fit` with every part where it explains most, and without those that are needless.
-    fn settled(&self, mut fit: Fit, forced: &[Part]) -> Fit {
+    /// With steady drift and all retensionings, of which the needless will go: drift that each retensioning takes back shows in
+    /// neither alone.
+    fn start(&self, forced: &[Part]) -> Option<Fit> {
+        let known = self.retensioned.iter().map(|at| Part::Jump { at: *at, until: None, retensioned: true });
+        let all: Vec<Part> = forced.iter().copied().chain([Part::Drift { from: 0 }]).chain(known).collect();
+        let spare = self.course.len().saturating_sub(all.len());
+        let fit = (spare >= SCATTER_KNOWN_FROM).then(|| Fit::new(self.course, &all)).flatten();
+        fit.or_else(|| Fit::new(self.course, forced))
+    }
+
+    /// `fit` without the parts that are needless, the least first, and with every other one where it explains most.
+    fn settled(&self, fit: Fit, forced: &[Part]) -> Fit {
+        let mut fit = self.pruned(fit, forced);
         for _ in 0..PARTS {
-            let mut moved = false;
-            for part in fit.parts.clone().into_iter().filter(|part| !forced.contains(part)) {
-                let others: Vec<Part> = fit.parts.iter().copied().filter(|other| *other != part).collect();
-                let odds = self.odds(&fit, part);
-                let Some((other, other_odds)) = Fit::new(self.course, &others).and_then(|fit| self.best(&fit)) else {
-                    continue;
-                };
-                if other_odds < odds && !other.has(part) {
-                    (fit, moved) = (other, true);
-                } else if odds >= OUTSIDE
-                    && let Some(less) = Fit::new(self.course, &others)
-                {
-                    (fit, moved) = (less, true);
-                }
-            }
-            if !moved {
-                break;
-            }
+            let moved = fit.parts.iter().filter(|part| !forced.contains(part)).find_map(|part| {
+                let others = Fit::new(self.course, &without(&fit, *part))?;
+                let (other, odds) = self.best(&others)?;
+                (odds < self.odds(&fit, *part) && other.parts.iter().any(|part| !fit.has(*part))).then_some(other)
+            });
+            let Some(moved) = moved else { break };
+            fit = self.pruned(moved, forced);
         }
         fit
+    }
+
+    fn pruned(&self, mut fit: Fit, forced: &[Part]) -> Fit {
+        loop {
+            let free = fit.parts.iter().copied().filter(|part| !forced.contains(part));
+            let least = free.map(|part| (part, self.odds(&fit, part))).max_by(|a, b| a.1.total_cmp(&b.1));
+            let Some((part, _)) = least.filter(|(_, odds)| *odds >= OUTSIDE) else { return fit };
+            let Some(less) = Fit::new(self.course, &without(&fit, part)) else { return fit };
+            fit = less;
+        }
     }
 
     /// Chance times the number of kinds, places and quantities in which a part like `part` was looked for.
@@ -85,6 +95,11 @@ impl Search<'_> {
         let found = Gains::new(self.course, fit).best(self.retensioned);
         found.into_iter().filter_map(with).min_by(|a, b| a.1.total_cmp(&b.1))
     }
+}
+
+/// The parts of `fit` but for `part`.
+fn without(fit: &Fit, part: Part) -> Vec<Part> {
+    fit.parts.iter().copied().filter(|other| *other != part).collect()
 }
 
 /// What each possible part would take off the squares that a fit leaves, by sums over sessions.
