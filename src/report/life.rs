@@ -140,7 +140,7 @@ pub(super) fn events(fleet: &Fleet) -> Cells<5> {
         let changes = if changes.is_empty() { "nothing beyond the scatter".to_string() } else { changes.join("; ") };
         let reference = when(fleet, event.reference);
         let restored = match &event.differs[..] {
-            _ if event.retensioned.is_none() => String::new(),
+            _ if event.retensioned.is_none() => "–".to_string(),
             [] => format!("as on {reference}"),
             all => {
                 let share = |d: &Drift| format!("{} {:+.1} %", d.name, 100.0 * (d.after / d.before - 1.0));
