@@ -76,7 +76,7 @@ pub(super) fn write_warnings(out: &mut impl Write, warnings: &[String]) -> io::R
 }
 
 pub(super) fn heading(out: &mut impl Write, text: &str) -> io::Result<()> {
-    writeln!(out, "\n{BOLD}{text}{BOLD:#}")
+    writeln!(out, "\n{BOLD}{}{BOLD:#}", wrapped(text, 0))
 }
 
 /// Columns to write in: the terminal's.
