@@ -31,7 +31,7 @@ pub struct Shrink {
     pub high: f64,
 }
 
-/// What the numbers of a fit cost it on units that it never saw: noise moved them.
+/// What the numbers of a fit cost it on held-out units: noise moved them.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Numbers {
     /// How many of them the data decide.

@@ -104,7 +104,7 @@ pub fn floor(records: &Records, residual_nm: &[f64]) -> Floor {
 }
 
 /// The floor under `left_nm`, what the causes that were found leave at all rows: slow noise is in it. Without long repeats nothing
-/// tells that from a cause but that no fit finds it again on units it never saw: `unforeseen_square` is what a flexible one leaves
+/// tells that from a cause but that no fit finds it again on held-out units: `unforeseen_square` is what a flexible one leaves
 /// there, (N m)^2.
 pub fn settled(records: &Records, left_nm: &[f64], unforeseen_square: f64) -> Floor {
     let fast = floor(records, left_nm);

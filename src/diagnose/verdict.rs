@@ -57,7 +57,7 @@ pub struct Verdict {
     pub confidence: f64,
     /// What the model leaves above the floor, N m.
     pub gap_before_nm: f64,
-    /// What is left of it with the causes added, on units that the fit never saw, N m.
+    /// What is left of it with the causes added, on held-out units, N m.
     pub gap_after_nm: f64,
     /// How far it shrinks.
     pub shrink: Shrink,

@@ -4,7 +4,9 @@ use super::{About, ActsOn, Effect, Extent, Family, Hooks, Parameter, Region, Rol
 use crate::numerics::scalar::Scalar;
 
 /// Shares of the reading's range at which it is tried to clip.
-const LEVELS: [f64; 4] = [0.0, 0.05, 0.15, 0.3];
+const LEVELS: [f64; 3] = [0.0, 0.03, 0.08];
+/// Readings pass the end of the range by no more than this share of theirs: what the low-pass overshoots at a corner, and noise.
+const PASSED_MAX: f64 = 0.12;
 
 static ABOUT: About = About {
     id: "saturation",
@@ -43,6 +45,13 @@ impl Effect for Saturation {
 
     fn clips(&self) -> bool {
         true
+    }
+
+    /// A range that readings lie outside of is not the sensor's.
+    fn is_itself(&self, p: &[f64], extent: &Extent) -> bool {
+        let (low, high) = extent.torque_nm;
+        let passed_nm = (p[0] - low).max(high - p[1]);
+        passed_nm <= PASSED_MAX * (high - low)
     }
 }
 

@@ -4,6 +4,8 @@ use crate::numerics::scalar::Scalar;
 
 /// An exponent nearer to 1 than this is taken as 1 to the first order: the error is far below rounding in a log.
 const NEARLY_EXPONENTIAL: f64 = 1e-6;
+/// Friction this near to its branch, as a share of the way between both, has arrived: far below any sensor's resolution.
+const ARRIVED: f64 = 1e-9;
 
 /// Friction as bristles that bend before they slide: dk = sgn(K~ - k) |K~ - k|^exponent |dx| / travel.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -21,7 +23,10 @@ impl<S: Scalar> Presliding<S> {
     pub fn left(&self, left: S, travel_rad: S) -> S {
         let share = travel_rad / self.travel_rad;
         let power = S::from(1.0) - self.exponent;
-        if left.value() <= 0.0 || power.is_zero() {
+        if left.value() < ARRIVED {
+            return S::from(0.0);
+        }
+        if power.is_zero() {
             return left * (-share).exp();
         }
         if power.value().abs() < NEARLY_EXPONENTIAL {
