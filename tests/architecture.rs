@@ -94,7 +94,7 @@ fn what_is_known_of_an_effect_stands_in_its_own_file() {
             &["cli/follow.rs", "report/interaction.rs", "report/plots/interaction.rs", "report/plots/diagnosis"],
         ),
         ("inertia", &["report/plots/evaluation/series.rs", "export/table.rs", "model/groups.rs"]),
-        ("gravity", &["report/plots/evaluation/series.rs", "identify/implausible.rs", "robots/mjcf.rs"]),
+        ("gravity", &["report/plots/evaluation/series.rs", "identify/implausible", "robots/mjcf.rs"]),
         // What a simulator's joint has beside friction is written as the effect that it is.
         ("elastic_spring", &["robots/mod.rs"]),
     ];

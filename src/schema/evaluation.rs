@@ -162,8 +162,10 @@ pub struct Verdict {
     pub kind: String,
     /// The causes.
     pub effects: Vec<String>,
-    /// Share of the bootstrap resamples that agree.
+    /// Probability that it is right: the agreement times the share of blind simulated verdicts of its kind that were right.
     pub confidence: f64,
+    /// Share of the bootstrap resamples that agree.
+    pub agreement: f64,
     /// Gap above the floor as delivered, N m.
     pub gap_before_nm: f64,
     /// The same with the causes added, N m.

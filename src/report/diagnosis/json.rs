@@ -22,6 +22,7 @@ pub fn to_json(found: &Diagnosis, campaign: &str, model: &str) -> Value {
             "kind": verdict.kind.name(),
             "effects": names(&verdict.effects),
             "confidence": verdict.confidence,
+            "agreement": verdict.agreement,
             "gap_before_nm": verdict.gap_before_nm,
             "gap_after_nm": verdict.gap_after_nm,
         },

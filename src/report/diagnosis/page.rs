@@ -75,6 +75,6 @@ fn cards(found: &Diagnosis) -> Vec<Card> {
         all.push(Card { name, value, note });
     }
     all.push(card("floor", units.torque(gap.floor.rms_nm), source.to_string()));
-    all.push(card("verdict", percent(verdict.confidence), "of the bootstrap resamples agree".to_string()));
+    all.push(card("verdict", percent(verdict.confidence), "probability that it is right".to_string()));
     all
 }

@@ -59,12 +59,7 @@ fn gap(out: &mut impl Write, found: &Diagnosis) -> io::Result<()> {
         row("recoverable", gap.recoverable_nm, most)?;
     }
     row("floor", gap.floor.rms_nm, floor_source(gap.floor.source).to_string())?;
-    writeln!(
-        out,
-        "  {:<24} {:>12}  {DIM}of the bootstrap resamples agree{DIM:#}",
-        "verdict",
-        percent(verdict.confidence)
-    )
+    writeln!(out, "  {:<24} {:>12}  {DIM}probability that it is right{DIM:#}", "verdict", percent(verdict.confidence))
 }
 
 /// The gap in motion, where a simulator's log was compared.

@@ -67,8 +67,12 @@ pub fn grounds(found: &Diagnosis) -> Vec<String> {
     if found.verdict.kind != Kind::None {
         all.extend(found.places.first().map(|_| format!("The gap lies {}.", location(found))));
     }
-    let sure = percent(found.verdict.confidence);
-    all.push(format!("{sure} of the bootstrap resamples of whole {} give the same verdict.", found.held_out));
+    let (sure, agree) = (percent(found.verdict.confidence), percent(found.verdict.agreement));
+    all.push(format!(
+        "The verdict is right with a probability of {sure}: {agree} of the bootstrap resamples of whole {} give the same one, and \
+         that share is weighted by how often verdicts of its kind were right on simulated joints with withheld answers.",
+        found.held_out
+    ));
     all.iter().map(|sentence| kept_together(sentence)).collect()
 }
 
