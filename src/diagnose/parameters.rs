@@ -80,7 +80,7 @@ pub fn of_cause(resamples: &Resamples, fit: &Fit<'_>, (cause, how): (Cause, &str
 /// Viscous friction below zero would help the motion. A positive range is compared in its logarithm, for it spans decades.
 fn doubt(parameter: ParameterRef, model: &Model, most: f64) -> Option<&'static str> {
     if matches!(parameter, ParameterRef::Friction(_, Term::Viscous)) && parameter.value(model) < 0.0 {
-        return Some("below zero: it makes up for something else");
+        return Some("below zero: it compensates for an unmodelled effect");
     }
     let (low, high) = parameter.bounds(model);
     let high = high.min(most);

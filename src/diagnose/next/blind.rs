@@ -169,7 +169,7 @@ impl Sight<'_> {
             return None;
         }
         self.spot(
-            format!("{whole_s:.0} s in all: what takes minutes cannot be shown"),
+            format!("only {whole_s:.0} s of data: slow effects (drift, warm-up) cannot be detected"),
             needing(Excitation::Time),
             "long_dwells",
             "Record for some minutes",
