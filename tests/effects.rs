@@ -280,7 +280,7 @@ fn numbers_that_contradict_the_name_are_told() {
         speed_rad_s: (0.02, 2.0),
         trial_s: 20.0,
         campaign_s: 40.0,
-        torque_nm: (-0.5, 1.5),
+        torque_nm: (-0.1, 1.0),
         others: 1,
         gravity_nm: 1.0,
         has_inertia: false,
@@ -297,6 +297,7 @@ fn numbers_that_contradict_the_name_are_told() {
         assert!(added.effect.is_itself(&added.parameters, &extent), "{}", added.id());
     }
     for text in [
+        "saturation:low_nm=-0.05,high_nm=0.5",
         "end_stop:side=1,stiffness_nm=-4,position_rad=0.9,exponent=1.5",
         "end_stop:side=1,stiffness_nm=4,position_rad=0.9,exponent=1.5,loss_nm=5",
         "elastic_spring:stiffness_nm_rad=0.3,stiffens=1,cubic_nm_rad3=-0.2",
