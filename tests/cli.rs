@@ -77,7 +77,7 @@ fn the_same_campaign_gives_the_same_bytes() {
         std::fs::create_dir(out.path().join(name)).unwrap();
         let done = Command::new(env!("CARGO_BIN_EXE_tautline"))
             .args(["identify", &campaign.path().to_string_lossy(), "-o", "r", "--quiet"])
-            .current_dir(&out.path().join(name))
+            .current_dir(out.path().join(name))
             // The page tells when it was made.
             .env("SOURCE_DATE_EPOCH", "0")
             .env("RAYON_NUM_THREADS", threads)

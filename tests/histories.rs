@@ -116,7 +116,7 @@ fn a_retensioning_that_restores_the_joint_says_so() {
 
 #[test]
 fn what_follows_the_temperature_is_no_drift() {
-    let degc = |i: usize| 20.0 + 6.0 * (i as f64 / 15.0) + f64::from(u8::from(i % 3 == 0)) * 3.0;
+    let degc = |i: usize| 20.0 + 6.0 * (i as f64 / 15.0) + f64::from(u8::from(i.is_multiple_of(3))) * 3.0;
     let sessions = every_month(16, |i| 1.0 - 0.02 * (degc(i) - 20.0));
     let without = happened(&history(&sessions, ""), "B(0.089");
     assert!(without.iter().any(|of| of["kind"] == "drift"), "{without:?}");

@@ -99,7 +99,7 @@ pub(super) fn differences(lives: &[Life], from: usize, to: usize, compared: usiz
     let one = |life: &Life| {
         // Not every session shows every parameter.
         let shown = || life.sessions.iter().copied().filter(|session| (from..=to).contains(session));
-        let found = life.between(shown().next()?, shown().last()?)?;
+        let found = life.between(shown().next()?, shown().next_back()?)?;
         let (change, reach) = (found.after - found.before, wider * found.half_width);
         let (low, high) = (change - reach, change + reach);
         let drift =

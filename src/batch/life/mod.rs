@@ -42,7 +42,7 @@ pub(super) struct Sessions {
 /// What happened to one quantity.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Life {
-    /// Its name, as of [`Quantity`].
+    /// Its name, as `batch` names quantities.
     pub name: String,
     /// Its unit.
     pub unit: &'static str,

@@ -120,7 +120,9 @@ impl Fit {
         let length = DVector::from_fn(parts.len() + 1, |j, _| design.column(j).norm());
         let scaled = DMatrix::from_fn(n, parts.len() + 1, |i, j| design[(i, j)] / length[j]);
         let gram = scaled.tr_mul(&scaled);
-        if !(gram.clone().symmetric_eigenvalues().min() > APART) {
+        // An eigenvalue that is not a number is no independence either.
+        let least = gram.clone().symmetric_eigenvalues().min();
+        if least.is_nan() || least <= APART {
             return None;
         }
         let inverse = gram.try_inverse()?;

@@ -107,9 +107,7 @@ impl Canvas<'_> {
         let style = rgba(stroke.color, 1.0).stroke_width(fine(stroke.width_px) as u32);
         match stroke.dash_px {
             None => self.root.draw(&PathElement::new(points, style)),
-            Some((dash, gap)) => {
-                self.root.draw(&DashedPathElement::new(points.into_iter(), fine(dash), fine(gap), style))
-            }
+            Some((dash, gap)) => self.root.draw(&DashedPathElement::new(points, fine(dash), fine(gap), style)),
         }
     }
 

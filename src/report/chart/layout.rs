@@ -63,8 +63,11 @@ pub fn sheet(figure: &Figure) -> Sheet<'_> {
     Sheet { height_px: top + 8.0, legend, panels }
 }
 
+/// Where an entry of the legend begins, px, and what it names.
+type Entry<'s> = ((f64, f64), &'s Series);
+
 /// Entries side by side, going on in a line below where they would run over the edge; and where they end.
-fn legend(entries: Vec<&Series>) -> (Vec<((f64, f64), &Series)>, f64) {
+fn legend(entries: Vec<&Series>) -> (Vec<Entry<'_>>, f64) {
     let (mut x, mut y) = (24.0, 16.0);
     let mut placed = Vec::new();
     for entry in entries {

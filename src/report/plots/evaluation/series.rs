@@ -42,9 +42,12 @@ fn torque(shown: &Shown) -> Panel {
     panel
 }
 
+/// Name, values, colour and dashes of a line.
+type Line<'s> = (&'s str, &'s [f64], Color, Option<(f64, f64)>);
+
 fn parts(shown: &Shown) -> Panel {
     let view = &shown.trial.view;
-    let all: [(&str, &[f64], Color, Option<(f64, f64)>); 5] = [
+    let all: [Line<'_>; 5] = [
         ("friction", &view.friction_nm, palette::GREEN, None),
         ("gravity", &view.gravity_nm, palette::BLUE, None),
         ("inertia", &view.inertia_nm, palette::ORANGE, Some((6.0, 2.0))),
