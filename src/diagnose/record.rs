@@ -17,8 +17,6 @@ use std::ops::Range;
 const SAMPLES_PER_PERIOD: f64 = 10.0;
 /// Rows compared per period of the low-pass, beyond which hardly anything passes.
 const ROWS_PER_PERIOD: f64 = 4.0;
-/// Places between two thinned samples at which K~ is followed, where the log has so many.
-const STEPS_PER_SAMPLE: usize = 2;
 /// A joint that stays within this travel for [`REST_S`] to either side rests, rad: far below any sweep, above an encoder's noise.
 const REST_RAD: f64 = 2e-4;
 /// See [`REST_RAD`], s.
@@ -286,7 +284,7 @@ impl Record {
         Asked { torque_nm: gravity_nm + beside_nm + self.load_nm[i], slope_nm_rad }
     }
 
-    /// K~ followed at [`STEPS_PER_SAMPLE`] places or the log's full rate and averaged over what each thinned sample stands for: a reversal between two of
+    /// K~ followed at the log's full rate and averaged over what each thinned sample stands for: a reversal between two of
     /// them then comes at its own time.
     fn passage(&self, model: &Model) -> Vec<f64> {
         let backlash_rad = model.backlash_m() / model.joint.pulley_radius_m;
@@ -295,8 +293,7 @@ impl Record {
         let mut state = Passage::after(model, direction, start_rad, self.deadband_rad);
         let (mut sums, mut weights) = (vec![0.0; self.own.len()], vec![0.0_f64; self.own.len()]);
         let last = self.own.len() - 1;
-        let stride = (self.step / STEPS_PER_SAMPLE).max(1);
-        for (i, (x, moving)) in self.followed_rad.iter().zip(&self.moving).enumerate().step_by(stride) {
+        for (i, (x, moving)) in self.followed_rad.iter().zip(&self.moving).enumerate() {
             let k_tilde = state.step(*x, f64::from(*moving));
             // What lies midway between two thinned samples belongs to both: the average would else come half a sample early.
             for at in [(i + (self.step - 1) / 2) / self.step, (i + self.step / 2) / self.step] {
