@@ -129,6 +129,14 @@ def calibration(rows):
     }
 
 
+def by_verdict(rows):
+    """What was said: how often, and how often rightly. `diagnose` weights its confidence by such counts."""
+    said = collections.defaultdict(list)
+    for r in rows:
+        said[r["verdict"]].append(r["right"])
+    return {verdict: {"cases": len(g), "right": sum(g)} for verdict, g in sorted(said.items())}
+
+
 def by_strength(rows):
     """Share of right verdicts by net strength, for each kind that has one."""
     table = {}
@@ -192,6 +200,7 @@ def summary(rows):
         "triples_missing": several_named(kinds["triple"]),
         "by_strength": by_strength(rows),
         "calibration": calibration(rows),
+        "by_verdict": by_verdict(rows),
         "stale_named": share([{"right": set(r["effects"]) <= set(r["named"])} for r in kinds["stale"]]),
         "where_first": share(rows, "where_right"),
         "shrink": {
@@ -262,6 +271,8 @@ def table(s):
         f"{p['from']:.2f} to {p['to']:.2f}      {p['verdicts']:9}       {p['said']:.3f}     {percent(p['right'])}  {'#' * round(20 * p['right'])}"
         for p in c["points"]
     ]
+    lines += ["", "verdict said             right of verdicts"]
+    lines += [f"{verdict:24} {v['right']:5} of {v['cases']:3}" for verdict, v in s["by_verdict"].items()]
     lines += ["", "floors net   " + "".join(f"{low:>9g} up" for low in STRENGTHS[:-1]) + "   (right of cases)"]
     lines += [
         f"{kind:10}   " + "".join(f"{round((b['right'] or 0) * b['cases'])} of {b['cases']}".rjust(12) if b["cases"] else "-".rjust(12) for b in bins)
