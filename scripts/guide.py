@@ -5,7 +5,7 @@ usage: scripts/guide.py [--binary target/release/tautline] [--list]
 
 Commands stand in ```sh blocks of the guide and in indented blocks of the README. Names that a reader would fill in (my-campaign,
 before, fleet, ...) are made first, small. Left out, and listed: what needs a bus, a cluster, a recorder or a diagnosis that
-proposes a motion, and cargo and pip.
+proposes a motion, and cargo and pip; what plays MuJoCo where it is not installed.
 An output folder that an earlier command wrote is set aside first. Exit status 1 if a command fails. (Standard library only.)
 """
 import argparse
@@ -17,8 +17,12 @@ import sys
 import tempfile
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
-PAGES = ("identify", "campaign", "evaluate", "diagnose", "gallery", "changes", "simulate", "capture", "model", "measured", "security")
+PAGES = ("identify", "campaign", "evaluate", "diagnose", "gallery", "changes", "simulate", "simulators", "capture", "model", "measured", "security")
 NEED_MORE = ("cargo ", "pip ", "sbatch ", "recorder ", "tautline rig ", "--rig rig.toml", "tautline import", "tautline excite next", "tautline completions", "tautline man")
+try:
+    import mujoco  # noqa: F401
+except ImportError:
+    NEED_MORE += ("record.py", "diagnose real", "diagnose again", "gap/model.json")
 SMALL = "--rate-hz 50 --speeds 6 --slowest-rad-s 0.05 --repeats 1 --cosines 1 --quiet"
 
 
@@ -64,7 +68,7 @@ def main():
         shutil.copytree(ROOT / "data", "data")
         pathlib.Path("bin").mkdir()
         os.symlink(binary, "bin/tautline")
-        environment = {**os.environ, "PATH": f"{scratch}/bin:{os.environ['PATH']}"}
+        environment = {**os.environ, "PATH": f"{scratch}/bin:{os.environ['PATH']}", "PYTHONPATH": str(ROOT / "src/python"), "TAUTLINE": str(binary)}
         run = lambda command: subprocess.run(["bash", "-c", command], env=environment, capture_output=True, text=True)
         fixtures(lambda command: run(command).check_returncode())
         failed, left_out = 0, []

@@ -20,6 +20,7 @@ pub fn plan() -> Plan {
         other_joints: 0,
         tracking_error_rad: 0.0,
         controller: None,
+        position_alone: false,
         arm: None,
         rate_hz: 200.0,
         sensors: Sensors { torque_noise_nm: 0.0, encoder_counts: 0.0 },

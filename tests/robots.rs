@@ -62,3 +62,22 @@ fn a_urdf_joint_becomes_a_model_and_a_missing_one_is_told() {
     assert_eq!(done.status.code(), Some(2));
     assert!(!Path::new("never.json").exists());
 }
+
+#[test]
+fn files_that_are_included_are_read() {
+    let folder = TempDir::new().unwrap();
+    let (start, rest) = MUJOCO.split_at(MUJOCO.find("  <default>").unwrap());
+    let (defaults, rest) = rest.split_at(rest.find("  <worldbody>").unwrap());
+    std::fs::write(folder.path().join("arm.xml"), format!("{start}<include file=\"joints.xml\"/>{rest}")).unwrap();
+    std::fs::write(folder.path().join("joints.xml"), format!("<mujocoinclude>{defaults}</mujocoinclude>")).unwrap();
+    let robot = folder.path().join("arm.xml");
+    let found = tautline::robots::read(&robot, "shoulder").unwrap();
+    assert_eq!(found, {
+        std::fs::write(&robot, MUJOCO).unwrap();
+        tautline::robots::read(&robot, "shoulder").unwrap()
+    });
+    assert_eq!((found.friction_nm, found.damping_nm_s_rad), (0.12, 0.05));
+    std::fs::write(&robot, "<mujoco><include file=\"arm.xml\"/></mujoco>").unwrap();
+    let endless = tautline::robots::read(&robot, "shoulder").unwrap_err();
+    assert!(endless.to_string().contains("no end"), "{endless}");
+}

@@ -179,3 +179,24 @@ fn one_fault_in_many_logs_names_them_all() {
     assert_eq!(errors.lines().count(), 1, "{errors}");
     assert!(errors.contains("(the same: sweep_0.1149_1.csv row 1, sweep_0.4000_1.csv row 1)"), "{errors}");
 }
+
+#[test]
+fn a_folder_shows_each_trial_as_it_was_understood() {
+    let folder = crate::campaigns::record(&crate::campaigns::truth(), &crate::campaigns::plan());
+    let out = folder.path().join("looked-at");
+    let done = crate::cli::tautline(&["validate", folder.path().to_str().unwrap(), "-o", out.to_str().unwrap()]);
+    assert!(done.status.success(), "{done:?}");
+    let text = String::from_utf8(done.stdout).unwrap();
+    assert!(text.contains("sweeps at 8 speeds") && text.contains("found within"), "{text}");
+    for file in ["report.html", "validation.json", "plots/speeds.svg", "plots/trial_0.svg"] {
+        assert!(out.join(file).is_file(), "{file}");
+    }
+    let found: serde_json::Value =
+        serde_json::from_slice(&std::fs::read(out.join("validation.json")).unwrap()).unwrap();
+    let speeds = found["understood"]["speeds"].as_array().unwrap();
+    assert_eq!(speeds.len(), 8);
+    for speed in speeds {
+        let declared = speed["declared_rad_s"].as_f64().unwrap();
+        assert!((speed["found_rad_s"][0].as_f64().unwrap() / declared - 1.0).abs() < 0.01, "{speed}");
+    }
+}

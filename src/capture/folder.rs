@@ -235,7 +235,7 @@ fn campaign(path: &Path, rig: &Rig, trials: Vec<TrialEntry>) -> Campaign {
             position: column("position_rad", angle),
             torque: column("torque_nm", torque),
             rate_hz: None,
-            from_current: None,
+            torque_from: None,
             command: None,
             velocity: None,
             current: None,

@@ -162,6 +162,7 @@ impl List<'_> {
             repeat,
             trajectory: motion.name_in_a_campaign(),
             capture: None,
+            controller: None,
         };
         self.trials.push(PlannedTrial { entry, trajectory: motion.clone() });
     }

@@ -150,7 +150,7 @@ fn friction(common: &Common, trials: &Path, form: Form, talk: &Talk) -> Result<(
         output,
         || json,
         |out| {
-            terminal::sweeps(out, &fits, &Units::of(model.joint.kind))?;
+            terminal::sweeps(out, &fits, &Units::of(&model.joint))?;
             terminal::parameter_table(out, &model)?;
             list(out, &warnings)
         },
@@ -194,7 +194,7 @@ fn combination(common: &Common, file: &Path, curve: &CurveArguments, talk: &Talk
         output,
         || json,
         |out| {
-            terminal::curves(out, &fit, &Units::of(model.joint.kind))?;
+            terminal::curves(out, &fit, &Units::of(&model.joint))?;
             terminal::combination_table(out, &model)?;
             list(out, &warnings)
         },

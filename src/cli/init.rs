@@ -76,6 +76,15 @@ pub struct Arguments {
     /// Torque of the motor per ampere, where current was recorded
     #[arg(long, value_name = "NM_A")]
     torque_constant_nm_a: Option<f64>,
+    /// Stiffness of the position controller at the joint, where neither torque nor current was recorded
+    #[arg(long, value_name = "NM_RAD")]
+    stiffness_nm_rad: Option<f64>,
+    /// Its damping of the velocity
+    #[arg(long, value_name = "NM_S_RAD", requires = "stiffness_nm_rad")]
+    damping_nm_s_rad: Option<f64>,
+    /// The most torque that it gives
+    #[arg(long, value_name = "NM", requires = "stiffness_nm_rad")]
+    torque_limit_nm: Option<f64>,
     /// Sample rate, where no column holds time
     #[arg(long, value_name = "HZ")]
     rate_hz: Option<f64>,
@@ -265,6 +274,9 @@ fn answers(arguments: &Arguments, survey: &Survey) -> Result<Answers> {
         ("joint.lead_m", metres(arguments.lead_mm)),
         ("joint.backlash_m", metres(arguments.backlash_mm)),
         ("joint.torque_constant_nm_a", number(arguments.torque_constant_nm_a)),
+        ("controller.stiffness_nm_rad", number(arguments.stiffness_nm_rad)),
+        ("controller.damping_nm_s_rad", number(arguments.damping_nm_s_rad)),
+        ("controller.torque_limit_nm", number(arguments.torque_limit_nm)),
         ("dynamics.gravity_nm", number(arguments.gravity_nm)),
         ("dynamics.inertia_kg_m2", number(arguments.inertia_kg_m2)),
         ("signal.torque_sign", sign),

@@ -1,13 +1,13 @@
 //! `tautline validate`.
 
+use super::interrupt;
 use super::outcome::{BAD_INPUT, Talk, complain};
 use super::progress;
-use crate::dynamics::JointKind;
-use crate::identify::{self, Doubt, Reading, check, examine_trials, implausible};
-use crate::log::{Campaign, FromCurrent, Survey};
-use crate::numerics::statistics::extent;
+use crate::identify::{Doubt, Reading, Understood, check, examine_trials, implausible};
+use crate::log::{Campaign, Survey};
 use crate::prepare::left_out;
 use crate::problem::{Problem, Problems, Result, Severity};
+use crate::report::validation;
 use rayon::prelude::*;
 use serde_json::{Value, json};
 use std::io::Write;
@@ -16,7 +16,7 @@ use std::process::ExitCode;
 
 #[derive(Debug, clap::Args)]
 #[command(
-    after_help = "Example:\n  tautline validate my-campaign\n\nExit status: 0 usable (perhaps with warnings), 2 not."
+    after_help = "Example:\n  tautline validate my-campaign\n  tautline validate my-campaign -o looked-at\n\nExit status: 0 usable (perhaps with warnings), 2 not."
 )]
 pub struct Arguments {
     /// Folder with a campaign.toml and its logs
@@ -24,6 +24,15 @@ pub struct Arguments {
     /// Make errors of doubts: declared scale, sign, zero, radii or gravity that the data contradict
     #[arg(long)]
     strict: bool,
+    /// Folder to write: report.html and plots with each trial as it was understood, validation.json
+    #[arg(short, long)]
+    output: Option<PathBuf>,
+    /// Replace an existing output folder
+    #[arg(long, requires = "output")]
+    force: bool,
+    /// Write the figures as PNG too
+    #[arg(long, requires = "output")]
+    png: bool,
 }
 
 /// What was found.
@@ -50,13 +59,20 @@ pub fn run(arguments: &Arguments, talk: &Talk) -> Result<ExitCode> {
     let doubts: Vec<Value> = doubts.iter().map(doubt_json).collect();
     let json = json!({
         "campaign": arguments.campaign, "trials": trials, "errors": errors, "problems": rows, "doubts": doubts,
-        "understood": understood.as_ref().map(Understood::to_json),
+        "understood": understood.as_ref().map(validation::to_json),
     });
+    let mut output = None;
+    if let (Some(folder), Some(understood)) = (&arguments.output, &understood) {
+        let made = interrupt::output(folder, arguments.force, "validate")?;
+        validation::write(understood, &json, &problems, &made, arguments.png)?;
+        output = Some(made);
+    }
     complain(&Problems(problems));
-    talk.result(
+    talk.finish(
+        output,
         || json,
         |out| {
-            understood.iter().try_for_each(|understood| understood.write(out))?;
+            understood.iter().try_for_each(|understood| validation::write_summary(out, understood))?;
             out.write_all(text.as_bytes())
         },
     )?;
@@ -101,103 +117,6 @@ fn told(doubt: &Doubt, campaign: &Campaign, strict: bool) -> Problem {
 fn doubt_json(doubt: &Doubt) -> Value {
     let causes: Vec<&str> = doubt.causes.iter().map(|cause| cause.name()).collect();
     json!({ "causes": causes, "what": doubt.what, "cure": doubt.cure })
-}
-
-/// What was understood of the recordings, in plain units.
-struct Understood {
-    trials: usize,
-    rows: usize,
-    duration_s: f64,
-    rate_hz: (f64, f64),
-    position: (f64, f64),
-    torque_nm: (f64, f64),
-    speed: (f64, f64),
-    evidence: Option<identify::Evidence>,
-    ratio: f64,
-    is_angle: bool,
-    from_current: Option<FromCurrent>,
-}
-
-impl Understood {
-    fn of(campaign: &Campaign, readings: &[Reading]) -> Option<Self> {
-        let each = |of: &dyn Fn(&Reading) -> (f64, f64)| {
-            let all: Vec<(f64, f64)> = readings.iter().map(of).collect();
-            let low = all.iter().map(|pair| pair.0).fold(f64::INFINITY, f64::min);
-            (low, all.iter().map(|pair| pair.1).fold(f64::NEG_INFINITY, f64::max))
-        };
-        let span_s = |reading: &Reading| {
-            let time = &reading.prepared.series.time_s;
-            time.last().zip(time.first()).map_or(0.0, |(last, first)| last - first)
-        };
-        let is_angle = campaign.joint.kind == JointKind::Revolute;
-        let scale = if is_angle { 1f64.to_degrees() } else { 1e3 };
-        let in_plain = |pair: (f64, f64)| (scale * pair.0, scale * pair.1);
-        (!readings.is_empty()).then(|| Self {
-            trials: readings.len(),
-            rows: readings.iter().map(|reading| reading.rows).sum(),
-            duration_s: readings.iter().map(span_s).sum(),
-            rate_hz: each(&|reading| {
-                let rate = (reading.rows as f64 - 1.0) / span_s(reading).max(f64::MIN_POSITIVE);
-                (rate, rate)
-            }),
-            position: in_plain(each(&|reading| extent(&reading.prepared.series.position_rad))),
-            torque_nm: each(&|reading| extent(&reading.prepared.series.torque_nm)),
-            speed: in_plain(each(&|reading| extent(&reading.prepared.series.velocity_rad_s))),
-            evidence: identify::evidence(campaign, readings),
-            ratio: campaign.joint.transmission(),
-            is_angle,
-            from_current: campaign.columns.from_current,
-        })
-    }
-
-    fn to_json(&self) -> Value {
-        let (position, speed) =
-            if self.is_angle { ("position_deg", "speed_deg_s") } else { ("position_mm", "speed_mm_s") };
-        let mut told = json!({
-            "trials": self.trials, "rows": self.rows, "duration_s": self.duration_s,
-            "rate_hz": [self.rate_hz.0, self.rate_hz.1], "torque_nm": [self.torque_nm.0, self.torque_nm.1],
-            "r1_over_r2": self.ratio,
-        });
-        (told[position], told[speed]) =
-            (json!([self.position.0, self.position.1]), json!([self.speed.0, self.speed.1]));
-        if let Some(of) = &self.evidence {
-            told["friction_nm"] = json!(of.friction_nm);
-            told["gravity_gain"] = if of.has_load { json!(of.gain) } else { Value::Null };
-        }
-        told
-    }
-
-    fn write(&self, out: &mut Vec<u8>) -> std::io::Result<()> {
-        let (angle, speed) = if self.is_angle { ("deg", "deg/s") } else { ("mm", "mm/s") };
-        let minutes = self.duration_s / 60.0;
-        writeln!(
-            out,
-            "understood: {} trials, {} rows, {minutes:.1} min at {:.4} to {:.4} Hz",
-            self.trials, self.rows, self.rate_hz.0, self.rate_hz.1
-        )?;
-        writeln!(
-            out,
-            "  position {:.2} to {:.2} {angle}, speed {:.2} to {:.2} {speed}",
-            self.position.0, self.position.1, self.speed.0, self.speed.1
-        )?;
-        let torque = match self.from_current {
-            Some(FromCurrent { torque_constant_nm_a: None, .. }) => "torque (in A: no torque constant)",
-            Some(_) => "torque from current",
-            None => "torque",
-        };
-        let unit = if self.is_angle { "N m" } else { "N" };
-        writeln!(
-            out,
-            "  {torque} {:.4} to {:.4} {unit}, with torque_sign applied and low-passed; r1/r2 = {:.4}",
-            self.torque_nm.0, self.torque_nm.1, self.ratio
-        )?;
-        let Some(of) = &self.evidence else { return Ok(()) };
-        write!(out, "  friction takes about {:.4} {unit}", of.friction_nm)?;
-        match of.has_load {
-            true => writeln!(out, "; the torque follows {:.3} times the declared load (1 to 2 are usual)", of.gain),
-            false => writeln!(out),
-        }
-    }
 }
 
 fn problem_json(problem: &Problem) -> Value {

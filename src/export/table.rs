@@ -28,15 +28,15 @@ fn rows(model: &Model) -> Vec<Row> {
         value,
         confidence: model.confidence.get(name).copied(),
     };
-    let units = Units::of(model.joint.kind);
+    let units = Units::of(&model.joint);
     let joint = &model.joint;
     let mut rows = vec![
         of("joint.winch_radius_m", "radius of the winch, r1", "m", joint.winch_radius_m),
         of("joint.pulley_radius_m", "radius of the pulley, r2", "m", joint.pulley_radius_m),
     ];
     if model.chain.is_none() {
-        let inertia_unit = if units.torque == "N" { "kg" } else { "kg m^2" };
-        rows.push(of("dynamics.gravity_nm", "gravity torque at 90 deg", units.torque, model.dynamics.gravity_nm));
+        let inertia_unit = if units.load == "N" { "kg" } else { "kg m^2" };
+        rows.push(of("dynamics.gravity_nm", "gravity torque at 90 deg", units.load, model.dynamics.gravity_nm));
         rows.push(of("dynamics.inertia_kg_m2", "inertia", inertia_unit, model.dynamics.inertia_kg_m2));
     }
     rows.extend(parameters(model).into_iter().filter(|p| !p.left_out).map(|p| Row {

@@ -30,6 +30,10 @@ pub mod model {}
 pub mod security {}
 #[doc = include_str!("simulate.md")]
 pub mod simulate {}
+#[doc = include_str!("simulators.md")]
+pub mod simulators {}
+#[doc = include_str!("start.md")]
+pub mod start {}
 #[doc = include_str!("theory.md")]
 pub mod theory {}
 
@@ -54,7 +58,8 @@ macro_rules! page {
 /// All pages, in the order in which they are read.
 pub const PAGES: &[Page] = &[
     page!("theory", "winch, cables, clearance and joint: what the sensor reads, and the paper"),
-    page!("logs", "from a lab's own files to a first model: init, units, current, gears, doubts"),
+    page!("start", "ten minutes: a lab's logs, their campaign, a model, a verdict, as a terminal shows it"),
+    page!("logs", "from a lab's own files to a first model: init, units, current, position alone, gears, doubts"),
     page!("identify", "identify a joint from sweeps or free motion; statuses, options, how it works"),
     page!("campaign", "campaign.toml, units, signal checks, import of other formats"),
     page!("evaluate", "other motions, interaction torque, a whole arm"),
@@ -62,6 +67,7 @@ pub const PAGES: &[Page] = &[
     page!("gallery", "what the first figure of a diagnosis looks like, by verdict"),
     page!("changes", "compare two models, repeatability, regression gate, fleets"),
     page!("simulate", "excitation trajectories and simulated campaigns"),
+    page!("simulators", "a MuJoCo joint improved from recordings: model, record, diagnose, export"),
     page!("capture", "record a joint over EtherCAT: rigs, plans, safety"),
     page!("model", "the formula, model.json, export to controllers and simulators"),
     page!("files", "reference: every key of campaign.toml, model.json and the other files"),

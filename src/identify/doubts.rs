@@ -56,7 +56,7 @@ fn outside_physics(model: &Model, sweeps: bool) -> Vec<String> {
                 "d = {:.3} {} moving {moving} is viscous friction that drives the motion: it compensates for an unmodelled effect; do \
                  not use it beyond the recorded speeds",
                 branch.d,
-                Term::Viscous.unit(model.joint.kind)
+                Term::Viscous.unit_on(model.joint.kind, model.joint.drive)
             ));
         }
     }

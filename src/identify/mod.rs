@@ -26,6 +26,7 @@ pub mod stribeck;
 pub mod strokes;
 pub mod sums;
 mod support;
+mod understood;
 pub mod whole;
 mod windows;
 pub mod zero;
@@ -43,6 +44,7 @@ pub use refine::Refinement;
 pub use residuals::Residual;
 pub use rests_on::RestsOn;
 pub use sums::LegSums;
+pub use understood::{Understood, UnderstoodTrial};
 pub use windows::Crossing;
 pub use zero::Zero;
 

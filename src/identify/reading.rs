@@ -6,6 +6,7 @@ use super::sums::{LegSums, columns};
 use crate::dynamics::JointKind;
 use crate::log::{self, Campaign, Consequence, Fingerprint, TrialEntry, copies};
 use crate::model::Direction;
+use crate::numerics::statistics::root_mean_square;
 use crate::prepare::{Series, Trial, prepare};
 use crate::problem::{Problem, Problems, Result, Severity};
 use rayon::prelude::*;
@@ -30,6 +31,8 @@ pub struct Reading {
     pub fingerprint: Fingerprint,
     /// Whether a finding in its signals takes the word `pinned` from what is identified.
     pub demotes: bool,
+    /// Root mean square of what the low-pass takes from the torque, N m.
+    pub noise_nm: f64,
     /// What to know of it.
     pub warnings: Vec<Problem>,
     /// The trial to look at, if it is this one.
@@ -124,6 +127,7 @@ fn reading(campaign: &Campaign, mut trial: Trial, show: bool) -> Reading {
     let series = Series::new(&trial, campaign.signal.lowpass_hz, kind, &campaign.dynamics);
     Reading {
         trace: show.then(|| trace(&trial, &legs, gravity_nm, kind)),
+        noise_nm: noise_nm(&trial),
         prepared: Prepared::new(series, campaign.signal.lowpass_order, campaign.signal.lowpass_hz),
         rows: trial.log.time_s.len(),
         times: leg_times(&trial, gravity_nm, kind),
@@ -133,6 +137,12 @@ fn reading(campaign: &Campaign, mut trial: Trial, show: bool) -> Reading {
         entry: trial.entry,
         legs,
     }
+}
+
+/// Root mean square of what the low-pass takes from the torque, N m.
+fn noise_nm(trial: &Trial) -> f64 {
+    let taken = trial.log.torque_nm.iter().zip(&trial.torque_nm).map(|(raw, passed)| raw - passed);
+    root_mean_square(&taken.collect::<Vec<f64>>())
 }
 
 fn trace(trial: &Trial, legs: &[LegSums], gravity_nm: f64, kind: JointKind) -> Trace {

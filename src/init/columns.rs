@@ -53,6 +53,12 @@ pub struct Chosen {
 }
 
 impl Chosen {
+    /// Whether torque can only follow from the command.
+    pub fn is_position_alone(&self) -> bool {
+        let has = |quantity| self.of(quantity).is_some();
+        has(Quantity::Command) && !has(Quantity::Torque) && !has(Quantity::Current)
+    }
+
     /// The column chosen for `quantity`.
     pub fn of(&self, quantity: Quantity) -> Option<&Choice> {
         self.columns.iter().find(|choice| choice.key == quantity.name())

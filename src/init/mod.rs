@@ -135,14 +135,18 @@ fn time_name(chosen: &Chosen) -> Option<&str> {
     chosen.of(Quantity::Time).map(|choice| choice.name.as_str())
 }
 
-/// Position and torque (or current) in SI of each sweep, or where there is none of each trial: in cosines friction that changes with
+/// Position and torque (or current, or how far the command is ahead) in SI of each sweep, or where there is none of each trial: in cosines friction that changes with
 /// speed looks like gravity.
 fn recordings(sources: &[Source], chosen: &Chosen, trials: &[DraftTrial]) -> Vec<(Vec<f64>, Vec<f64>)> {
-    let torque = chosen.of(Quantity::Torque).or(chosen.of(Quantity::Current));
+    let torque = chosen.of(Quantity::Torque).or(chosen.of(Quantity::Current)).or(chosen.of(Quantity::Command));
     let has_sweeps = trials.iter().any(|trial| trial.protocol.speed_rad_s().is_some());
     let pair = |trial: &DraftTrial| {
         let source = &sources[trial.source];
-        let (position, torque) = (values(source, chosen.of(Quantity::Position)?)?, values(source, torque?)?);
+        let (position, mut torque) = (values(source, chosen.of(Quantity::Position)?)?, values(source, torque?)?);
+        if chosen.is_position_alone() {
+            // A controller pulls as the joint is behind its command.
+            torque.iter_mut().zip(&position).for_each(|(command, position)| *command -= position);
+        }
         let rows = trial.rows.clone().unwrap_or(0..position.len());
         Some((position[rows.clone()].to_vec(), torque[rows].to_vec()))
     };

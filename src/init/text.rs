@@ -182,7 +182,7 @@ impl Writer<'_> {
                 self.line(format!("{key} = 0.0  # clearance; identify --estimate-backlash finds it from the reversals"))
             }
         }
-        let of_current = survey.chosen.of(Quantity::Torque).is_none();
+        let of_current = survey.chosen.of(Quantity::Torque).is_none() && !survey.chosen.is_position_alone();
         match self.answers.number("joint.torque_constant_nm_a") {
             Some(constant) if of_current => self.line(format!("torque_constant_nm_a = {}", Value::from(constant))),
             None if of_current => {
@@ -216,10 +216,28 @@ impl Writer<'_> {
                 "1 or -1, so that y = torque_sign * recorded torque is larger moving up than moving down".to_string()
             }
         };
-        self.number("signal", "torque_sign", 1.0, &asks, survey.hints.torque_sign);
+        match survey.chosen.is_position_alone() {
+            true => self.line("torque_sign = 1  # a controller pulls towards its command"),
+            false => self.number("signal", "torque_sign", 1.0, &asks, survey.hints.torque_sign),
+        }
         let rate_hz = if survey.rate_hz > 0.0 { survey.rate_hz } else { f64::INFINITY };
         self.line(format!("lowpass_hz = {}", Value::from(digits(LOWPASS_HZ.min(LOWPASS_SHARE * rate_hz), 2))));
         self.line("lowpass_order = 4");
+        if survey.chosen.is_position_alone() {
+            self.controller();
+        }
+    }
+
+    /// The torque follows from command and position; without a stiffness up to one factor.
+    fn controller(&mut self) {
+        self.line("\n[controller]  # torque = stiffness (command - position) - damping velocity, at the joint");
+        let means = ["N m/rad; left out, all torques are known up to one factor", "N m s/rad; 0 where left out", "N m"];
+        for (key, means) in ["stiffness_nm_rad", "damping_nm_s_rad", "torque_limit_nm"].into_iter().zip(means) {
+            match self.answers.number(&format!("controller.{key}")) {
+                Some(value) => self.line(format!("{key} = {}", Value::from(value))),
+                None => self.line(format!("# {key} = 20.0  # {means}")),
+            }
+        }
     }
 
     fn columns(&mut self, survey: &Survey) {
@@ -227,11 +245,13 @@ impl Writer<'_> {
         for choice in &survey.chosen.columns {
             self.column(choice, survey);
         }
-        for (quantity, what) in
-            [(Quantity::Position, "the joint's position"), (Quantity::Torque, "its torque, or its motor's current")]
-        {
+        for (quantity, what) in [
+            (Quantity::Position, "the joint's position"),
+            (Quantity::Torque, "its torque, its motor's current, or its command"),
+        ] {
             let is_there = survey.chosen.of(quantity).is_some()
-                || quantity == Quantity::Torque && survey.chosen.of(Quantity::Current).is_some();
+                || quantity == Quantity::Torque
+                    && (survey.chosen.of(Quantity::Current).is_some() || survey.chosen.is_position_alone());
             if !is_there {
                 let names: Vec<String> = survey.sources[0].columns.iter().map(|series| series.name.clone()).collect();
                 let held = crate::limits::listed(names.iter().map(String::as_str));

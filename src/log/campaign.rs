@@ -2,7 +2,8 @@
 
 use super::arm::{Arm, Declared};
 use super::captured::Captured;
-use super::columns::{Columns, Given, OtherColumn, Wanted};
+use super::columns::{Columns, Given, OtherColumn, TorqueFrom, Wanted};
+use super::controller::Controller;
 use super::entries::Entries;
 use super::files::Files;
 use super::questions;
@@ -116,6 +117,8 @@ pub struct TrialEntry {
     pub trajectory: Option<String>,
     /// How its recording went, where that is told.
     pub capture: Option<Captured>,
+    /// The position controller's law in this trial, where it is not the campaign's.
+    pub controller: Option<Controller>,
 }
 
 impl TrialEntry {
@@ -187,17 +190,29 @@ impl Survey {
         let dynamics_field = root.need("dynamics").such_as("[dynamics]", means);
         let means = "a section with torque_sign, lowpass_hz and lowpass_order";
         let signal = root.need("signal").such_as("[signal]", means).section(Signal::read);
+        given.controller = root.may("controller").section(Controller::read);
         let means = "a section with time, position and torque";
         let columns = root.need("columns").such_as("[columns]", means);
         let (columns, named) = columns.section(|section| Some(Columns::read(section, given))).unwrap_or_default();
         let others = columns.as_ref().map(|columns| &columns.other_position[..]);
         let dynamics = dynamics_field.section(|section| dynamics(section, folder, kind, others));
         let mut uncertainty = root.may("uncertainty").section(Uncertainty::read).unwrap_or_default();
-        let from_current = columns.as_ref().and_then(|columns| columns.from_current);
-        if from_current.is_some_and(|from| from.torque_constant_nm_a.is_none()) {
+        let torque_from = columns.as_ref().and_then(|columns| columns.torque_from);
+        if torque_from.is_some_and(|from| !from.is_scaled()) {
             uncertainty.torque_scale_percent = f64::INFINITY;
         }
+        check_sign(root, signal.as_ref(), torque_from);
         let entries = Entries::read(root, folder, kind);
+        if entries.trials.iter().any(|entry| entry.controller.is_some())
+            && !torque_from.is_some_and(|from| from.is_scaled())
+        {
+            let what = "is given of a trial, and not of the campaign";
+            root.reject(
+                "controller",
+                what,
+                "add [controller] with stiffness_nm_rad for the other trials, and a column `command`",
+            );
+        }
         let is_whole = format.is_some()
             && entries.are_whole
             && joint.is_some()
@@ -228,6 +243,16 @@ impl Survey {
             files,
             columns: named,
         }
+    }
+}
+
+/// A controller pulls towards its command: no sign is to be declared.
+fn check_sign(root: &Section<'_>, signal: Option<&Signal>, torque_from: Option<TorqueFrom>) {
+    let is_controller = matches!(torque_from, Some(TorqueFrom::Controller(_)));
+    if is_controller && signal.is_some_and(|signal| signal.torque_sign == -1.0) {
+        let what =
+            "has torque_sign = -1, but the torque follows from the command: a controller pulls the joint towards it";
+        root.reject("signal", what, "write torque_sign = 1");
     }
 }
 

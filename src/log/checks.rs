@@ -50,7 +50,8 @@ pub(super) fn check(
             rate_and_duration(faults, time, want, signal);
         }
     }
-    if let Some((torque, want)) = column(Quantity::Torque) {
+    // A command may well be constant.
+    if let Some((torque, want)) = column(Quantity::Torque).filter(|(_, want)| want.controller().is_none()) {
         alive(faults, torque, want, "a sensor that lives never reads so");
     }
     let position = column(Quantity::Position).filter(|_| matches!(entry.protocol, Protocol::Uniform { .. }));

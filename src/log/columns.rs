@@ -1,5 +1,6 @@
 //! `[columns]`: which column of a log holds which quantity, and in which unit.
 
+use super::controller::Controller;
 use crate::document::Section;
 use crate::dynamics::JointKind;
 use crate::units::{Quantity, Unit};
@@ -41,6 +42,33 @@ impl FromCurrent {
     }
 }
 
+/// Where the torque comes from, where no column holds it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum TorqueFrom {
+    /// The motor's current.
+    Current(FromCurrent),
+    /// A position controller, from the command and the position.
+    Controller(Controller),
+}
+
+impl TorqueFrom {
+    /// Whether it is known in N m, not only up to one factor.
+    pub fn is_scaled(&self) -> bool {
+        match self {
+            Self::Current(from) => from.torque_constant_nm_a.is_some(),
+            Self::Controller(controller) => controller.stiffness_nm_rad.is_some(),
+        }
+    }
+
+    /// Torque per unit of the reading; 1 where it takes more than that.
+    fn factor(&self) -> f64 {
+        match self {
+            Self::Current(from) => from.nm_a(),
+            Self::Controller(_) => 1.0,
+        }
+    }
+}
+
 /// The column of a load cell or torque sensor that measures the interaction.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ReferenceColumn {
@@ -68,10 +96,10 @@ pub struct Columns {
     pub rate_hz: Option<f64>,
     /// Position of the joint.
     pub position: Column,
-    /// Torque at the winch, as recorded: before `torque_sign`. The motor's current where `from_current` is given.
+    /// Torque at the winch, as recorded: before `torque_sign`. The current or the command where `torque_from` says so.
     pub torque: Column,
-    /// How torque follows from current, where no column holds torque.
-    pub from_current: Option<FromCurrent>,
+    /// How torque follows from current or from command and position, where no column holds it.
+    pub torque_from: Option<TorqueFrom>,
     /// Velocity of the joint.
     pub velocity: Option<Column>,
     /// Motor current.
@@ -101,6 +129,8 @@ pub(super) struct Given {
     pub torque_constant_nm_a: Option<f64>,
     /// Turns of the motor for one of the winch.
     pub gear_ratio: f64,
+    /// What a position controller makes of its command, where that is told.
+    pub controller: Option<Controller>,
 }
 
 impl Given {
@@ -120,8 +150,8 @@ pub(super) struct Wanted {
     pub column: Column,
     pub arm_m: Option<f64>,
     pub joint: Option<String>,
-    /// Torque per ampere where the torque comes from the current, N m/A.
-    pub nm_a: Option<f64>,
+    /// Where the torque comes from, if not from its own column.
+    pub torque_from: Option<TorqueFrom>,
     /// Sample rate where the file holds no such column and rows are counted, Hz.
     pub rate_hz: Option<f64>,
 }
@@ -129,7 +159,20 @@ pub(super) struct Wanted {
 impl Wanted {
     pub fn new(quantity: Quantity, column: &Column) -> Self {
         let (key, column) = (quantity.name().to_string(), column.clone());
-        Self { key, quantity, column, arm_m: None, joint: None, nm_a: None, rate_hz: None }
+        Self { key, quantity, column, arm_m: None, joint: None, torque_from: None, rate_hz: None }
+    }
+
+    /// Whether it has a column of its own: not counted, not derived.
+    pub fn is_in_file(&self) -> bool {
+        self.rate_hz.is_none() && self.torque_from.is_none()
+    }
+
+    /// The controller that makes the torque of it.
+    pub fn controller(&self) -> Option<&Controller> {
+        match &self.torque_from {
+            Some(TorqueFrom::Controller(controller)) => Some(controller),
+            _ => None,
+        }
     }
 
     /// How much SI changes for a change of the reading by 1.
@@ -149,7 +192,7 @@ impl Wanted {
 
     /// A value in the column's unit times this is SI.
     fn of_value(&self) -> f64 {
-        self.column.unit.factor() * self.arm_m.unwrap_or(1.0) * self.nm_a.unwrap_or(1.0)
+        self.column.unit.factor() * self.arm_m.unwrap_or(1.0) * self.torque_from.map_or(1.0, |from| from.factor())
     }
 }
 
@@ -161,10 +204,10 @@ impl Columns {
         let position = reader.needed(Quantity::Position, "deg");
         let optional = |quantity: Quantity| reader.column(quantity.name(), quantity);
         let current = optional(Quantity::Current);
-        let (torque, from_current) = reader.torque(current.as_ref());
         let velocity = optional(Quantity::Velocity);
         let (temperature, load_torque) = (optional(Quantity::Temperature), optional(Quantity::LoadTorque));
         let command = optional(Quantity::Command);
+        let (torque, torque_from) = reader.torque(current.as_ref(), command.as_ref());
         let (reference_torque, other_position) = (reader.reference(), reader.other_positions());
         let mut named = reader.named.into_inner();
         let are_distinct = report_shared_names(section, &named);
@@ -181,7 +224,7 @@ impl Columns {
                 rate_hz: given.rate_hz,
                 position: position?,
                 torque: torque?,
-                from_current,
+                torque_from,
                 velocity,
                 current,
                 temperature,
@@ -201,8 +244,7 @@ impl Columns {
 
     /// Every column that `[columns]` names, each once.
     pub(super) fn declared(&self) -> Vec<Wanted> {
-        let is_in_file = |wanted: &Wanted| wanted.rate_hz.is_none() && wanted.nm_a.is_none();
-        self.wanted().into_iter().filter(is_in_file).collect()
+        self.wanted().into_iter().filter(Wanted::is_in_file).collect()
     }
 
     /// Every column there is; time, position and torque come first, in this order.
@@ -214,11 +256,10 @@ impl Columns {
             (Quantity::LoadTorque, &self.load_torque),
             (Quantity::Command, &self.command),
         ];
-        let nm_a = self.from_current.map(|from| from.nm_a());
         let mut all = vec![
             Wanted { rate_hz: self.rate_hz, ..Wanted::new(Quantity::Time, &self.time) },
             Wanted::new(Quantity::Position, &self.position),
-            Wanted { nm_a, ..Wanted::new(Quantity::Torque, &self.torque) },
+            Wanted { torque_from: self.torque_from, ..Wanted::new(Quantity::Torque, &self.torque) },
         ];
         all.extend(optional.iter().filter_map(|(quantity, column)| Some(Wanted::new(*quantity, column.as_ref()?))));
         let reference = self.reference_torque.as_ref();
@@ -239,7 +280,7 @@ impl Columns {
 fn report_shared_names(section: &Section<'_>, named: &[Wanted]) -> bool {
     let mut are_distinct = true;
     // What is counted or derived reads no column of its own.
-    let named: Vec<&Wanted> = named.iter().filter(|w| w.rate_hz.is_none() && w.nm_a.is_none()).collect();
+    let named: Vec<&Wanted> = named.iter().filter(|wanted| wanted.is_in_file()).collect();
     for (index, wanted) in named.iter().enumerate() {
         if let Some(first) = named[..index].iter().find(|first| first.column.name == wanted.column.name) {
             let what = format!("reads column `{}`, as `{}` does", wanted.column.name, first.key);
@@ -258,7 +299,7 @@ fn means(quantity: Quantity) -> &'static str {
         }
         Quantity::Torque => {
             "the column's name in the logs, and its unit; a joint whose torque is not measured needs its motor's `current`, with \
-             torque_constant_nm_a in [joint]"
+             torque_constant_nm_a in [joint], or the `command` of its position, with the stiffness of its [controller]"
         }
         _ => "the column's name in the logs, and its unit",
     }
@@ -293,26 +334,48 @@ impl Reader<'_, '_> {
         Some(rows)
     }
 
-    /// The torque: a column, or the motor's current.
-    fn torque(&self, current: Option<&Column>) -> (Option<Column>, Option<FromCurrent>) {
-        let Given { torque_constant_nm_a, gear_ratio, .. } = self.given;
+    /// The torque: a column, the motor's current, or the command of a position controller.
+    fn torque(&self, current: Option<&Column>, command: Option<&Column>) -> (Option<Column>, Option<TorqueFrom>) {
         let is_there = self.section.keys().any(|key| key == "torque");
-        let Some(current) = current.filter(|_| !is_there) else {
-            if torque_constant_nm_a.is_some() && is_there {
-                let what = "holds the torque: joint.torque_constant_nm_a is not used";
-                self.section.doubt("torque", what, "delete this column to take the torque from the current");
-            }
-            return (self.needed(Quantity::Torque, "N m"), None);
+        let (column, from) = match (current, command) {
+            _ if is_there => return (self.torque_itself(), None),
+            (Some(current), _) => (current, self.of_current()),
+            (None, Some(command)) => (command, self.of_command()),
+            (None, None) => return (self.needed(Quantity::Torque, "N m"), None),
         };
+        let wanted = Wanted { torque_from: Some(from), ..Wanted::new(Quantity::Torque, column) };
+        self.named.borrow_mut().push(wanted);
+        (Some(column.clone()), Some(from))
+    }
+
+    /// The torque's own column, before which all that it could follow from stands back.
+    fn torque_itself(&self) -> Option<Column> {
+        if self.given.torque_constant_nm_a.is_some() {
+            let what = "holds the torque: joint.torque_constant_nm_a is not used";
+            self.section.doubt("torque", what, "delete this column to take the torque from the current");
+        }
+        self.needed(Quantity::Torque, "N m")
+    }
+
+    fn of_current(&self) -> TorqueFrom {
+        let Given { torque_constant_nm_a, gear_ratio, .. } = self.given;
         if torque_constant_nm_a.is_none() {
             let what = "torque comes from the current, and no torque constant is given: 1 A is taken as 1 N m. All torques are \
                         known up to one factor; mu_c cannot be identified, friction forces follow from their ratio to gravity";
             self.section.doubt("current", what, "give torque_constant_nm_a in [joint] if you know it");
         }
-        let from = FromCurrent { torque_constant_nm_a, gear_ratio };
-        let wanted = Wanted { nm_a: Some(from.nm_a()), ..Wanted::new(Quantity::Torque, current) };
-        self.named.borrow_mut().push(wanted);
-        (Some(current.clone()), Some(from))
+        TorqueFrom::Current(FromCurrent { torque_constant_nm_a, gear_ratio })
+    }
+
+    fn of_command(&self) -> TorqueFrom {
+        let controller = self.given.controller.unwrap_or_default();
+        if controller.stiffness_nm_rad.is_none() {
+            let what = "torque comes from how far the joint is from its command, and the controller's stiffness is not given: 1 rad is \
+                        taken as 1 N m. All torques are known up to one factor; mu_c cannot be identified, friction forces follow \
+                        from their ratio to gravity, and what the controller damps counts as viscous friction";
+            self.section.doubt("command", what, "give stiffness_nm_rad in [controller] if you know it");
+        }
+        TorqueFrom::Controller(controller)
     }
 
     /// A column that every log has; `unit` serves an example of what to write.
@@ -336,7 +399,11 @@ impl Reader<'_, '_> {
         let unit = at.need("unit").such_as(&example, "the unit of the column").text();
         let unit = unit.and_then(|unit| {
             let parsed = quantity.parse_unit(kind, &unit);
-            parsed.map_err(|(what, cure)| at.reject("unit", what, cure)).ok()
+            let of_motor = |what: String| match self.given.turns_motor && quantity == Quantity::Torque {
+                true => format!("{what}: torque is the motor's, before the screw"),
+                false => what,
+            };
+            parsed.map_err(|(what, cure)| at.reject("unit", of_motor(what), cure)).ok()
         });
         let scale = at.may("scale").number().unwrap_or(1.0);
         if scale == 0.0 || quantity == Quantity::Time && scale < 0.0 {

@@ -5,6 +5,7 @@ use super::dialect::{Dialect, SAMPLE_BYTES};
 use super::files::Files;
 use super::readings::{Faults, Readings, Rows, check_width, locate};
 use super::source::{self, Source};
+use super::stamp;
 use crate::limits::{LINE_BYTES, shown};
 use crate::problem::{Problem, Result};
 use csv::{ByteRecord, Reader, ReaderBuilder};
@@ -59,7 +60,7 @@ pub(super) fn read(
             // Of a ragged row nobody knows which field is which.
             let field = place.filter(|_| !is_ragged).map(|place| &record[place]);
             column.push(field.map_or(f64::NAN, |field| {
-                number(field, dialect.decimal).unwrap_or_else(|| {
+                number(field, dialect.decimal).or_else(|| stamp::reading(field, want)).unwrap_or_else(|| {
                     faults.add("no number", |file| no_number(file, field, want).at_row(row));
                     f64::NAN
                 })

@@ -2,6 +2,7 @@
 
 use super::campaign::{Part, TrialEntry};
 use super::captured::Captured;
+use super::controller::Controller;
 use super::place::{self, Found};
 use crate::document::Section;
 use crate::dynamics::JointKind;
@@ -76,7 +77,9 @@ impl Seen {
         let protocol_or_free = protocol.unwrap_or(Protocol::Free);
         let part = rows.and_then(|rows| Some(Part { log: file.clone()?, rows }));
         let file = part.as_ref().map_or(file, |part| Some(part.name()));
-        let entry = TrialEntry { file: file?, part, protocol: protocol_or_free, repeat, trajectory, capture };
+        let controller = section.may("controller").section(Controller::of_trial);
+        let entry =
+            TrialEntry { file: file?, part, protocol: protocol_or_free, repeat, trajectory, capture, controller };
         if protocol.is_some() {
             self.check_repeat(section, &entry);
         }

@@ -6,6 +6,7 @@ mod captured;
 mod checks;
 mod clock;
 mod columns;
+mod controller;
 mod csv_file;
 mod dialect;
 mod entries;
@@ -21,6 +22,7 @@ mod readings;
 mod resample;
 mod samples;
 mod source;
+mod stamp;
 pub mod table;
 mod uncertainty;
 mod velocity;
@@ -32,7 +34,8 @@ pub use campaign::{Campaign, Part, Signal, Survey, TrialEntry};
 pub use captured::Captured;
 pub use checks::longest_gap_s;
 pub use clock::{clock_s, span_s};
-pub use columns::{Column, Columns, FromCurrent, OtherColumn, ReferenceColumn};
+pub use columns::{Column, Columns, FromCurrent, OtherColumn, ReferenceColumn, TorqueFrom};
+pub use controller::{Controller, Damped};
 pub use files::Files;
 pub use health::{Consequence, Finding, Fingerprint, Kind, copies, refuse_copies};
 pub use questions::MARK;
@@ -40,8 +43,10 @@ pub use raw::{Raw, raw};
 pub use samples::{Sample, Samples};
 pub use uncertainty::{POSITION_ZERO_RAD, Uncertainty};
 
+use crate::dynamics::JointKind;
+use crate::model::Drive;
 use crate::problem::{Problem, Problems, Result};
-use crate::units::Quantity;
+use crate::units::{Quantity, Unit};
 use columns::Wanted;
 use readings::{Faults, Readings};
 use std::ops::Range;
@@ -115,7 +120,7 @@ pub fn read_trial(campaign: &Campaign, index: usize) -> Result<Log> {
 pub fn examine_trial(campaign: &Campaign, index: usize) -> (Option<Log>, Vec<Problem>) {
     let entry = &campaign.trials[index];
     let file = campaign.folder.join(entry.log());
-    let wanted = campaign.columns.wanted();
+    let wanted = wanted(campaign, entry);
     let mut faults = Faults::of(&file);
     let mut recorded = match read_columns(&file, &campaign.files, entry, &wanted, &mut faults) {
         Ok(recorded) => recorded,
@@ -127,7 +132,7 @@ pub fn examine_trial(campaign: &Campaign, index: usize) -> (Option<Log>, Vec<Pro
     let rises = |recorded: &Readings| recorded.columns[TIME].windows(2).all(|pair| pair[0] < pair[1]);
     let is_usable = faults.count() == in_cells && (in_cells == 0 || recorded.bridge_holes() && rises(&recorded));
     let mut problems = faults.into_problems();
-    let log = is_usable.then(|| log_of(file, recorded, &wanted, &campaign.signal));
+    let log = is_usable.then(|| log_of(file, recorded, wanted.clone(), campaign));
     if let Some(log) = &log {
         let refused = log.findings.iter().filter(|finding| finding.consequence == Consequence::Refuse);
         problems.extend(refused.map(|finding| finding.problem(&log.file)));
@@ -152,6 +157,15 @@ impl Survey {
     }
 }
 
+/// The columns of `entry`, with its own controller where it has one.
+fn wanted(campaign: &Campaign, entry: &TrialEntry) -> Vec<Wanted> {
+    let mut wanted = campaign.columns.wanted();
+    if let (Some(own), Some(TorqueFrom::Controller(law))) = (entry.controller, &mut wanted[TORQUE].torque_from) {
+        *law = own;
+    }
+    wanted
+}
+
 fn read_columns(
     file: &Path,
     files: &Files,
@@ -173,21 +187,33 @@ fn read_columns(
     }
 }
 
-fn log_of(file: PathBuf, mut recorded: Readings, wanted: &[Wanted], signal: &Signal) -> Log {
-    let fingerprint = Fingerprint::of(&recorded.columns[TORQUE]);
-    let mut findings = health::mend(&mut recorded, wanted);
+fn log_of(file: PathBuf, mut recorded: Readings, mut wanted: Vec<Wanted>, campaign: &Campaign) -> Log {
+    // Repeats of one motion share their command.
+    let unique = if wanted[TORQUE].controller().is_some() { POSITION } else { TORQUE };
+    let fingerprint = Fingerprint::of(&recorded.columns[unique]);
+    let mut findings = health::mend(&mut recorded, &wanted);
     let (mut columns, rate_hz, mut warnings) = resample::onto_even_grid(&file, recorded.columns, &wanted[TIME]);
-    let examined = health::examine(&mut columns, rate_hz, wanted, &recorded.rows);
+    if let Some(controller) = wanted[TORQUE].controller().copied() {
+        controller.drive(campaign.joint.transmission(), &mut columns, &wanted, rate_hz);
+        wanted[TORQUE] = controller.driven(&wanted[TORQUE], torque_unit(campaign));
+    }
+    let examined = health::examine(&mut columns, rate_hz, &wanted, &recorded.rows);
     findings.extend(examined.findings);
     let told = findings.iter().filter(|finding| finding.consequence != Consequence::Refuse);
     warnings.extend(told.map(|finding| finding.problem(&file)));
-    for (column, want) in columns.iter_mut().zip(wanted) {
-        let sign = if want.quantity == Quantity::Torque { signal.torque_sign } else { 1.0 };
+    for (column, want) in columns.iter_mut().zip(&wanted) {
+        let sign = if want.quantity == Quantity::Torque { campaign.signal.torque_sign } else { 1.0 };
         scale(column, sign * want.factor(), sign * want.offset_si());
     }
-    let log = assemble(file, rate_hz, columns, wanted);
+    let log = assemble(file, rate_hz, columns, &wanted);
     let (clipped, set_aside) = (examined.clipped, examined.set_aside);
     Log { clipped, set_aside, findings, fingerprint, warnings, ..log }
+}
+
+/// Of the torque at the motor: a slide's force in N but for a screw's motor.
+fn torque_unit(campaign: &Campaign) -> Unit {
+    let is_force = campaign.joint.kind == JointKind::Prismatic && campaign.joint.drive != Drive::Screw;
+    if is_force { Unit::Newton } else { Unit::NewtonMetre }
 }
 
 fn scale(column: &mut [f64], factor: f64, offset: f64) {

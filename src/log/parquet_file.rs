@@ -3,6 +3,7 @@
 use super::columns::Wanted;
 use super::parquet_pages::Pages;
 use super::readings::{Faults, Readings, Rows, check_width, locate};
+use super::stamp;
 use crate::limits::Budget;
 use crate::problem::{Problem, Result};
 use polars::io::parquet::metadata::FileMetadataRef;
@@ -44,6 +45,7 @@ pub(super) fn read(
         };
         let column = column.map(|column| column.slice(within.start as i64, within.len()));
         let numbers = column.and_then(|column| numbers(&column, within.start, want, faults));
+        let numbers = numbers.map(|numbers| in_unit(numbers, want, &outline.metadata));
         columns.push(numbers.unwrap_or_else(|| vec![f64::NAN; within.len()]));
     }
     Ok(Readings { columns, rows: Rows::from(within.start) })
@@ -63,7 +65,16 @@ pub(super) fn any_numbers(file: &Path, want: &Wanted) -> Result<Option<Vec<f64>>
     let outline = guarded(file, None, || outline(file))?;
     check_pages(file, &outline.metadata, std::iter::once(want))?;
     let column = guarded(file, Some(want), || column(file, want, &outline.metadata))?;
-    Ok(column.and_then(|column| numbers(&column, 0, want, &mut Faults::of(file))))
+    let found = column.and_then(|column| numbers(&column, 0, want, &mut Faults::of(file)));
+    Ok(found.map(|numbers| in_unit(numbers, want, &outline.metadata)))
+}
+
+/// `numbers` of a column of dates or times in the unit of `want`; others as they are.
+fn in_unit(mut numbers: Vec<f64>, want: &Wanted, metadata: &FileMetadataRef) -> Vec<f64> {
+    if let Some(count_s) = stamp::counted_in_s(metadata, &want.column.name) {
+        numbers.iter_mut().for_each(|count| *count *= count_s / want.column.unit.factor());
+    }
+    numbers
 }
 
 /// What the file says of itself.
@@ -136,7 +147,7 @@ fn guarded<T>(file: &Path, want: Option<&Wanted>, read: impl FnOnce() -> Result<
 fn column(file: &Path, want: &Wanted, metadata: &FileMetadataRef) -> Result<Option<Column>> {
     let name = &want.column.name;
     let mut reader = open(file)?;
-    reader.set_metadata(Arc::clone(metadata));
+    reader.set_metadata(stamp::as_counts(metadata));
     // In this thread: trials are read side by side, and the guard sees no other thread.
     let reader = reader.with_columns(Some(vec![name.clone()])).read_parallel(ParallelStrategy::None);
     let frame = reader.finish().or_else(|error| damaged(file, Some(want), &error.to_string()))?;

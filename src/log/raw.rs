@@ -4,6 +4,7 @@ use super::columns::{Column, Wanted};
 use super::csv_file::{Table, number};
 use super::files::Files;
 use super::parquet_file;
+use super::stamp;
 use crate::import::Series;
 use crate::problem::Result;
 use crate::units::{Quantity, Unit};
@@ -43,7 +44,8 @@ fn of_text(file: &Path, files: &Files) -> Result<Raw> {
     while records.next(file, &mut record)? {
         first_row = first_row.or(Some(records.row));
         for (place, column) in values.iter_mut().enumerate() {
-            column.push(record.get(place).and_then(|field| number(field, dialect.decimal)).unwrap_or(f64::NAN));
+            let value = |field: &[u8]| number(field, dialect.decimal).or_else(|| stamp::seconds(field));
+            column.push(record.get(place).and_then(value).unwrap_or(f64::NAN));
         }
     }
     let first_row = first_row.unwrap_or(1);

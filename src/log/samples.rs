@@ -2,9 +2,11 @@
 
 use super::campaign::Campaign;
 use super::columns::Wanted;
+use super::controller::{Controller, Damped};
 use super::csv_file::{name, no_number, number, ragged};
 use super::readings::{Faults, check_width, locate};
 use super::source::{self, Source};
+use super::stamp;
 use super::{POSITION, TIME, TORQUE};
 use crate::problem::{Problem, Problems, Result};
 use crate::units::Quantity;
@@ -39,7 +41,16 @@ pub struct Samples<R> {
     fields: usize,
     decimal: u8,
     torque_sign: f64,
-    last_s: f64,
+    transmission: f64,
+    last: Option<Last>,
+}
+
+/// What the sample before was.
+#[derive(Clone, Copy)]
+struct Last {
+    time_s: f64,
+    position_rad: f64,
+    command_rad: f64,
 }
 
 impl<R: Read> Samples<R> {
@@ -64,8 +75,9 @@ impl<R: Read> Samples<R> {
         let mut faults = Faults::of(file);
         let places: Option<Vec<usize>> = locate(&names, &wanted, &mut faults).into_iter().collect();
         let places = places.ok_or_else(|| Problems(faults.into_problems()))?;
-        let (fields, torque_sign) = (names.len(), campaign.signal.torque_sign);
-        Ok(Self { reader, record, wanted, places, fields, decimal, torque_sign, last_s: f64::NEG_INFINITY })
+        let (fields, torque_sign, transmission) =
+            (names.len(), campaign.signal.torque_sign, campaign.joint.transmission());
+        Ok(Self { reader, record, wanted, places, fields, decimal, torque_sign, transmission, last: None })
     }
 
     fn sample(&mut self) -> Result<Sample> {
@@ -76,7 +88,8 @@ impl<R: Read> Samples<R> {
         let mut sample = Sample::default();
         for (at, (place, want)) in self.places.iter().zip(&self.wanted).enumerate() {
             let field = &self.record[*place];
-            let Some(value) = number(field, self.decimal).map(|number| want.to_si(number)) else {
+            let number = number(field, self.decimal).or_else(|| stamp::reading(field, want));
+            let Some(value) = number.map(|number| want.to_si(number)) else {
                 return no_number(file, field, want).at_row(row).alone();
             };
             match at {
@@ -87,16 +100,30 @@ impl<R: Read> Samples<R> {
                 _ => sample.others.push(value),
             }
         }
-        if sample.time_s <= self.last_s {
-            let what = format!("time goes from {} s to {} s", self.last_s, sample.time_s);
+        if let Some(last) = self.last.filter(|last| sample.time_s <= last.time_s) {
+            let what = format!("time goes from {} s to {} s", last.time_s, sample.time_s);
             let time = &self.wanted[TIME].column.name;
             return Problem::error(file, what, "send samples in the order of their time")
                 .at_row(row)
                 .in_column(time)
                 .alone();
         }
-        self.last_s = sample.time_s;
+        let command_rad = self.torque_sign * sample.torque_nm;
+        if let Some(controller) = self.wanted[TORQUE].controller() {
+            sample.torque_nm = self.driven_nm(controller, &sample, command_rad);
+        }
+        self.last = Some(Last { time_s: sample.time_s, position_rad: sample.position_rad, command_rad });
         Ok(sample)
+    }
+
+    /// y that `controller` makes of `command_rad`; velocities are differences to the sample before.
+    fn driven_nm(&self, controller: &Controller, sample: &Sample, command_rad: f64) -> f64 {
+        let position_rad = sample.position_rad;
+        let damped_rad_s = self.last.map_or(0.0, |last| {
+            let of_command = if controller.damped == Damped::Error { command_rad - last.command_rad } else { 0.0 };
+            (position_rad - last.position_rad - of_command) / (sample.time_s - last.time_s)
+        });
+        controller.torque_nm(self.transmission, command_rad - position_rad, damped_rad_s)
     }
 }
 

@@ -1,7 +1,8 @@
 //! A campaign as the text of its `campaign.toml`.
 
 use super::campaign::{Campaign, Part, TrialEntry};
-use super::columns::FromCurrent;
+use super::columns::{FromCurrent, TorqueFrom};
+use super::controller::Controller;
 use crate::document::write_pairs;
 use crate::dynamics::Dynamics;
 use crate::model::Drive;
@@ -34,6 +35,9 @@ impl Campaign {
                 ("lowpass_order", (signal.lowpass_order as i64).into()),
             ],
         );
+        if let Some(TorqueFrom::Controller(controller)) = self.columns.torque_from {
+            text += &controller.to_toml();
+        }
         let columns = self.columns.declared();
         let pairs: Vec<_> = columns.iter().map(|wanted| (wanted.key.as_str(), column(wanted))).collect();
         write_pairs(&mut text, "\n[columns]\n", &pairs);
@@ -52,7 +56,7 @@ impl Campaign {
         pairs.push(("winch_radius_m", joint.winch_radius_m.into()));
         pairs.push(("pulley_radius_m", joint.pulley_radius_m.into()));
         pairs.push(("backlash_m", joint.backlash_m.into()));
-        if let Some(FromCurrent { torque_constant_nm_a, gear_ratio }) = self.columns.from_current {
+        if let Some(TorqueFrom::Current(FromCurrent { torque_constant_nm_a, gear_ratio })) = self.columns.torque_from {
             pairs.extend(torque_constant_nm_a.map(|constant| ("torque_constant_nm_a", constant.into())));
             if joint.drive == Drive::Cable && gear_ratio != 1.0 {
                 pairs.push(("gear_ratio", gear_ratio.into()));
@@ -102,5 +106,9 @@ fn trial(entry: &TrialEntry) -> Vec<(&'static str, Value)> {
     pairs.push(("repeat", i64::from(entry.repeat).into()));
     pairs.extend(entry.trajectory.as_ref().map(|name| ("trajectory", name.as_str().into())));
     pairs.extend(entry.capture.iter().flat_map(|capture| capture.pairs()));
+    let own = |controller: &Controller| {
+        controller.pairs().into_iter().map(|(key, value)| (key.to_string(), value)).collect::<toml::Table>()
+    };
+    pairs.extend(entry.controller.as_ref().map(|controller| ("controller", own(controller).into())));
     pairs
 }

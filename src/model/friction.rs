@@ -4,6 +4,7 @@
 //! left side of the prediction (`predict`), the rest is a function of speed alone. On the `down` branch a_j, b_c, b_j, c_c
 //! and c_j are negative and v < 0, so the exponentials decay with speed there too.
 
+use super::Drive;
 use crate::dynamics::{Both, Direction, JointKind};
 use crate::numerics::scalar::Scalar;
 use std::ops::{Index, IndexMut};
@@ -105,6 +106,32 @@ impl Term {
                     "N s/m"
                 }
             }
+        }
+    }
+
+    /// Its unit on a joint of this `kind` and `drive`: without a cable r2 is 1 m, and forces on it are torques at the joint.
+    pub fn unit_on(self, kind: JointKind, drive: Drive) -> &'static str {
+        match self.unit(kind) {
+            unit if drive == Drive::Cable || kind == JointKind::Prismatic => unit,
+            "N" => "N m",
+            "s/m" => "s/rad",
+            "N s/rad" => "N m s/rad",
+            unit => unit,
+        }
+    }
+
+    /// For people, in a few words, on a joint with this `drive`.
+    pub fn means_on(self, drive: Drive) -> &'static str {
+        match (self, drive) {
+            (_, Drive::Cable) => self.means(),
+            (Self::Load, _) => "friction per load carried: 1 less the efficiency under load",
+            (Self::Coulomb, Drive::Screw) => "Coulomb friction, as a force at the slide",
+            (Self::Coulomb, _) => "Coulomb friction at the joint",
+            (Self::CableStribeck, _) => "amplitude of the first Stribeck term",
+            (Self::CableDecay, _) => "decay of the first Stribeck term with speed",
+            (Self::JointStribeck, _) => "amplitude of the second Stribeck term",
+            (Self::JointDecay, _) => "decay of the second Stribeck term with speed",
+            (Self::Viscous, _) => self.means(),
         }
     }
 

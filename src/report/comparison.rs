@@ -267,7 +267,7 @@ fn friction_table(found: &Comparison, units: &Units) -> Table {
 pub fn page(found: &Comparison, names: &[String; 2]) -> Page {
     let mut figures = plots::comparison::figures(found);
     let rest = figures.split_off(1);
-    let units = Units::of(found.before.joint.kind);
+    let units = Units::of(&found.before.joint);
     let card = |name: &str, value: String, note: &str| Card { name: name.into(), value, note: note.into() };
     let changed = found.changes.iter().filter(|c| c.verdict == Verdict::Changed).count();
     Page {
@@ -298,7 +298,7 @@ pub fn page(found: &Comparison, names: &[String; 2]) -> Page {
 
 /// Writes the summary to `out`.
 pub fn write_summary(out: &mut impl Write, found: &Comparison, names: &[String; 2]) -> io::Result<()> {
-    let units = Units::of(found.before.joint.kind);
+    let units = Units::of(&found.before.joint);
     writeln!(out, "{BOLD}{}{BOLD:#}  {DIM}{} -> {}{DIM:#}", found.before.joint.name, names[0], names[1])?;
     heading(
         out,

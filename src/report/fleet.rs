@@ -79,7 +79,7 @@ fn words(name: &str, row: &Row) -> String {
     match (name.split('_').next(), direction) {
         (Some("a"), Some(direction)) => format!("A, {}", moving(direction)),
         (Some("level"), Some(direction)) => {
-            let units = Units::of(row.model.as_ref().map(|model| model.joint.kind).unwrap_or_default());
+            let units = Units::of_kind(row.model.as_ref().map(|model| model.joint.kind).unwrap_or_default());
             let speed = row.figure("level_speed_rad_s").map_or_else(String::new, |v| significant(v, 3));
             format!("B(v) at {speed} {}, {}", units.speed, moving(direction))
         }
@@ -132,7 +132,7 @@ fn changes(fleet: &Fleet) -> Cells<3> {
     let row = |joint: &Joint| {
         let kind = fleet.rows[joint.since].model.as_ref().map(|model| model.joint.kind).unwrap_or_default();
         let span = format!("{} to {}", when(fleet, joint.since), when(fleet, joint.last()));
-        [joint.name.clone(), span, told(&joint.changed, &Units::of(kind))]
+        [joint.name.clone(), span, told(&joint.changed, &Units::of_kind(kind))]
     };
     (["joint", "campaigns", "what changed"], fleet.joints.iter().filter(|j| j.changed.differs()).map(row).collect())
 }

@@ -138,7 +138,7 @@ fn agreement_sentence(found: &Interaction, units: &Units) -> Option<String> {
 
 /// The page of `found`.
 pub fn page(found: &Interaction, campaign: &str, model: &str) -> Page {
-    let units = Units::of(found.model.joint.kind);
+    let units = Units::of(&found.model.joint);
     let contacts: usize = found.trials.iter().map(|t| t.contacts.len()).sum();
     let card = |name: &str, value: String, note: &str| Card { name: name.into(), value, note: note.into() };
     let mut steps = vec![threshold_sentence(found, &units)];
@@ -243,7 +243,7 @@ fn contacts_table(found: &Interaction, units: &Units) -> Table {
 
 /// Writes the summary to `out`; `written` is where the files went.
 pub fn write_summary(out: &mut impl Write, found: &Interaction, campaign: &str, written: &Path) -> io::Result<()> {
-    let units = Units::of(found.model.joint.kind);
+    let units = Units::of(&found.model.joint);
     let trials = counted(found.trials.len(), "trial", "trials");
     writeln!(
         out,

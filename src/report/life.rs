@@ -149,7 +149,7 @@ pub(super) fn events(fleet: &Fleet) -> Cells<5> {
                 format!("not as on {reference}: {}{more}", told.join("; "))
             }
         };
-        [joint.name.clone(), time, told(&event.changed, &Units::of(kind)), changes, restored]
+        [joint.name.clone(), time, told(&event.changed, &Units::of_kind(kind)), changes, restored]
     };
     let rows = fleet.joints.iter().flat_map(|joint| joint.events.iter().map(move |event| row(joint, event)));
     (["joint", "when", "what changed", "over the whole history", "restored"], rows.collect())

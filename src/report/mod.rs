@@ -19,6 +19,7 @@
 //! | `interaction` | an interaction as JSON, tables, on the terminal, as a page |
 //! | `predicted` | a trial's prediction, sample by sample |
 //! | `verdict` | the result in plain words |
+//! | `validation` | what `validate` understood, on the terminal, as JSON, as a page |
 //! | `terminal` | the summary on the terminal |
 //! | `chart` | figures as data: panels, series, axes; drawn as SVG, or sent to the page's script |
 //! | `plots` | results as figures, one file each |
@@ -52,6 +53,7 @@ mod protocol;
 pub mod repeatability;
 pub mod tables;
 pub mod terminal;
+pub mod validation;
 pub mod verdict;
 pub mod wording;
 

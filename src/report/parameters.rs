@@ -2,9 +2,10 @@
 
 use super::number::{interval, significant};
 use super::wording::Units;
+use crate::dynamics::JointKind;
 use crate::identify::stribeck::rate_limits;
 use crate::identify::{Identification, zero};
-use crate::model::{Combination, Confidence, Direction, Model, Status, Term};
+use crate::model::{Combination, Confidence, Direction, Drive, Model, Status, Term};
 
 /// One parameter, in the unit in which it is shown.
 #[derive(Debug, Clone, PartialEq)]
@@ -64,8 +65,8 @@ pub fn friction(model: &Model, direction: Direction) -> [Parameter; Term::COUNT]
         let row = Parameter {
             direction: Some(direction),
             name: term.name(),
-            meaning: term.means(),
-            unit: term.unit(model.joint.kind),
+            meaning: term.means_on(model.joint.drive),
+            unit: term.unit_on(model.joint.kind, model.joint.drive),
             value,
             confidence,
             // A Stribeck term without amplitude is no term, whatever its rate says.
@@ -136,8 +137,13 @@ pub fn combination(model: &Model) -> Vec<Parameter> {
         Combination::Power { n } => add("n", "combination.n", "exponent of the power curve", "", 1.0, n),
         Combination::Sign | Combination::Linear => {}
     }
-    let meaning = "clearance of the cable, X_cl";
-    add("backlash", "joint.backlash_m", meaning, "mm", 1e3, model.joint.backlash_m);
+    // Without a cable it counts on a radius of 1 m: 1 mm is 1 mrad.
+    let (meaning, unit) = match (model.joint.drive, model.joint.kind) {
+        (Drive::Cable, _) => ("clearance of the cable, X_cl", "mm"),
+        (_, JointKind::Revolute) => ("clearance at the joint", "mrad"),
+        (_, JointKind::Prismatic) => ("clearance at the slide", "mm"),
+    };
+    add("backlash", "joint.backlash_m", meaning, unit, 1e3, model.joint.backlash_m);
     rows
 }
 

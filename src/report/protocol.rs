@@ -12,7 +12,7 @@ use super::wording::{
     LEFT_OUT, LEFT_OUT_MEANING, Units, amplitude_spread, judged_on, moving, status_meaning, status_word,
 };
 use crate::identify::{CombinationFit, CurveKind, Identification, LegFit, Route};
-use crate::model::{Direction, Status};
+use crate::model::{Direction, Drive, Joint, Status};
 
 /// Words of a warning, and the figure that shows what it is about; the first that fits counts.
 const SHOWN_BY: [(&str, &str); 8] = [
@@ -28,7 +28,7 @@ const SHOWN_BY: [(&str, &str); 8] = [
 
 /// The page of `found`.
 pub fn page(found: &Identification, campaign: &str) -> Page {
-    let units = Units::of(found.model.joint.kind);
+    let units = Units::of(&found.model.joint);
     let Verdict { short, steps } = verdict(found);
     let mut figures: Vec<Figure> = FIGURES.iter().filter_map(|make| make(found)).collect();
     let names: Vec<String> = figures.iter().map(|figure| figure.name.clone()).collect();
@@ -296,11 +296,21 @@ fn provenance(found: &Identification, campaign: &str) -> Vec<(&'static str, Stri
         ("trials", count(found.trials)),
         ("rows", count(found.rows)),
         ("joint", format!("{} ({})", joint.name, joint.kind.name())),
-        ("winch radius r1", format!("{} mm", significant(1e3 * joint.winch_radius_m, 4))),
-        ("pulley radius r2", format!("{} mm", significant(1e3 * joint.pulley_radius_m, 4))),
-        (
-            "gravity torque",
-            format!("{} {}", significant(found.model.dynamics.gravity_nm, 4), Units::of(joint.kind).torque),
-        ),
+        ("driven by", driven_by(joint)),
+        ("gravity torque", format!("{} {}", significant(found.model.dynamics.gravity_nm, 4), Units::of(joint).load)),
     ]
+}
+
+/// What drives `joint`, with its ratio.
+fn driven_by(joint: &Joint) -> String {
+    let millimetres = |radius_m: f64| significant(1e3 * radius_m, 4);
+    match joint.drive {
+        Drive::Cable => {
+            let (r1, r2) = (millimetres(joint.winch_radius_m), millimetres(joint.pulley_radius_m));
+            format!("cable, winch radius r1 {r1} mm, pulley radius r2 {r2} mm")
+        }
+        Drive::Gear => format!("gear or belt, ratio {}", significant(1.0 / joint.transmission(), 4)),
+        Drive::Direct => "the motor itself".to_string(),
+        Drive::Screw => format!("screw, {} mm a turn", millimetres(std::f64::consts::TAU * joint.transmission())),
+    }
 }

@@ -35,7 +35,7 @@ pub fn write_summary(
     campaign: &str,
     written: Option<&Path>,
 ) -> io::Result<()> {
-    let units = Units::of(found.model.joint.kind);
+    let units = Units::of(&found.model.joint);
     let (trials, rows) = (counted(found.trials, "trial", "trials"), counted(found.rows, "row", "rows"));
     let name = &found.model.joint.name;
     writeln!(out, "{BOLD}{name}{BOLD:#}  {DIM}campaign {campaign}: {trials}, {rows}{DIM:#}")?;

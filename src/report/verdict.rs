@@ -20,7 +20,7 @@ pub struct Verdict {
 
 /// The verdict on `found`.
 pub fn verdict(found: &Identification) -> Verdict {
-    let units = Units::of(found.model.joint.kind);
+    let units = Units::of(&found.model.joint);
     let mut steps = match &found.route {
         Route::Sweeps(fits) => vec![load(fits, &units), friction(fits, &units)],
         Route::Free(free) => vec![free_motion(free, &units)],

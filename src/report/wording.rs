@@ -3,15 +3,17 @@
 use crate::dynamics::JointKind;
 use crate::identify::combination::JudgedOn;
 use crate::identify::{Amplitude, FrictionFit};
-use crate::model::{Direction, Status};
+use crate::model::{Direction, Drive, Joint, Status};
 use crate::report::number::{as_precise_as, r_squared, significant};
 
 /// Names of units as a reader sees them; the fields called `_nm` and `_rad` hold N and m for a prismatic joint.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Units {
-    /// Of torque.
+    /// Of torque, as y is.
     pub torque: &'static str,
-    /// Of a thousandth of it.
+    /// Of a load at the joint, gravity's.
+    pub load: &'static str,
+    /// Of a thousandth of the torque.
     pub milli_torque: &'static str,
     /// Of speed.
     pub speed: &'static str,
@@ -22,18 +24,28 @@ pub struct Units {
 }
 
 impl Units {
-    /// The units of a joint of this `kind`.
-    pub fn of(kind: JointKind) -> Self {
+    /// The units of `joint`: the torque of a screw's motor is one, whatever its slide does.
+    pub fn of(joint: &Joint) -> Self {
+        let of_kind = Self::of_kind(joint.kind);
+        match joint.drive {
+            Drive::Screw => Self { torque: "N m", milli_torque: "mN m", ..of_kind },
+            _ => of_kind,
+        }
+    }
+
+    /// The units of a joint of this `kind` whose torque is measured on its own side.
+    pub fn of_kind(kind: JointKind) -> Self {
         match kind {
             JointKind::Revolute => Self {
                 torque: "N m",
+                load: "N m",
                 milli_torque: "mN m",
                 speed: "rad/s",
                 position: "deg",
                 position_factor: 180.0 / std::f64::consts::PI,
             },
             JointKind::Prismatic => {
-                Self { torque: "N", milli_torque: "mN", speed: "m/s", position: "mm", position_factor: 1e3 }
+                Self { torque: "N", load: "N", milli_torque: "mN", speed: "m/s", position: "mm", position_factor: 1e3 }
             }
         }
     }

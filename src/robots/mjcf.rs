@@ -2,7 +2,7 @@
 //! defaults and classes applied; gravity and inertia of the bodies that it carries, all joints at 0.
 //!
 //! A body's mass is its `<inertial>`; without one that of its geoms as far as they name a `mass`, as points. Masses that MuJoCo would
-//! compute from shapes and density, files that are included, and frames are not read, and told.
+//! compute from shapes and density, and frames, are not read, and told.
 
 use super::Described;
 use super::xml::Node;
@@ -51,9 +51,6 @@ pub(super) fn described(file: &Path, root: &Node, joint: &str) -> Result<Describ
         let cure = suggest(joint, "it has", reader.names.iter().map(String::as_str));
         return Problem::error(file, format!("has no joint `{}`", crate::limits::shown(joint)), cure).alone();
     };
-    if root.all("include").next().is_some() {
-        reader.unknown.push("what <include> files hold is not read".to_string());
-    }
     let number = |key: &str| reader.number(&place, key);
     let kind = match reader.attribute(&place, "type").as_deref() {
         None | Some("hinge") => JointKind::Revolute,
@@ -210,8 +207,10 @@ impl<'n> Reader<'n> {
     fn attribute(&self, place: &Place<'_>, key: &str) -> Option<String> {
         let own = place.node.text(key).map(str::to_string);
         own.or_else(|| {
-            let top = self.root.all("default").next()?;
-            let path = place.class.as_deref().and_then(|class| path_to(top, class)).unwrap_or_else(|| vec![top]);
+            // Included files bring a <default> of their own: classes of all, the outermost of each.
+            let tops = || self.root.all("default");
+            let of_class = place.class.as_deref().and_then(|class| tops().find_map(|top| path_to(top, class)));
+            let path = tops().chain(of_class.into_iter().flatten()).collect::<Vec<&Node>>();
             path.iter().rev().find_map(|node| node.all("joint").find_map(|joint| joint.text(key)).map(str::to_string))
         })
     }

@@ -46,7 +46,7 @@ pub fn read(file: &Path, joint: &str) -> Result<Described> {
     let root = xml::read(file)?;
     match root.name.as_str() {
         "robot" => urdf::described(file, &root, joint),
-        "mujoco" => mjcf::described(file, &root, joint),
+        "mujoco" => mjcf::described(file, &xml::with_included(root, file)?, joint),
         other => {
             let what = format!("begins with <{}>", crate::limits::shown(other));
             Problem::error(file, what, "expected a URDF (<robot>) or a MuJoCo XML (<mujoco>)").alone()

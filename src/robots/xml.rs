@@ -76,6 +76,37 @@ pub(super) fn read(file: &Path) -> Result<Node> {
     }
 }
 
+/// Included files at most, and in each other.
+const INCLUDED: usize = 64;
+
+/// `root` of `file` with what each `<include file>` names in its place, as MuJoCo does it: the children of that file's outermost element.
+///
+/// Errors: an included file cannot be read; files that include each other without end.
+pub(super) fn with_included(root: Node, file: &Path) -> Result<Node> {
+    let folder = file.parent().unwrap_or(Path::new(""));
+    let mut left = INCLUDED;
+    expanded(root, folder, &mut left)
+}
+
+fn expanded(node: Node, folder: &Path, left: &mut usize) -> Result<Node> {
+    let mut children = Vec::new();
+    for child in node.children {
+        match child.text("file").filter(|_| child.name == "include") {
+            Some(name) => {
+                let file = folder.join(name);
+                if *left == 0 {
+                    let cure = "files that include each other have no end";
+                    return Problem::error(file, format!("is included beyond {INCLUDED} others"), cure).alone();
+                }
+                *left -= 1;
+                children.extend(expanded(read(&file)?, folder, left)?.children);
+            }
+            None => children.push(expanded(child, folder, left)?),
+        }
+    }
+    Ok(Node { children, ..node })
+}
+
 fn node(start: &BytesStart<'_>) -> Node {
     let text = |bytes: &[u8]| String::from_utf8_lossy(bytes).into_owned();
     let pairs = start.attributes().flatten().map(|pair| (text(pair.key.as_ref()), text(&pair.value)));

@@ -16,10 +16,12 @@ pub struct Campaign {
     pub dynamics: Dynamics,
     /// Sign and low-pass of the torque.
     pub signal: Signal,
+    /// The position controller, where no column holds torque or current: torque follows from command and position.
+    pub controller: Option<Controller>,
     /// How the CSV files are written; found out where it is absent.
     pub files: Option<Files>,
     /// Which column holds which quantity, by quantity: time, position, torque; optional velocity, current, temperature,
-    /// load_torque, reference_torque, other_position, other_position_2, ...
+    /// load_torque, reference_torque, command, other_position, other_position_2, ...
     pub columns: BTreeMap<String, Column>,
     /// How far declared constants may be off: half widths of 95 % intervals.
     pub uncertainty: Option<Uncertainty>,
@@ -113,6 +115,30 @@ pub struct Signal {
     pub lowpass_order: u8,
 }
 
+/// The law of a position controller at the joint, within its limit: stiffness (command - position) - damping velocity.
+#[derive(Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Controller {
+    /// N m/rad; where absent, unknown: all torques are then known up to one factor.
+    pub stiffness_nm_rad: Option<f64>,
+    /// N m s/rad; 0 where absent.
+    pub damping_nm_s_rad: Option<f64>,
+    /// What is damped; the velocity where absent.
+    pub damped: Option<Damped>,
+    /// The most that it gives, N m; no limit where absent.
+    pub torque_limit_nm: Option<f64>,
+}
+
+/// What a controller damps.
+#[derive(Debug, Deserialize, JsonSchema)]
+#[serde(rename_all = "lowercase")]
+pub enum Damped {
+    /// The joint's velocity.
+    Velocity,
+    /// The velocity of the error: the joint's less the command's.
+    Error,
+}
+
 /// How CSV files are written.
 #[derive(Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
@@ -179,6 +205,8 @@ pub struct Trial {
     pub trajectory: Option<String>,
     /// First and last row that count, from 0, where a log holds more.
     pub rows: Option<Vec<u64>>,
+    /// The controller in this trial, where it is not the campaign's.
+    pub controller: Option<Controller>,
     /// Why the recording broke off, where it did.
     pub incomplete: Option<String>,
     /// Cycles that began late, of a capture.

@@ -2,16 +2,21 @@
 
 use super::{Plan, PlannedTrial};
 use crate::dynamics::{Dynamics, JointKind};
-use crate::log::{Arm, Campaign, Column, Columns, Files, OtherColumn, Place, ReferenceColumn, Uncertainty};
-use crate::model::Model;
+use crate::log::{
+    Arm, Campaign, Column, Columns, Files, OtherColumn, Place, ReferenceColumn, Signal, TorqueFrom, Uncertainty,
+};
+use crate::model::{Drive, Model};
 use crate::units::Unit;
 use std::collections::BTreeMap;
 use std::path::Path;
 
 /// Names and units of position and torque in the logs.
-pub(super) fn columns_of(kind: JointKind) -> ((&'static str, Unit), (&'static str, Unit)) {
+pub(super) fn columns_of(kind: JointKind, drive: Drive) -> ((&'static str, Unit), (&'static str, Unit)) {
     match kind {
         JointKind::Revolute => (("position_deg", Unit::Degree), ("torque_nm", Unit::NewtonMetre)),
+        JointKind::Prismatic if drive == Drive::Screw => {
+            (("position_m", Unit::Metre), ("motor_torque_nm", Unit::NewtonMetre))
+        }
         JointKind::Prismatic => (("position_m", Unit::Metre), ("force_n", Unit::Newton)),
     }
 }
@@ -28,8 +33,10 @@ impl Plan {
     /// The campaign's description for a joint like `model`, in `folder`.
     pub fn campaign(&self, model: &Model, folder: &Path, trials: &[PlannedTrial]) -> Campaign {
         let column = |(name, unit): (&str, Unit)| Column::new(name, unit);
-        let (position, torque) = columns_of(model.joint.kind);
+        let (position, torque) = columns_of(model.joint.kind, model.joint.drive);
         let arm = self.arm.as_ref();
+        let law = self.controller.as_ref().filter(|_| self.position_alone);
+        let law = law.map(|controller| controller.law(model.joint.transmission()));
         let other = |(joint, kind): (String, JointKind)| {
             let (name, unit) = other_column(&joint, kind);
             // Only a chain has joints by name.
@@ -54,14 +61,17 @@ impl Plan {
                 held_rad: BTreeMap::new(),
             }),
             uncertainty: Uncertainty::default(),
-            signal: self.signal,
+            signal: Signal {
+                torque_sign: if self.position_alone { 1.0 } else { self.signal.torque_sign },
+                ..self.signal
+            },
             files: Files::default(),
             columns: Columns {
                 time: column(("time_s", Unit::Second)),
                 position: column(position),
-                torque: column(torque),
-                from_current: None,
-                command: None,
+                torque: column(if law.is_some() { command_of(model.joint.kind) } else { torque }),
+                torque_from: law.map(TorqueFrom::Controller),
+                command: law.map(|_| column(command_of(model.joint.kind))),
                 rate_hz: None,
                 velocity: None,
                 current: None,
@@ -85,7 +95,7 @@ pub(super) fn other_column(joint: &str, kind: JointKind) -> (String, Unit) {
     }
 }
 
-/// Name and unit of the column of what was commanded, of which `campaign.toml` says nothing.
+/// Name and unit of the column of what was commanded.
 pub(super) fn command_of(kind: JointKind) -> (&'static str, Unit) {
     match kind {
         JointKind::Revolute => ("command_deg", Unit::Degree),

@@ -2,9 +2,8 @@
 
 use super::campaign::{columns_of, command_of, other_column, reference_of};
 use super::{Made, Plan, PlannedTrial};
-use crate::dynamics::JointKind;
 use crate::log::table::{Numbers, csv_bytes, parquet_bytes};
-use crate::model::Model;
+use crate::model::{Joint, Model};
 use crate::problem::Result;
 use crate::units::Unit;
 use std::path::PathBuf;
@@ -19,14 +18,15 @@ struct Written {
 impl Plan {
     /// The bytes of one trial's log.
     pub fn log_bytes(&self, model: &Model, trial: &PlannedTrial) -> Result<Vec<u8>> {
-        let columns = self.columns(model.joint.kind, self.make(model, trial));
+        let columns = self.columns(&model.joint, self.make(model, trial));
         let numbers: Vec<Numbers> =
             columns.iter().map(|c| Numbers { name: &c.name, values: &c.values, decimals: c.decimals }).collect();
         let file = PathBuf::from(&trial.entry.file);
         if self.parquet { parquet_bytes(&file, &numbers) } else { Ok(csv_bytes(&numbers)) }
     }
 
-    fn columns(&self, kind: JointKind, made: Made) -> Vec<Written> {
+    fn columns(&self, joint: &Joint, made: Made) -> Vec<Written> {
+        let kind = joint.kind;
         // Two digits below the noise, ten without any.
         let noise_nm = self.sensors.torque_noise_nm;
         let torque_decimals = if noise_nm > 0.0 { (3.0 - noise_nm.log10()).clamp(3.0, 10.0) as usize } else { 10 };
@@ -36,13 +36,15 @@ impl Plan {
             values: values.iter().map(|x| x / unit.factor()).collect(),
             decimals: position_decimals,
         };
-        let (own, (torque_name, _)) = columns_of(kind);
+        let (own, (torque_name, _)) = columns_of(kind, joint.drive);
         let torque = made.recording.torque_nm.iter().map(|y| y * self.signal.torque_sign).collect();
         let mut columns = vec![
             Written { name: "time_s".to_string(), values: made.recording.time_s, decimals: 5 },
             position(own, &made.recording.position_rad),
-            Written { name: torque_name.to_string(), values: torque, decimals: torque_decimals },
         ];
+        if !self.position_alone {
+            columns.push(Written { name: torque_name.to_string(), values: torque, decimals: torque_decimals });
+        }
         for ((joint, kind), positions) in self.other_joints().iter().zip(&made.recording.others_rad) {
             let (name, unit) = other_column(joint, *kind);
             columns.push(position((&name, unit), positions));

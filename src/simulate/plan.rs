@@ -30,6 +30,8 @@ pub struct Plan {
     pub tracking_error_rad: f64,
     /// What drives the joint along its trajectory; a joint without it moves as prescribed.
     pub controller: Option<Controller>,
+    /// Whether logs hold command and position in place of the torque.
+    pub position_alone: bool,
     /// Sample rate, Hz.
     pub rate_hz: f64,
     /// Sensors.
@@ -116,6 +118,7 @@ impl List<'_> {
             repeat,
             trajectory: trajectory.name_in_a_campaign(),
             capture: None,
+            controller: None,
         };
         // From the first stamp to the last: so the clock of a campaign is read back from its logs.
         let (samples, began_s) = (trajectory.samples(self.plan.rate_hz), self.now_s);

@@ -191,7 +191,7 @@ prop_compose! {
             position: take(Unit::Degree),
             torque: take(Unit::NewtonMetre),
             rate_hz: None,
-            from_current: None,
+            torque_from: None,
             command: None,
             velocity: given[0].then(|| take(Unit::Rpm)),
             current: given[1].then(|| take(Unit::Ampere)),

@@ -249,3 +249,26 @@ fn parquet_holes_and_texts_are_faults() {
     let found = found.expect_err("a fault").to_string();
     assert!(found.contains("`text`: holds str; expected numbers in N m"), "{found}");
 }
+
+#[test]
+fn dates_and_times_are_time_stamps() {
+    let plain = read_first(folder(CAMPAIGN, sweep()).path()).unwrap();
+    let text = sweep();
+    let mut lines = text.lines();
+    let header = lines.next().unwrap();
+    let stamped = |line: &str| {
+        let (t, rest) = line.split_once(',').unwrap();
+        format!("2025-03-04T12:00:{:07.4}Z,{rest}\n", 10.0 + t.parse::<f64>().unwrap())
+    };
+    let log = read_first(folder(CAMPAIGN, format!("{header}\n{}", lines.map(stamped).collect::<String>())).path());
+    let log = log.expect("reads");
+    assert!((log.rate_hz - 1000.0).abs() < 1e-6 && log.torque_nm == plain.torque_nm, "{}", log.rate_hz);
+
+    // As pandas writes it: datetime64[us], and timedelta64[ns].
+    let bytes = std::fs::read("tests/reference/import/datetime.parquet").unwrap();
+    for column in ["name = \"t\", unit = \"s\"", "name = \"elapsed\", unit = \"ns\""] {
+        let campaign = CAMPAIGN.replace("name = \"t\", unit = \"s\"", column);
+        let log = read_parquet(&campaign, &bytes).expect("reads");
+        assert!((log.rate_hz - 1000.0).abs() < 1e-6, "{column}: {}", log.rate_hz);
+    }
+}

@@ -158,6 +158,7 @@ impl Arguments {
             other_joints: self.other_joints as usize,
             tracking_error_rad: self.tracking_error_rad,
             controller: None,
+            position_alone: self.motor.position_alone,
             rate_hz: self.rate_hz,
             sensors: Sensors { torque_noise_nm: self.noise_nm, encoder_counts: self.encoder_counts },
             seed: self.seed,

@@ -24,6 +24,9 @@ pub struct Motor {
     /// The controller adds the torque that the model without --effect predicts along the command
     #[arg(long, requires = "closed_loop", help_heading = "Closed loop")]
     feedforward: bool,
+    /// Logs hold no torque, and the campaign declares the command and the controller instead
+    #[arg(long, requires = "closed_loop", conflicts_with_all = ["feedforward", "torque_sign"], help_heading = "Closed loop")]
+    pub position_alone: bool,
 }
 
 impl Motor {

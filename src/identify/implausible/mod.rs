@@ -89,7 +89,7 @@ pub fn implausible(campaign: &Campaign, readings: &[Reading]) -> Vec<Doubt> {
     let Some(found) = fit(&rows.concat()) else { return Vec::new() };
     let mut doubts = Vec::new();
     doubts.extend(sign(&found));
-    let is_scaled = campaign.columns.from_current.is_none_or(|from| from.torque_constant_nm_a.is_some());
+    let is_scaled = campaign.columns.torque_from.is_none_or(|from| from.is_scaled());
     let legs = legs_of(readings);
     if doubts.is_empty() && found.has_load && is_scaled {
         doubts.extend(gain(campaign, &by_legs(campaign, found, &legs)));

@@ -62,14 +62,15 @@ class Campaign:
         lowpass_hz: float = 5.0,
         lowpass_order: int = 4,
         uncertainty: Optional[Mapping[str, float]] = None,
+        controller: Optional[Mapping[str, Any]] = None,
         folder: Optional[PathLike] = None,
     ) -> "Campaign":
         """Makes a campaign of arrays.
 
-        Each of `trials` maps `time_s`, `position_rad`, `torque_nm` (or `current_a`; for a slide m and N under the same names), and
+        Each of `trials` maps `time_s`, `position_rad`, `torque_nm` (or `current_a`, or `command_rad`; for a slide m and N under the same names), and
         whatever else was recorded, to arrays of one length, and `protocol` (`uniform` with `speed_rad_s`, `cosine`, `free`,
-        `interaction`), `repeat` and `trajectory` to values. `joint`, `dynamics` and `uncertainty` hold the keys of these sections
-        of campaign.toml. Without a `folder` the logs live as long as the object.
+        `interaction`), `repeat` and `trajectory` to values. `joint`, `dynamics`, `uncertainty` and `controller` (for `command_rad`
+        without a torque) hold the keys of these sections of campaign.toml. Without a `folder` the logs live as long as the object.
         """
         trials = list(trials)
         if not trials:
@@ -87,6 +88,7 @@ class Campaign:
         lines += _section("joint", {"name": "joint", **joint}) + _section("dynamics", dynamics)
         lines += _section("uncertainty", uncertainty) if uncertainty else []
         lines += _section("signal", {"torque_sign": int(torque_sign), "lowpass_hz": float(lowpass_hz), "lowpass_order": lowpass_order})
+        lines += _section("controller", controller) if controller else []
         lines += ["[columns]"] + [f'{UNITS[name][0]} = {{ name = "{name}", unit = "{units[name]}" }}' for name in names]
         for number, trial in enumerate(trials, 1):
             if [name for name in trial if name not in TRIAL_KEYS] != names:

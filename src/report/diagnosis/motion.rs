@@ -15,7 +15,7 @@ const FOLLOWS_MIN: f64 = 0.05;
 
 /// What there is to say of `gap`, a sentence each, most important first.
 pub fn lines(gap: &MotionGap, kind: JointKind) -> Vec<String> {
-    let units = Units::of(kind);
+    let units = Units::of_kind(kind);
     let (rmse, peak) = (length(gap.rmse_rad, kind), length(gap.peak_rad(), kind));
     let torque = units.torque(gap.rmse_nm);
     if !gap.is_there {

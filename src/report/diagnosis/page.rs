@@ -54,7 +54,7 @@ pub fn page(found: &Diagnosis, campaign: &str, model: &str) -> Page {
 }
 
 fn cards(found: &Diagnosis) -> Vec<Card> {
-    let units = Units::of(found.before.joint.kind);
+    let units = Units::of(&found.before.joint);
     let (gap, verdict) = (&found.gap, &found.verdict);
     let card = |name: &str, value: String, note: String| Card { name: name.to_string(), value, note };
     let source = match gap.floor.source {

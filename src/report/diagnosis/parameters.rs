@@ -55,7 +55,7 @@ impl Shown {
 /// The parameters of `candidate`: a ripple's by its period and the amplitudes of harmonics that are told from zero; without
 /// what is zero before and after.
 pub fn shown(candidate: &Candidate, found: &Diagnosis) -> Vec<Shown> {
-    let units = Units::of(found.before.joint.kind);
+    let units = Units::of(&found.before.joint);
     let stale = matches!(candidate.cause, Cause::Stale(_));
     let before = |name: &str| if stale { of_model(&found.before, name) } else { None };
     let harmonics = amplitudes(&candidate.parameters);

@@ -18,7 +18,7 @@ fn table(intro: &str, heads: &[&str], rows: Vec<Vec<String>>) -> Option<Table> {
 
 /// Every cause that was tried, best first.
 pub fn candidates_table(found: &Diagnosis) -> Option<Table> {
-    let units = Units::of(found.before.joint.kind);
+    let units = Units::of(&found.before.joint);
     let row = |candidate: &Candidate| {
         let rival_of = taken(found).filter(|taken| taken.trades_with.contains(&candidate.cause));
         let role = match Role::of(candidate, found) {
@@ -67,7 +67,7 @@ pub fn changes_table(found: &Diagnosis) -> Option<Table> {
 
 /// Where the gap lies; nothing where there is none.
 pub fn places_table(found: &Diagnosis) -> Option<Table> {
-    let units = Units::of(found.before.joint.kind);
+    let units = Units::of(&found.before.joint);
     let row = |at: &crate::diagnose::Place| {
         vec![
             place(at.region).to_string(),
@@ -88,7 +88,7 @@ pub fn places_table(found: &Diagnosis) -> Option<Table> {
 
 /// Stretches of contact, the largest first.
 pub fn contacts_table(found: &Diagnosis) -> Option<Table> {
-    let units = Units::of(found.before.joint.kind);
+    let units = Units::of(&found.before.joint);
     let mut all: Vec<&crate::diagnose::Contact> = found.contacts.iter().collect();
     all.sort_by(|a, b| b.peak_nm.abs().total_cmp(&a.peak_nm.abs()));
     let row = |contact: &&crate::diagnose::Contact| {

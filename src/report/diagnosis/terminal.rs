@@ -44,7 +44,7 @@ pub fn write_summary(out: &mut impl Write, found: &Diagnosis, campaign: &str, wr
 }
 
 fn gap(out: &mut impl Write, found: &Diagnosis) -> io::Result<()> {
-    let units = Units::of(found.before.joint.kind);
+    let units = Units::of(&found.before.joint);
     let (gap, verdict) = (&found.gap, &found.verdict);
     heading(out, &format!("Gap above the floor, on held-out {}", found.held_out))?;
     let mut row = |name: &str, value_nm: f64, note: String| {
@@ -71,7 +71,7 @@ fn motion(out: &mut impl Write, found: &Diagnosis) -> io::Result<()> {
 }
 
 fn places(out: &mut impl Write, found: &Diagnosis) -> io::Result<()> {
-    let units = Units::of(found.before.joint.kind);
+    let units = Units::of(&found.before.joint);
     if found.places.is_empty() || found.verdict.kind == Kind::None {
         return Ok(());
     }

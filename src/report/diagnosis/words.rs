@@ -14,7 +14,7 @@ const MUCH: f64 = 0.1;
 
 /// The verdict in a sentence or three.
 pub fn verdict(found: &Diagnosis) -> String {
-    let units = Units::of(found.before.joint.kind);
+    let units = Units::of(&found.before.joint);
     kept_together(&match found.verdict.kind {
         Kind::None => nothing(found, &units),
         Kind::Stale => format!("{} {}", stale(found), shrinks("Refitted, the gap", found, &units)),
@@ -51,7 +51,7 @@ pub fn kept_together(text: &str) -> String {
 
 /// What the verdict rests on, a sentence each.
 pub fn grounds(found: &Diagnosis) -> Vec<String> {
-    let units = Units::of(found.before.joint.kind);
+    let units = Units::of(&found.before.joint);
     let gap = &found.gap;
     let mut all = vec![format!(
         "As delivered the model leaves {} RMSE. The floor, what no model could explain, is {}, {}; above it lie {}, of which \

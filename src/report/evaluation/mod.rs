@@ -15,7 +15,7 @@ use std::path::Path;
 
 /// Writes the summary to `out`; `written` is where the files went.
 pub fn write_summary(out: &mut impl Write, found: &Evaluation, campaign: &str, written: &Path) -> io::Result<()> {
-    let units = Units::of(found.model.joint.kind);
+    let units = Units::of(&found.model.joint);
     let trials = counted(found.trials.len(), "trial", "trials");
     writeln!(
         out,

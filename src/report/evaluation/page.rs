@@ -10,7 +10,7 @@ use crate::report::wording::Units;
 
 /// The page of `found`.
 pub fn page(found: &Evaluation, campaign: &str, model: &str) -> Page {
-    let units = Units::of(found.model.joint.kind);
+    let units = Units::of(&found.model.joint);
     let overall = found.overall();
     let card = |name: &str, value: String, note: String| Card { name: name.to_string(), value, note };
     let raw = found.together(|t| &t.raw).all;

@@ -21,7 +21,7 @@ pub fn figure(found: &Identification) -> Option<Figure> {
     if found.legs.is_empty() {
         return None;
     }
-    let units = Units::of(found.model.joint.kind);
+    let units = Units::of(&found.model.joint);
     let legs = Direction::BOTH.map(|d| found.legs.iter().filter(|leg| leg.direction == d).collect::<Vec<&LegFit>>());
     let reach = [0, 1].map(|i| reach(&legs[i], fits.of(Direction::BOTH[i]).a)).into_iter().fold(0.0, f64::max);
     let x = Axis::log(format!("speed ({})", units.speed), found.legs.iter().map(|leg| leg.speed_rad_s));

@@ -20,7 +20,7 @@ fn strokes(color: Color) -> [(&'static str, Stroke); 2] {
 }
 
 fn friction(found: &Comparison) -> Figure {
-    let units = Units::of(found.before.joint.kind);
+    let units = Units::of(&found.before.joint);
     let x = Axis::log(format!("speed ({})", units.speed), [SPEEDS_RAD_S.0, SPEEDS_RAD_S.1]);
     let curve = |model: &Model, direction| -> Vec<Point> {
         x.spread(SPEEDS_RAD_S.0, SPEEDS_RAD_S.1, 200).into_iter().map(|v| (v, model.b_nm(direction, v))).collect()
@@ -66,7 +66,7 @@ fn combination(found: &Comparison) -> Figure {
 }
 
 fn prediction(found: &Comparison) -> Figure {
-    let units = Units::of(found.before.joint.kind);
+    let units = Units::of(&found.before.joint);
     let effect = &found.effect;
     let over_time =
         |values: &[f64]| -> Vec<Point> { effect.time_s.iter().copied().zip(values.iter().copied()).collect() };

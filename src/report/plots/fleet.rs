@@ -63,7 +63,7 @@ impl<'a> History<'a> {
             None => ((1..=joint.rows.len()).map(|i| i as f64).collect(), "campaign".to_string(), Vec::new()),
         };
         let kind = fleet.rows[joint.since].model.as_ref().map(|model| model.joint.kind).unwrap_or_default();
-        Self { joint, units: Units::of(kind), times, label, retensioned }
+        Self { joint, units: Units::of_kind(kind), times, label, retensioned }
     }
 
     fn figure(&self, at: usize) -> Figure {

@@ -19,7 +19,7 @@ const CAPTION: &str = "B of each leg with the fitted forms; below, what the form
 /// B against speed, a column for each direction; `None` without legs.
 pub fn figure(found: &Identification) -> Option<Figure> {
     let Route::Sweeps(fits) = &found.route else { return None };
-    let units = Units::of(found.model.joint.kind);
+    let units = Units::of(&found.model.joint);
     let columns = Direction::BOTH.map(|direction| column(fits.of(direction), &units));
     let [(upper_up, lower_up), (upper_down, lower_down)] = columns;
     let figure = Figure::new("friction", "Friction against speed, B(v)", CAPTION);

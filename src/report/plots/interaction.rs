@@ -17,7 +17,7 @@ pub fn figures(found: &Interaction) -> Vec<(String, Figure)> {
 }
 
 fn figure(found: &Interaction, trial: &TrialInteraction) -> Figure {
-    let units = Units::of(found.model.joint.kind);
+    let units = Units::of(&found.model.joint);
     let extracted = &trial.extracted;
     let name = &trial.entry.file;
     let reference = extracted.reference_nm.as_ref();

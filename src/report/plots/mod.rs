@@ -14,6 +14,7 @@ mod residual_cloud;
 mod residual_time;
 mod sweep;
 mod transition;
+pub mod validation;
 
 use super::chart::Figure;
 use crate::identify::Identification;

@@ -30,7 +30,7 @@ const SPEED: &str = "The same against speed, logarithmic away from zero. A media
 
 /// Against position; `None` without residuals.
 pub fn against_position(found: &Identification) -> Option<Figure> {
-    let units = Units::of(found.model.joint.kind);
+    let units = Units::of(&found.model.joint);
     let of = |r: &Residual, i: usize| units.position_factor * r.position_rad[i];
     let clouds = Direction::BOTH.map(|direction| cloud(&found.residuals, direction, of));
     let (low, high) = span(clouds.iter().flatten().map(|p| p.0));
@@ -41,7 +41,7 @@ pub fn against_position(found: &Identification) -> Option<Figure> {
 
 /// Against speed, with its sign; `None` without residuals.
 pub fn against_speed(found: &Identification) -> Option<Figure> {
-    let units = Units::of(found.model.joint.kind);
+    let units = Units::of(&found.model.joint);
     let clouds = Direction::BOTH.map(|direction| cloud(&found.residuals, direction, |r, i| r.velocity_rad_s[i]));
     let (low, high) = span(clouds.iter().flatten().map(|p| p.0));
     let from = SLOW * low.abs().max(high.abs());
@@ -70,7 +70,7 @@ fn panel(found: &Identification, x: Axis, mut clouds: [Vec<Point>; 2], bins: usi
     if clouds.iter().all(Vec::is_empty) {
         return None;
     }
-    let units = Units::of(found.model.joint.kind);
+    let units = Units::of(&found.model.joint);
     let (low, high) = usual(&clouds);
     let (unit, factor) = units.torque_scale(low.abs().max(high.abs()));
     clouds.iter_mut().flatten().for_each(|p| p.1 *= factor);

@@ -30,7 +30,7 @@ pub fn figure(found: &Identification) -> Option<Figure> {
     if trials.is_empty() {
         return None;
     }
-    let units = Units::of(found.model.joint.kind);
+    let units = Units::of(&found.model.joint);
     let ranges: Vec<Point> = trials.iter().map(|(trial, _)| range_nm(trial)).collect();
     let (unit, factor) = units.torque_scale(ranges.iter().fold(0.0, |m: f64, r| m.max(-r.0).max(r.1)));
     let mut figure = Figure::new("residual_time", "Residual against time", CAPTION);

@@ -12,7 +12,7 @@ const CAPTION: &str = "Torque of the sweep of middle speed: as recorded, after t
 /// Torque against time; `None` without a sweep.
 pub fn figure(found: &Identification) -> Option<Figure> {
     let trace = found.trace.as_ref().filter(|trace| !trace.time_s.is_empty())?;
-    let units = Units::of(found.model.joint.kind);
+    let units = Units::of(&found.model.joint);
     let (from_s, to_s) = span(trace.time_s.iter().copied());
     let fitted = trace.legs.iter().flat_map(|(_, line)| line.iter().map(|p| p.1));
     let y = Axis::around(format!("torque ({})", units.torque), trace.raw_nm.iter().copied().chain(fitted), 0.04);

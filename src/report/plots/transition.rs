@@ -33,7 +33,7 @@ pub fn figure(found: &Identification) -> Option<Figure> {
         panel.dots(format!("sample, {}", moving(direction)), dots, 1.4, palette::direction(direction), 0.25);
     }
     // The bold one first: where another coincides with it, that one's dashes show on it.
-    let units = Units::of(found.model.joint.kind);
+    let units = Units::of(&found.model.joint);
     let rest = (0..fit.curves.len()).filter(|at| *at != fit.taken);
     [fit.taken].into_iter().chain(rest).for_each(|at| add_curve(&mut panel, fit, at, (found, &units)));
     for direction in Direction::BOTH {

@@ -3,6 +3,7 @@
 use super::super::driven::asked;
 use crate::dynamics::{Chain, Motion};
 use crate::effects::Sample;
+use crate::log::{Controller as Law, Damped};
 use crate::model::Model;
 use crate::problem::{Problem, Result};
 use serde_json::{Value, json};
@@ -87,6 +88,16 @@ impl Controller {
             + self.damping_nm_s_rad * (command.velocity_rad_s - own.velocity);
         let wanted_nm = command.feedforward_nm + transmission * behind_nm;
         wanted_nm.min(self.torque_limit_nm).max(-self.torque_limit_nm)
+    }
+
+    /// What `campaign.toml` says of it, all at the joint; what it adds as feedforward is not among it.
+    pub fn law(&self, transmission: f64) -> Law {
+        Law {
+            stiffness_nm_rad: Some(self.stiffness_nm_rad),
+            damping_nm_s_rad: self.damping_nm_s_rad,
+            damped: Damped::Error,
+            torque_limit_nm: Some(self.torque_limit_nm / transmission).filter(|limit| limit.is_finite()),
+        }
     }
 
     /// For people who want to know what was chosen; a limit that is infinite becomes null.

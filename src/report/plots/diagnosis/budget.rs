@@ -32,7 +32,7 @@ pub struct Part {
 
 /// The waterfall.
 pub fn figure(found: &Diagnosis) -> Figure {
-    let units = Units::of(found.before.joint.kind);
+    let units = Units::of(&found.before.joint);
     let parts = parts(found);
     let whole: f64 = parts.iter().map(|part| part.square).sum::<f64>().max(f64::MIN_POSITIVE);
     let names = std::iter::once("as delivered".to_string()).chain(parts.iter().map(|part| part.name.clone()));

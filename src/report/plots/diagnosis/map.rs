@@ -39,7 +39,7 @@ struct Map {
 
 /// Both maps; `None` without samples.
 pub(super) fn figure(found: &Diagnosis) -> Option<Figure> {
-    let units = Units::of(found.before.joint.kind);
+    let units = Units::of(&found.before.joint);
     let map = map(found, &units);
     let mut all: Vec<f64> = map.rms_nm.iter().flatten().copied().filter(|rms| rms.is_finite()).collect();
     if all.is_empty() {

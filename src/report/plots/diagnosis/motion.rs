@@ -12,7 +12,7 @@ const CAPTION: &str = "From above: position as recorded and as simulated for the
 /// Three panels over time; `None` without a trial.
 pub fn figure(gap: &MotionGap, kind: JointKind) -> Option<Figure> {
     let trial = gap.trials.iter().max_by(|a, b| a.rmse_rad().total_cmp(&b.rmse_rad()))?;
-    let units = Units::of(kind);
+    let units = Units::of_kind(kind);
     let unit = if kind == JointKind::Revolute { "mrad" } else { "mm" };
     let apart: Vec<f64> = trial.position_difference_rad().iter().map(|x| 1e3 * x).collect();
     let position = difference(trial, "position difference", &apart, unit, (palette::VERMILION, false));

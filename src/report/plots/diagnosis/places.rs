@@ -20,7 +20,7 @@ pub(super) fn figure(found: &Diagnosis) -> Option<Figure> {
     if places.is_empty() || found.verdict.kind == Kind::None {
         return None;
     }
-    let units = Units::of(found.before.joint.kind);
+    let units = Units::of(&found.before.joint);
     let x = Axis::linear("share of the gap's energy above the floor (%)", 0.0, 100.0);
     let mut panel = Panel::new(x, Axis::names(places.iter().map(|at| place(at.region).to_string())));
     for (row, at) in places.iter().enumerate() {

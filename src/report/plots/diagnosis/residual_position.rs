@@ -18,7 +18,7 @@ const CAPTION: &str = "All trials: samples (dots), median (line) and the range t
 
 /// Both clouds; `None` without samples.
 pub(super) fn figure(found: &Diagnosis) -> Option<Figure> {
-    let units = Units::of(found.before.joint.kind);
+    let units = Units::of(&found.before.joint);
     let reach_nm = reach_nm(found, &found.views);
     let (unit, factor) = units.torque_scale(reach_nm);
     let clouds = [0, 1].map(|which| Direction::BOTH.map(|direction| cloud(found, which, direction, (&units, factor))));

@@ -30,7 +30,7 @@ pub(super) fn order(found: &Diagnosis) -> Vec<usize> {
 
 /// Position, residual before, residual after.
 fn figure(found: &Diagnosis, view: &View, at: usize) -> Figure {
-    let units = Units::of(found.before.joint.kind);
+    let units = Units::of(&found.before.joint);
     let reach_nm = reach_nm(found, [view]);
     let (unit, factor) = units.torque_scale(reach_nm);
     let reach = factor * reach_nm * (1.0 + ROOM);

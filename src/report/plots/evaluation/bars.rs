@@ -32,7 +32,7 @@ pub(super) fn figure(evaluation: &Evaluation) -> Figure {
 }
 
 fn panel(evaluation: &Evaluation, name: &str, title: &str, part: Part, of: fn(&Figures) -> f64) -> Panel {
-    let units = Units::of(evaluation.model.joint.kind);
+    let units = Units::of(&evaluation.model.joint);
     let spread = |at: usize| Spread::of(evaluation.trials.iter().map(|t| of(&part(&t.rivals[at]))));
     let values: Vec<Spread> = (0..evaluation.rivals.len()).map(spread).collect();
     let end = |s: &Spread| s.mean + if s.sd.is_finite() { s.sd } else { 0.0 };

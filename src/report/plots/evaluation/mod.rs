@@ -44,7 +44,7 @@ pub fn bars(evaluation: &Evaluation) -> Figure {
 
 /// The figures of each trial, by its name.
 pub fn trials(evaluation: &Evaluation) -> Vec<(String, Vec<Figure>)> {
-    let units = Units::of(evaluation.model.joint.kind);
+    let units = Units::of(&evaluation.model.joint);
     let mut slugs: Vec<String> = Vec::new();
     let mut all = Vec::new();
     for (at, trial) in evaluation.trials.iter().enumerate() {
