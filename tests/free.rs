@@ -31,7 +31,15 @@ fn cosines(model: &Model, periods_s: &[f64], trials: u32, protocol: Protocol) ->
         let rows: String = log.time_s.iter().zip(&log.position_rad).zip(&log.torque_nm).map(row).collect();
         let file = format!("cosine_{repeat}.csv");
         std::fs::write(folder.path().join(&file), format!("time_s,position_deg,torque_nm\n{rows}")).unwrap();
-        campaign.trials.push(TrialEntry { file, part: None, protocol, repeat, trajectory: None, capture: None });
+        campaign.trials.push(TrialEntry {
+            file,
+            part: None,
+            protocol,
+            repeat,
+            trajectory: None,
+            capture: None,
+            controller: None,
+        });
     }
     std::fs::write(folder.path().join("campaign.toml"), campaign.to_toml()).unwrap();
     folder

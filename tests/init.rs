@@ -187,3 +187,25 @@ fn what_names_do_not_tell_is_asked_not_guessed() {
     assert_protocols(&found);
     assert_leads_to_identify(&campaign);
 }
+
+#[test]
+fn logs_of_command_and_position_ask_for_no_torque() {
+    let wanted = tautline::simulate::Wanted { stiffness_nm_rad: Some(60.0), ..Default::default() };
+    let controller = tautline::simulate::Controller::new(wanted, &truth(), &truth(), None).unwrap();
+    let controller = Some(controller);
+    let recorded = record(&truth(), &Plan { speeds: 4, rate_hz: 100.0, controller, position_alone: true, ..plan() });
+    std::fs::remove_file(recorded.path().join("campaign.toml")).unwrap();
+    let out = recorded.path().join("campaign");
+    let found = init(recorded.path(), &out, &["--json"]);
+    let asked = keys(&found);
+    assert!(!asked.iter().any(|key| key.contains("torque")), "{asked:?}");
+    let text = std::fs::read_to_string(out.join("campaign.toml")).unwrap();
+    assert!(text.contains("command = { name = \"command_deg\", unit = \"deg\" }") && text.contains("torque_sign = 1"));
+    assert!(text.contains("[controller]") && text.contains("# stiffness_nm_rad"), "{text}");
+
+    let out = recorded.path().join("answered");
+    let answers: Vec<&str> = ANSWERS.iter().filter(|answer| !answer.starts_with("--torque-sign")).copied().collect();
+    init(recorded.path(), &out, &[&answers[..], &["--stiffness-nm-rad=60"]].concat());
+    let done = tautline(&["validate", out.to_str().unwrap(), "--strict"]);
+    assert!(done.status.success(), "{}", String::from_utf8_lossy(&done.stderr));
+}

@@ -7,8 +7,9 @@ usage: scripts/real/bam.py CLONE [--binary target/release/tautline] [--held-out 
 
 Sixteen logs of a Dynamixel XL330 with a pendulum (0.49 kg at 0.1 m) stood in the repository at the commit below: four commands under
 four gains of its position controller, 6 s each, with the models that their authors identified from them (m1, m2, m6). The servo's
-law is theirs: the duty cycle is proportional to the error, the torque kt/R (V - kt dq/dt). The logs of one gain are held out of
-tautline's identification; the published models may have seen them. `lift_and_drop`, which switches the motor off, is left out.
+law is theirs: the duty cycle is proportional to the error, the torque kt/R (V - kt dq/dt). The logs of each gain in turn are held
+out of `tautline identify` and of `diagnose`, which adds to the model what the others lack; the published models may have seen
+them. `lift_and_drop`, which switches the motor off, is left out.
 Error: RMSE of the voltage that a model asks for along the recorded motion against the voltage that the controller gave, both low-passed,
 while the joint moves (at rest dry friction holds it under many voltages). A torque would depend on each model's own kt and R, a
 voltage does not. Ends with status 1 where tautline's is above the best published one. Needs NumPy and SciPy.
@@ -118,7 +119,8 @@ def main():
             campaign(root / f"unseen_{kp}", unseen, known[LAW])
             run = lambda *words: subprocess.run([str(a.binary), *map(str, words), "--quiet"], check=True)
             run("identify", root / f"seen_{kp}", "-o", root / f"model_{kp}")
-            run("predict", root / f"unseen_{kp}", "--model", root / f"model_{kp}" / "model.json", "-o", root / f"predicted_{kp}")
+            run("diagnose", root / f"seen_{kp}", "--model", root / f"model_{kp}" / "model.json", "-o", root / f"found_{kp}")
+            run("predict", root / f"unseen_{kp}", "--model", root / f"found_{kp}" / "model.json", "-o", root / f"predicted_{kp}")
             for log, values in unseen:
                 table = np.genfromtxt(root / f"predicted_{kp}" / f"{log['trajectory']}_{kp}.csv", delimiter=",", names=True)
                 t, goal, q = (np.interp(table["time_s"], values[:, 0], values[:, at]) for at in range(3))

@@ -71,8 +71,8 @@ pub(super) fn any_numbers(file: &Path, want: &Wanted) -> Result<Option<Vec<f64>>
 
 /// `numbers` of a column of dates or times in the unit of `want`; others as they are.
 fn in_unit(mut numbers: Vec<f64>, want: &Wanted, metadata: &FileMetadataRef) -> Vec<f64> {
-    if let Some(count_s) = stamp::counted_in_s(metadata, &want.column.name) {
-        numbers.iter_mut().for_each(|count| *count *= count_s / want.column.unit.factor());
+    if let Some((count_s, origin_s)) = stamp::counted_in_s(metadata, &want.column.name) {
+        numbers.iter_mut().for_each(|count| *count = (*count * count_s - origin_s) / want.column.unit.factor());
     }
     numbers
 }

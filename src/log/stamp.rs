@@ -1,6 +1,7 @@
 //! Dates and times of day as time stamps: ISO 8601 and the forms that spreadsheets write, as texts; Parquet's timestamps.
 //!
-//! A stamp counts in seconds since 1970, a time of day since midnight; what zone a clock was set to does not matter within a campaign.
+//! A stamp counts in seconds since 2020 (since 1970 a double would hold them to 0.2 us only), a time of day since midnight; what zone
+//! a clock was set to does not matter within a campaign.
 
 use super::columns::Wanted;
 use crate::units::Quantity;
@@ -12,6 +13,8 @@ use polars_parquet::parquet::schema::types::{
 };
 use std::sync::Arc;
 
+/// From 1970 to 2020, s.
+const ORIGIN_S: i64 = 1_577_836_800;
 /// The longest text that can be a stamp: `2025-03-04T12:00:00.123456789+01:00`.
 const LONGEST: usize = 40;
 /// Forms without a zone.
@@ -41,28 +44,33 @@ pub(super) fn seconds(field: &[u8]) -> Option<f64> {
     let in_zone = || DateTime::parse_from_rfc3339(&text.replacen(' ', "T", 1)).ok().map(|at| at.to_utc());
     let date = FORMS.iter().find_map(|form| NaiveDateTime::parse_from_str(&text, form).ok()).map(of_date);
     if let Some(date) = date.or_else(in_zone) {
-        return Some(date.timestamp() as f64 + 1e-9 * f64::from(date.timestamp_subsec_nanos()));
+        return Some((date.timestamp() - ORIGIN_S) as f64 + 1e-9 * f64::from(date.timestamp_subsec_nanos()));
     }
     let of_day = NaiveTime::parse_from_str(&text, "%H:%M:%S%.f").ok()?;
     Some(f64::from(of_day.num_seconds_from_midnight()) + 1e-9 * f64::from(of_day.nanosecond()))
 }
 
-/// What a count of a Parquet column of dates or times is in s; `None` of a column of another type.
-pub(super) fn counted_in_s(metadata: &FileMetadata, name: &str) -> Option<f64> {
+/// What a count of a Parquet column of dates or times is in s, and what is to be taken from it then; `None` of a column of another type.
+pub(super) fn counted_in_s(metadata: &FileMetadata, name: &str) -> Option<(f64, f64)> {
     let of = metadata.schema_descr.fields().iter().find(|field| field.get_field_info().name == name)?;
     let ParquetType::PrimitiveType(PrimitiveType { logical_type, converted_type, .. }) = of else { return None };
     use PrimitiveConvertedType::{TimeMicros, TimeMillis, TimestampMicros, TimestampMillis};
     match (logical_type, converted_type) {
-        (Some(PrimitiveLogicalType::Timestamp { unit, .. } | PrimitiveLogicalType::Time { unit, .. }), _) => {
-            Some(match unit {
-                TimeUnit::Milliseconds => 1e-3,
-                TimeUnit::Microseconds => 1e-6,
-                TimeUnit::Nanoseconds => 1e-9,
-            })
-        }
-        (None, Some(TimestampMillis | TimeMillis)) => Some(1e-3),
-        (None, Some(TimestampMicros | TimeMicros)) => Some(1e-6),
+        (Some(PrimitiveLogicalType::Timestamp { unit, .. }), _) => Some((in_s(unit), ORIGIN_S as f64)),
+        (Some(PrimitiveLogicalType::Time { unit, .. }), _) => Some((in_s(unit), 0.0)),
+        (None, Some(TimestampMillis)) => Some((1e-3, ORIGIN_S as f64)),
+        (None, Some(TimestampMicros)) => Some((1e-6, ORIGIN_S as f64)),
+        (None, Some(TimeMillis)) => Some((1e-3, 0.0)),
+        (None, Some(TimeMicros)) => Some((1e-6, 0.0)),
         _ => None,
+    }
+}
+
+fn in_s(unit: &TimeUnit) -> f64 {
+    match unit {
+        TimeUnit::Milliseconds => 1e-3,
+        TimeUnit::Microseconds => 1e-6,
+        TimeUnit::Nanoseconds => 1e-9,
     }
 }
 
@@ -90,7 +98,7 @@ mod tests {
 
     #[test]
     fn stamps_are_read_however_they_are_written() {
-        let noon = 1_741_089_600.25;
+        let noon = 163_252_800.25;
         for text in [
             "2025-03-04 12:00:00.25",
             "2025-03-04T12:00:00.250Z",

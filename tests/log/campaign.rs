@@ -227,7 +227,7 @@ prop_compose! {
             signal: Signal { torque_sign: -1.0, lowpass_hz: 5.0, lowpass_order: 4 },
             files: Files::default(),
             columns,
-            trials: vec![TrialEntry { file: "a.csv".into(), part: None, protocol, repeat, trajectory, capture: None }],
+            trials: vec![TrialEntry { file: "a.csv".into(), part: None, protocol, repeat, trajectory, capture: None, controller: None }],
             warnings: Vec::new(),
             clock_s: Vec::new(),
         }
