@@ -188,5 +188,5 @@ fn remark(model: &Model, like: &Likeness, source: &str, has_springs: bool) -> St
         lines.push(format!("  - {} kg m^2 of inertia beyond the link's: add it to the link", like.armature_kg_m2));
     }
     // Two dashes end a comment in XML.
-    visible_lines(&lines.join("\n")).replace("--", "- -")
+    visible_lines(&lines.join("\n")).replace("--", "- -").replace("--", "- -")
 }

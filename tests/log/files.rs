@@ -262,13 +262,13 @@ fn dates_and_times_are_time_stamps() {
     };
     let log = read_first(folder(CAMPAIGN, format!("{header}\n{}", lines.map(stamped).collect::<String>())).path());
     let log = log.expect("reads");
-    assert!((log.rate_hz - 1000.0).abs() < 1e-6 && log.torque_nm == plain.torque_nm, "{}", log.rate_hz);
+    assert!((log.rate_hz - 1000.0).abs() < 1e-3 && log.torque_nm == plain.torque_nm, "{}", log.rate_hz);
 
     // As pandas writes it: datetime64[us], and timedelta64[ns].
     let bytes = std::fs::read("tests/reference/import/datetime.parquet").unwrap();
     for column in ["name = \"t\", unit = \"s\"", "name = \"elapsed\", unit = \"ns\""] {
         let campaign = CAMPAIGN.replace("name = \"t\", unit = \"s\"", column);
         let log = read_parquet(&campaign, &bytes).expect("reads");
-        assert!((log.rate_hz - 1000.0).abs() < 1e-6, "{column}: {}", log.rate_hz);
+        assert!((log.rate_hz - 1000.0).abs() < 1e-3, "{column}: {}", log.rate_hz);
     }
 }
