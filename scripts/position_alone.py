@@ -5,8 +5,8 @@ usage: scripts/position_alone.py [--cases 51] [--seed 1] [--binary target/releas
 
 A joint of its own, integrated here step by step: a servo with a stiff position controller of 1 kHz that reads a 14 bit encoder and
 differentiates through a filter, dry friction that holds it at rest, a torque disturbance that makes the floor. The logs, at 200 Hz,
-are handed over twice: with a torque sensor, and as command and position with the declared controller, whose constants are off by
-up to 2 %. Each case has one cause, of 1.5 to 8 floors net of what the base takes up within 5 %. `named` counts verdicts whose
+are handed over twice: with a torque sensor, and as command and position with the declared controller, whose gains share an error of
+up to 2 % (the motor's torque constant; the gains themselves are numbers of the controller). Each case has one cause, of 1.5 to 8 floors net of what the base takes up within 5 %. `named` counts verdicts whose
 causes hold it, alone or with what the data cannot tell from it (`ambiguous`). Ends with status 1 below --need.
 Needs NumPy and SciPy; about 15 s of processor time a case.
 """
@@ -241,8 +241,8 @@ def case(binary, number, effect, seed):
     rng = np.random.default_rng([seed, number])
     joint, command, names, position, torque, floor, strength = made(effect, rng)
     sensed = torque + rng.normal(0, 0.3, torque.shape) * floor * math.sqrt(RATE_HZ / 2 / LOWPASS_HZ)
-    off = lambda: 1 + rng.uniform(-0.02, 0.02)
-    law = {"stiffness_nm_rad": joint.stiffness * off(), "damping_nm_s_rad": joint.damping * off()}
+    off = 1 + rng.uniform(-0.02, 0.02)
+    law = {"stiffness_nm_rad": joint.stiffness * off, "damping_nm_s_rad": joint.damping * off}
     row = {"case": number, "effect": effect, "floors": strength}
     with tempfile.TemporaryDirectory() as scratch:
         scratch = pathlib.Path(scratch)
