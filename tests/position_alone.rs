@@ -54,7 +54,7 @@ fn torque_nm(campaign: &str) -> f64 {
 }
 
 fn refused(campaign: &str) -> String {
-    Campaign::read(folder(campaign).path()).err().expect("is refused").to_string()
+    Campaign::read(folder(campaign).path()).expect_err("is refused").to_string()
 }
 
 #[test]

@@ -22,7 +22,7 @@ const SPEEDS: &str = "Speeds of the sweeps as found against the speeds declared;
 pub fn speeds(understood: &Understood) -> Option<Figure> {
     let (_, unit, factor) = plain(understood);
     let points: Vec<Point> = understood.sweeps().map(|(declared, found)| (factor * declared, factor * found)).collect();
-    let (low, high) = points.first().is_some().then(|| span(points.iter().flat_map(|p| [p.0, p.1])))?;
+    let (low, high) = (!points.is_empty()).then(|| span(points.iter().flat_map(|p| [p.0, p.1])))?;
     let axis = |name: &str| Axis::log(format!("{name} ({unit})"), [low, high]);
     let mut panel = Panel::new(axis("speed declared"), axis("speed found"));
     panel.line("as declared", [(low, low), (high, high)], Stroke::dashed(palette::GREY, 1.2, 6.0, 4.0));
