@@ -4,7 +4,7 @@
 usage: scripts/histories.py [--fleets 60] [--first 0] [--seed 1] [--binary target/release/tautline] [--jobs N] [--need FALSE FOUND LOW HIGH]
 
 A fleet is four joints over two years, a session each month, 30 +- 8 days apart: one to which nothing happens, one that drifts
-(friction, 0.5 to 3 % a month), one with a jump at an unknown time, eight sessions or more after the first (friction of one direction by 8 to 40 %, or A by 3 to
+(friction, 0.5 to 3 % a month), one with a jump at an unknown time, six sessions or more after the first (friction of one direction by 8 to 40 %, or A by 3 to
 10 %),
 one that is retensioned twice (friction by -30 to 40 %, or by nothing). In every second fleet friction follows a recorded
 temperature of the seasons, by 0.2 to 1 % per K. What a session finds is drawn, not recorded: A, B(v) and the parameters scatter by the intervals that
@@ -55,7 +55,7 @@ def life(rng, kind, days, degc, warmth):
         for d in friction:
             friction[d] = [f + told["per_day"] * t for f, t in zip(friction[d], days)]
     elif kind == "jump":
-        told["at"], told["direction"] = rng.randrange(8, SESSIONS - 3), rng.choice(("up", "down"))
+        told["at"], told["direction"] = rng.randrange(FIRST, SESSIONS - 3), rng.choice(("up", "down"))
         of, low, high = rng.choice(((friction, 0.08, 0.4), (friction, 0.08, 0.4), (a, 0.03, 0.1)))
         told["of"], told["by"] = "A" if of is a else "B", rng.choice((-1, 1)) * rng.uniform(low, high)
         series = of[told["direction"]]
