@@ -130,11 +130,18 @@ def calibration(rows):
 
 
 def by_verdict(rows):
-    """What was said: how often, and how often rightly. `diagnose` weights its confidence by such counts."""
+    """What was said: how often, how often rightly, and what was true instead. `diagnose` weights its probabilities by such counts."""
     said = collections.defaultdict(list)
     for r in rows:
-        said[r["verdict"]].append(r["right"])
-    return {verdict: {"cases": len(g), "right": sum(g)} for verdict, g in sorted(said.items())}
+        said[r["verdict"]].append(r)
+
+    def counts(group):
+        wrong = collections.Counter(r["kind"] for r in group if not r["right"])
+        right = sum(r["right"] for r in group)
+        truths = {"none": wrong["none"], "outside": wrong["unknown"]}
+        return {"cases": len(group), "right": right, **truths, "other": len(group) - right - sum(truths.values())}
+
+    return {verdict: counts(group) for verdict, group in sorted(said.items())}
 
 
 def by_strength(rows):
@@ -271,8 +278,11 @@ def table(s):
         f"{p['from']:.2f} to {p['to']:.2f}      {p['verdicts']:9}       {p['said']:.3f}     {percent(p['right'])}  {'#' * round(20 * p['right'])}"
         for p in c["points"]
     ]
-    lines += ["", "verdict said             right of verdicts"]
-    lines += [f"{verdict:24} {v['right']:5} of {v['cases']:3}" for verdict, v in s["by_verdict"].items()]
+    lines += ["", "verdict said             right of verdicts   wrong: nothing missing, outside the library, other causes"]
+    lines += [
+        f"{verdict:24} {v['right']:5} of {v['cases']:3}               {v['none']:5} {v['outside']:5} {v['other']:5}"
+        for verdict, v in s["by_verdict"].items()
+    ]
     lines += ["", "floors net   " + "".join(f"{low:>9g} up" for low in STRENGTHS[:-1]) + "   (right of cases)"]
     lines += [
         f"{kind:10}   " + "".join(f"{round((b['right'] or 0) * b['cases'])} of {b['cases']}".rjust(12) if b["cases"] else "-".rjust(12) for b in bins)

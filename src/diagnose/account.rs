@@ -100,6 +100,11 @@ impl<'a, 'd> Account<'a, 'd> {
         places
     }
 
+    /// Where what the causes leave lies.
+    pub fn remainder(&self) -> Vec<Place> {
+        locate::locate(self.base, &self.explanation.left_nm, &self.explanation.events)
+    }
+
     /// Every candidate, those taken first, then by score.
     pub fn candidates(&self) -> Vec<Candidate> {
         let choice = &self.explanation.choice;
@@ -263,7 +268,8 @@ mod tests {
         // One of the two is predicted after all: it was set aside, and is no contact.
         let contact = events[..1].to_vec();
         let explanation = Explanation { events: contact, ..Explanation::of(&mask, &model, events, &rest_nm, &|| ()) };
-        let floor = Floor { rms_nm: FLOOR_NM, quick_nm: FLOOR_NM, source: FloorSource::Spectrum, relative_error: 0.1 };
+        let (rms_nm, quick_nm, encoder_nm) = (FLOOR_NM, FLOOR_NM, 0.0);
+        let floor = Floor { rms_nm, quick_nm, encoder_nm, source: FloorSource::Spectrum, relative_error: 0.1 };
         let resamples = Resamples::new(&data.folds, &floor);
         let account = Account::new(&base, &explanation, &resamples, &floor);
         let whole = |squares: &[f64]| squares.iter().sum::<f64>();

@@ -2,11 +2,12 @@
 
 use super::base::BaseModel;
 use super::candidates::{Cause, FittedCause, Hypothesis, Round, try_all, try_one};
-use super::criteria::{FLOOR_SHARE, is_makeshift, is_material, is_tie, rivals, seconds, simplest};
+use super::criteria::{FLOOR_SHARE, Requirement, is_makeshift, is_tie, requirements, rivals, seconds, simplest};
 use super::fit::Fit;
 use super::mask::Mask;
 use super::pairs;
 use super::perturbation::{Perturbation, within_confidence};
+use super::verdict::Decision;
 use crate::effects::Extent;
 use crate::model::Model;
 use std::sync::Arc;
@@ -15,6 +16,8 @@ use std::sync::Arc;
 const CAUSES_MAX: usize = 3;
 /// Rounds over the causes found in which each is tried again.
 const SWEEPS: usize = 2;
+/// Of causes that were refused last so many are told.
+const REFUSED_TOLD: usize = 5;
 
 /// Causes found, and all that was tried in the place of each.
 #[derive(Debug)]
@@ -29,6 +32,8 @@ pub struct Choice<'d> {
     pub refused: Vec<FittedCause<'d>>,
     /// The final fit; `rest` if nothing was found.
     pub last: Fit<'d>,
+    /// What each cause that was found reaches, and in what the best of those refused fall short.
+    pub decisions: Vec<Decision>,
 }
 
 /// One cause with its rivals.
@@ -53,13 +58,15 @@ pub fn choose<'d>(mask: &Arc<Mask<'d>>, model: &Model, progress: &(dyn Fn() + Sy
     let first = BaseModel::new(mask, model, within_confidence(model));
     let rest = first.alone();
     let start = rest.score();
-    let search = Search { first, start, progress };
+    let again = mask.again().map(|again| BaseModel::new(&again, model, within_confidence(model)));
+    let search = Search { first, again, start, progress };
     let Forward { chosen, fit, opening, refused } = search.forward(&rest);
     let (steps, last) = match &chosen[..] {
         [] => (Vec::new(), fit),
         [one] => (vec![search.place(one, opening.tried, rest.clone(), &search.first)], fit),
         _ => search.settle(chosen),
     };
+    let decisions = search.decisions(&steps, &last, &refused);
     let of_step = |step: Step<'d>| Found {
         cause: step.taken.cause,
         how: step.taken.how,
@@ -69,7 +76,7 @@ pub fn choose<'d>(mask: &Arc<Mask<'d>>, model: &Model, progress: &(dyn Fn() + Sy
         tried: step.tried,
     };
     let found = steps.into_iter().map(of_step).collect();
-    Choice { found, base: search.first, rest, refused, last }
+    Choice { found, base: search.first, rest, refused, last, decisions }
 }
 
 /// A cause taken, with what it was chosen from.
@@ -95,6 +102,8 @@ struct Forward<'d> {
 /// What all rounds share.
 struct Search<'d, 's> {
     first: BaseModel<'d>,
+    /// The same over the motions as the encoder would have read them once more, of a joint like the model.
+    again: Option<BaseModel<'d>>,
     /// What the base alone leaves, (N m)^2.
     start: f64,
     progress: &'s (dyn Fn() + Sync),
@@ -106,7 +115,8 @@ impl<'d> Search<'d, '_> {
         let floor_nm = self.first.mask.floor_nm;
         let is_gap = |now: f64| now - floor_nm.powi(2) > (FLOOR_SHARE * floor_nm).powi(2);
         let mut way = Forward { chosen: Vec::new(), fit: rest.clone(), opening: Round::default(), refused: Vec::new() };
-        while way.chosen.len() < CAUSES_MAX && is_gap(way.fit.score()) {
+        // However little is left at first: a floor is not known so well that a weak cause could not show.
+        while way.chosen.len() < CAUSES_MAX && (way.chosen.is_empty() || is_gap(way.fit.score())) {
             let round = self.round(&self.base_of(&way.fit), &way.chosen);
             let mut next = self.one_more(&way, &round.tried);
             if let [one] = &way.chosen[..] {
@@ -300,12 +310,38 @@ impl<'d> Search<'d, '_> {
         BaseModel::new(&self.first.mask, model, self.first.moves.iter().cloned().chain(free).collect())
     }
 
+    fn decisions(&self, steps: &[Step<'d>], last: &Fit<'d>, refused: &[FittedCause<'d>]) -> Vec<Decision> {
+        let of = |cause: Cause, all: Vec<Requirement>, outcome: &'static str| {
+            let subject = cause.name();
+            let decision =
+                move |r: Requirement| Decision { rule: r.rule, subject, value: r.value, limit: r.least, outcome };
+            all.into_iter().map(decision).collect::<Vec<Decision>>()
+        };
+        let is_first = steps.len() < 2;
+        let named = steps
+            .iter()
+            .flat_map(|step| of(step.taken.cause, self.requirements(last, &step.without, is_first), "named"));
+        let in_vain = refused.iter().take(REFUSED_TOLD).flat_map(|tried| {
+            let all = self.requirements(&tried.fit, last, steps.is_empty());
+            of(tried.cause, all.into_iter().filter(|r| !r.is_met()).collect(), "refused")
+        });
+        named.chain(in_vain).collect()
+    }
+
     fn extent(&self) -> &Extent {
         &self.first.data().extent
     }
 
     fn is_material(&self, with: &Fit<'d>, without: &Fit<'d>, is_first: bool) -> bool {
-        is_material(with, without, self.start, is_first)
+        self.requirements(with, without, is_first).iter().all(Requirement::is_met)
+    }
+
+    fn requirements(&self, with: &Fit<'d>, without: &Fit<'d>, is_first: bool) -> Vec<Requirement> {
+        let of_encoder = || {
+            let left = |fit: &Fit<'_>| self.again.as_ref().map_or(0.0, |again| again.square_left(fit));
+            left(without) - left(with)
+        };
+        requirements(with, without, self.start, is_first, of_encoder)
     }
 }
 

@@ -6,8 +6,7 @@ use super::data::DataSet;
 use super::flexible::{self, Flexible};
 use super::mask::Mask;
 use super::record::Record;
-use crate::model::Combination;
-use crate::numerics::statistics::{extent, quantile};
+use crate::numerics::statistics::quantile;
 use std::ops::Range;
 
 /// Rounds of fitting without what the last round found.
@@ -36,8 +35,8 @@ const FASTER: f64 = 1.6;
 const SLOW: f64 = 0.02;
 const ROWS_MIN: usize = 12;
 
-/// Where a reversal was is not known better than to so many times the travel that counts as none.
-const OPEN_STEPS: f64 = 3.0;
+/// What the encoder leaves may be so many times one draw of it.
+const OF_ENCODER: f64 = 2.5;
 /// What swings so often, each time by this share of the largest area at least, rings.
 const SWINGS: usize = 4;
 const SWING_SHARE: f64 = 0.25;
@@ -68,11 +67,11 @@ pub fn find(base: &BaseModel<'_>, columns: &[Vec<f64>], target_nm: &[f64]) -> (V
         fitted = flexible::fit(&mask.without(&events), columns, target_nm);
     }
     let data = base.data();
-    let states = states(data);
+    let (states, encoder_nm) = (states(data), data.encoder_nm(&base.model));
     let once = |event: &ContactEvent| {
         !is_repeated(data, &states, &fitted.residual_nm, event)
             && !recurs(data, &states, &fitted.residual_nm, &events, event)
-            && !is_of_encoder(base, event)
+            && !is_of_encoder(&encoder_nm, event)
     };
     let events = events.iter().filter(|event| once(event)).cloned().collect();
     (events, fitted)
@@ -191,18 +190,10 @@ fn is_repeated(data: &DataSet, states: &[[f64; 3]], residual_nm: &[f64], event: 
     others.len() >= ROWS_MIN && quantile(&mut others, OFTEN) > REPEATED * event.peak_nm.abs()
 }
 
-/// Whether it is no more than what the encoder leaves open: just after a reversal friction passes within a travel of few steps.
-fn is_of_encoder(base: &BaseModel<'_>, event: &ContactEvent) -> bool {
-    let backlash_rad = base.model.backlash_m() / base.model.joint.pulley_radius_m;
-    let open_rad = OPEN_STEPS * base.data().records.all[event.record].deadband_rad;
-    let (low_nm, high_nm) = extent(&base.predicted_nm[event.rows.clone()]);
-    let passed = match base.model.combination {
-        // Where friction jumps, so does the prediction, at the sample at which the joint turns.
-        Combination::Sign => 0.0,
-        curve if backlash_rad > 0.0 => curve.share((open_rad / backlash_rad).min(1.0)),
-        _ => 0.0,
-    };
-    event.peak_nm.abs() <= passed * (high_nm - low_nm)
+/// Whether it is no more than what the encoder alone may leave there.
+fn is_of_encoder(encoder_nm: &[f64], event: &ContactEvent) -> bool {
+    let most_nm = encoder_nm[event.rows.clone()].iter().fold(0.0, |most: f64, x| most.max(x.abs()));
+    event.peak_nm.abs() <= OF_ENCODER * most_nm
 }
 
 /// Whether most other repeats of the event's trial have an event of the same sign and the like size at the same place, in the

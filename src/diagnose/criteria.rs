@@ -10,7 +10,7 @@ use crate::model::groups;
 use crate::numerics::statistics::standard_deviation;
 
 /// A cause must change the prediction by this share of the floor at least, RMS ...
-pub const FLOOR_SHARE: f64 = 0.6;
+pub const FLOOR_SHARE: f64 = 0.4;
 /// ... the first by this share of the gap's square, any other by this share of what is left ...
 const GAP_SHARE_FIRST: f64 = 0.15;
 const GAP_SHARE_MORE: f64 = 0.30;
@@ -23,6 +23,8 @@ const WHOLE_SHARE_NEARLY: f64 = 0.01;
 const WHOLE_SHARE_ALONE: f64 = 0.12;
 /// Its gain must exceed so many standard errors over clusters.
 const ERRORS: f64 = 2.0;
+/// It must exceed so many times what the encoder's errors alone, drawn once, would let it gain.
+const ENCODER_GAINS: f64 = 2.5;
 /// What clusters lose by it is little, as a share of what others win.
 const LOST_SHARE: f64 = 0.2;
 /// A simpler cause is taken, and an equal one is a rival, within so many standard errors over clusters ...
@@ -35,6 +37,8 @@ const TIE_LEFT_SHARE: f64 = 0.05;
 /// However uncertain, what lies further apart than this share of the gap's square is not equal.
 const TIE_SHARE_MAX: f64 = 0.05;
 
+/// A law is known to this share of the gap's square: by less, forms of one thing are not told apart.
+const FORM_SHARE: f64 = 0.01;
 /// A cause that moves the base by so much more, in squared standard deviations, does not do as well: e^-5 as likely ...
 const SURPRISE_APART: f64 = 10.0;
 /// ... and each number that it has less is worth as much as finding one within a hundredth of its range: 2 ln 100.
@@ -82,33 +86,70 @@ fn error_of_sum(values: &[f64]) -> f64 {
     if sd.is_finite() { sd * (values.len() as f64).sqrt() } else { 0.0 }
 }
 
-/// Whether a fit with one cause more changes enough, and surely enough, for it to be named.
-pub fn is_material(with: &Fit, without: &Fit, start: f64, is_first: bool) -> bool {
-    let floor_square = with.mask.floor_square();
-    let now = without.score();
-    let gain = now - with.score();
-    let gap = (now - floor_square).max(0.0);
-    let whole = start - floor_square;
-    let enough = match is_first {
-        true => gain >= GAP_SHARE_FIRST * gap,
-        false => {
-            let nearly = gain >= GAP_SHARE_NEARLY * gap && gain >= (WHOLE_SHARE_NEARLY * whole).max(floor_square);
-            let much = gain >= GAP_SHARE_MORE * gap && gain >= WHOLE_SHARE_MORE * whole;
-            nearly || much || gain >= WHOLE_SHARE_ALONE * whole
-        }
-    };
-    enough
-        && gain >= FLOOR_SHARE * FLOOR_SHARE * floor_square
-        && is_sure(&with.mask.data.folds, &without.held_out, &with.held_out)
+/// What a cause must reach to be named.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Requirement {
+    /// Its name.
+    pub rule: &'static str,
+    /// What the cause reaches.
+    pub value: f64,
+    /// The least that it must reach.
+    pub least: f64,
 }
 
-/// Whether the squares left fall from `before` to `after` by more than chance between clusters: by several standard errors, or,
-/// where only a few clusters show the cause, with hardly any that it harms.
-fn is_sure(folds: &Folds, before: &[f64], after: &[f64]) -> bool {
+impl Requirement {
+    /// Whether it is met.
+    pub fn is_met(&self) -> bool {
+        self.value >= self.least
+    }
+}
+
+/// What a fit with one cause more must reach for that to be named, up to the first that it does not; `of_encoder` is what the same would
+/// gain from the encoder's errors alone, (N m)^2.
+pub fn requirements(
+    with: &Fit,
+    without: &Fit,
+    start: f64,
+    is_first: bool,
+    of_encoder: impl FnOnce() -> f64,
+) -> Vec<Requirement> {
+    let floor_square = with.mask.floor_square();
+    let now = without.score();
+    let value = now - with.score();
+    let gap = (now - floor_square).max(0.0);
+    let whole = start - floor_square;
+    let least = match is_first {
+        true => GAP_SHARE_FIRST * gap,
+        false => {
+            let nearly = (GAP_SHARE_NEARLY * gap).max(WHOLE_SHARE_NEARLY * whole).max(floor_square);
+            let much = (GAP_SHARE_MORE * gap).max(WHOLE_SHARE_MORE * whole);
+            nearly.min(much).min(WHOLE_SHARE_ALONE * whole)
+        }
+    };
+    let mut all = vec![Requirement { rule: "share of the gap", value, least }];
+    let of_floor = || Requirement { rule: "floors", value, least: FLOOR_SHARE * FLOOR_SHARE * floor_square };
+    let sure = || sureness(&with.mask.data.folds, &without.held_out, &with.held_out);
+    let beyond_encoder = || Requirement { rule: "encoder", value, least: ENCODER_GAINS * of_encoder() };
+    let further: [Box<dyn FnOnce() -> Requirement>; 3] = [Box::new(of_floor), Box::new(sure), Box::new(beyond_encoder)];
+    for requirement in further {
+        if all.iter().all(Requirement::is_met) {
+            all.push(requirement());
+        }
+    }
+    all
+}
+
+/// How surely the squares left fall from `before` to `after`: by several standard errors over clusters, or, where only a few clusters
+/// show the cause, with hardly any that it harms.
+fn sureness(folds: &Folds, before: &[f64], after: &[f64]) -> Requirement {
     let gains = clusters(folds, before.iter().zip(after).map(|(b, a)| b - a));
     let won: f64 = gains.iter().filter(|g| **g > 0.0).sum();
     let lost: f64 = -gains.iter().filter(|g| **g < 0.0).sum::<f64>();
-    won - lost > ERRORS * error_of_sum(&gains) || lost < LOST_SHARE * won
+    let errors = (won - lost) / error_of_sum(&gains).max(1e-9 * won).max(f64::MIN_POSITIVE);
+    match errors <= ERRORS && lost < LOST_SHARE * won {
+        true => Requirement { rule: "clusters that gain", value: won / (won + lost), least: 1.0 / (1.0 + LOST_SHARE) },
+        false => Requirement { rule: "standard errors", value: errors, least: ERRORS },
+    }
 }
 
 /// Causes other than `taken` that do as well with no more numbers; one that a spring over a short way is mistaken for may have
@@ -118,9 +159,9 @@ pub fn rivals(taken: &FittedCause, tried: &[FittedCause], start: f64) -> Vec<Cau
         usize::from(taken.cause.effect().is_some_and(|effect| effect.about().outnumbered_by.contains(&cause.name())))
     };
     let is_rival = |other: &&FittedCause| {
-        other.cause != taken.cause
-            && other.count() <= taken.count() + spare(other.cause)
-            && is_tie(&taken.fit, &other.fit, start)
+        let does_as_well =
+            || other.count() <= taken.count() + spare(other.cause) && is_tie(&taken.fit, &other.fit, start);
+        other.cause != taken.cause && (does_as_well() || is_other_form(taken, other, start))
     };
     let mut found: Vec<Cause> = Vec::new();
     for other in tried.iter().filter(is_rival) {
@@ -129,6 +170,13 @@ pub fn rivals(taken: &FittedCause, tried: &[FittedCause], start: f64) -> Vec<Cau
         }
     }
     found
+}
+
+/// Whether `other` is the same thing in another form, and does as well but for what no form is known better than.
+fn is_other_form(taken: &FittedCause, other: &FittedCause, start: f64) -> bool {
+    let alike = taken.cause.effect().is_some_and(|effect| effect.about().alike.contains(&other.cause.name()));
+    let floor_square = taken.fit.mask.floor_square();
+    alike && other.score() - taken.score() <= FORM_SHARE * (start - floor_square).max(0.0)
 }
 
 /// Causes that `taken` is known to be mistaken for and that do as well: only their numbers speak against them.

@@ -1,6 +1,7 @@
 //! The recordings as models are compared with them: read once, never changed.
 
 use super::extent;
+use super::floor;
 use super::folds::Folds;
 use super::record::Records;
 use crate::effects::Extent;
@@ -15,6 +16,8 @@ pub struct DataSet {
     pub records: Records,
     /// Measured y at the rows, N m.
     pub measured_nm: Vec<f64>,
+    /// The motions without their encoder, and as it would have read them once more with what a joint like the model would have shown.
+    again: Option<(Records, Box<DataSet>)>,
     /// Units of resampling, and the folds that are held out.
     pub folds: Folds,
     /// Over what range the campaign moves.
@@ -26,10 +29,32 @@ impl DataSet {
     ///
     /// Errors: as [`Records::read`].
     pub fn read(campaign: &Campaign, model: &Model, progress: &(dyn Fn() + Sync)) -> Result<Self> {
-        let records = Records::read(campaign, model, progress)?;
-        let (measured_nm, folds) = (records.measured_nm(), Folds::new(&records));
-        let extent = extent::of(&records, model);
-        Ok(Self { records, measured_nm, folds, extent })
+        let (records, beside) = Records::read(campaign, model, progress)?;
+        let (measured_nm, folds, extent) = (records.measured_nm(), Folds::new(&records), extent::of(&records, model));
+        let again = beside.map(|(smooth, records)| {
+            let (folds, extent) = (folds.clone(), extent.clone());
+            let measured_nm = smooth.predicted_by(model);
+            (smooth, Box::new(Self { records, measured_nm, again: None, folds, extent }))
+        });
+        Ok(Self { records, measured_nm, again, folds, extent })
+    }
+
+    /// The motions as the encoder would have read them once more, with what a joint like the model would have shown.
+    pub fn again(&self) -> Option<&Self> {
+        self.again.as_ref().map(|(_, again)| again.as_ref())
+    }
+
+    /// One draw of what the encoder alone leaves at the rows of a joint that is like `model` throughout, N m.
+    pub fn encoder_nm(&self, model: &Model) -> Vec<f64> {
+        let Some((smooth, again)) = &self.again else { return vec![0.0; self.measured_nm.len()] };
+        let (true_nm, predicted_nm) = (smooth.predicted_by(model), again.records.predicted_by(model));
+        true_nm.iter().zip(predicted_nm).map(|(y, p)| y - p).collect()
+    }
+
+    /// Mean square of that, as far as it is not in what repeats differ by but comes again with the motion, (N m)^2.
+    pub fn encoder_square(&self, model: &Model) -> f64 {
+        let records = self.again().map_or(&self.records, |again| &again.records);
+        floor::not_in_repeats(records, &self.encoder_nm(model), &self.scored(model))
     }
 
     /// The rows on which `model` can be scored: friction that jumps at a reversal is undetermined at rest.

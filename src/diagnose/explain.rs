@@ -12,6 +12,9 @@ use super::parameters;
 use crate::model::Model;
 use std::sync::Arc;
 
+/// Causes that leave no more than so many times the RMS with all rows as they leave without those of contact events need no contact.
+const AS_WELL: f64 = 1.2;
+
 /// Causes found, with what was set aside while they were sought.
 #[derive(Debug)]
 pub struct Explanation<'d> {
@@ -35,19 +38,23 @@ pub fn explain<'d>(
     progress: &(dyn Fn() + Sync),
 ) -> Explanation<'d> {
     let count = suspected.len();
-    let first = Explanation::of(&base.mask.without(&suspected), &base.model, suspected, rest_nm, progress);
+    let of = |events: Vec<ContactEvent>| {
+        Explanation::of(&base.mask.without(&events), &base.model, events, rest_nm, progress)
+    };
+    let mut first = of(suspected);
     if first.events.len() < count {
-        return Explanation::of(&base.mask.without(&first.events), &base.model, first.events, rest_nm, progress);
+        first = of(first.events);
     }
-    if first.events.is_empty() || !first.choice.found.is_empty() {
+    if first.events.is_empty() {
         return first;
     }
-    // With all that is striking set aside nothing was left to find: perhaps it was no contact at all.
+    // Perhaps it was no contact at all, but a cause where it is strongest, hidden by what was set aside.
     let whole = Explanation::of(&base.mask, &base.model, first.events.clone(), rest_nm, progress);
-    match 2 * whole.events.len() <= count {
-        true => Explanation { events: Vec::new(), ..whole },
-        false => first,
-    }
+    let is_cause = match first.choice.found.is_empty() {
+        true => 2 * whole.events.len() <= count,
+        false => whole.choice.last.held_out_square() <= AS_WELL.powi(2) * first.choice.last.held_out_square(),
+    };
+    if is_cause { Explanation { events: Vec::new(), ..whole } } else { first }
 }
 
 impl<'d> Explanation<'d> {
@@ -61,17 +68,17 @@ impl<'d> Explanation<'d> {
     ) -> Self {
         let choice = choose(mask, model, progress);
         let after = parameters::settled(&choice);
-        let records = &mask.data.records;
-        let after_nm = records.predicted_nm(&after, &records.passages(&after), &records.branches(&after));
+        let after_nm = mask.data.records.predicted_by(&after);
         let left_nm = mask.data.residual_nm(&after_nm);
-        contact_events::keep_unexplained(mask, &mut events, rest_nm, &left_nm);
+        contact_events::keep_unexplained(&choice.last.mask, &mut events, rest_nm, &left_nm);
         Self { choice, after, after_nm, left_nm, events }
     }
 
     /// The floor now that the causes are known; `columns` are those of the flexible fit.
     pub fn floor(&self, columns: &[Vec<f64>]) -> Floor {
         let mask = &self.choice.last.mask;
-        let unpredicted_square = flexible::fit(mask, columns, &self.left_nm).held_out;
-        floor::settled(&mask.data.records, &self.left_nm, unpredicted_square.min(self.choice.last.held_out_square()))
+        let left_square = self.choice.last.held_out_square();
+        let unpredicted_square = flexible::fit(mask, columns, &self.left_nm).held_out.min(left_square);
+        floor::settled(mask.data, &self.after, &self.left_nm, unpredicted_square, left_square)
     }
 }

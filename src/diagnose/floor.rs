@@ -3,12 +3,13 @@
 //! From repeats of one motion: half the variance of the difference of their residuals, aligned in time by their positions.
 //! Slow differences are taken out (a drift between repeats is no noise), and blocks are combined by their median (a contact in
 //! one repeat is no noise either). Without repeats: the density of the raw torque's noise beyond the low-pass, carried on below.
+//! Either way what the encoder's steps leave of a perfect model comes on top, as far as it comes again with the motion.
 
+use super::data::DataSet;
 use super::record::{Record, Records};
-use crate::log::Signal;
-use crate::numerics::filter::LowPass;
+use super::spectrum::SpectralFloor;
+use crate::model::Model;
 use crate::numerics::statistics::{extent, quantile};
-use crate::prepare::Trial;
 
 /// Independent samples in a block.
 const BLOCK: f64 = 10.0;
@@ -32,17 +33,8 @@ const BLOCKS_MIN: usize = 8;
 /// However many blocks there are, the floor's square is not known better than this share of it: noise differs between trials, and
 /// what repeats differ by is not all noise (simulated campaigns scatter by 0.08 about what chance allows).
 const SYSTEMATIC: f64 = 0.06;
-/// Noise is measured in bands that begin at these multiples of the low-pass ...
-const BANDS: [f64; 6] = [1.6, 2.5, 4.0, 6.4, 10.0, 16.0];
-/// ... and below this share of the rate.
-const BELOW: f64 = 0.35;
-/// What a sample keeps of the noise of the one before: so many values tried, so far apart.
-const KEEPS: usize = 20;
-const KEEP_STEP: f64 = 0.05;
-/// Frequencies at which a density is summed.
-const FREQUENCIES: usize = 400;
-/// Length of a stretch in which it is measured, s; their median is taken.
-const STRETCH_S: f64 = 0.5;
+/// What the encoder leaves is simulated once: its mean square is known within so much of it.
+const ENCODER_ERROR: f64 = 0.3;
 
 /// The floor and where it comes from.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -51,6 +43,8 @@ pub struct Floor {
     pub rms_nm: f64,
     /// RMS of its quick part, N m: slow noise may come on top.
     pub quick_nm: f64,
+    /// What the encoder alone leaves of a perfect model again with every motion, N m; the RMS above holds it.
+    pub encoder_nm: f64,
     /// Its source.
     pub source: FloorSource,
     /// Standard error of the floor's square as a share of it.
@@ -61,6 +55,17 @@ impl Floor {
     /// The floor's square with its standard error, (N m)^2: what lies above is a gap for all that the floor is not known better.
     pub fn upper_square(&self) -> f64 {
         self.rms_nm * self.rms_nm * (1.0 + self.relative_error)
+    }
+
+    /// The floor of noise alone, its square raised by what the encoder leaves, (N m)^2, both to no more than `most_square`: a floor is not
+    /// above what some fit leaves on held-out units.
+    fn with_encoder(self, encoder_square: f64, most_square: f64) -> Self {
+        let encoder_square = encoder_square.min((most_square - self.rms_nm.powi(2)).max(0.0));
+        let with = |nm: f64| ((nm * nm).min(most_square) + encoder_square).sqrt();
+        let rms_nm = with(self.rms_nm);
+        let share = encoder_square / rms_nm.powi(2).max(f64::MIN_POSITIVE);
+        let relative_error = ((1.0 - share) * self.relative_error).hypot(ENCODER_ERROR * share);
+        Self { rms_nm, quick_nm: with(self.quick_nm), relative_error, encoder_nm: encoder_square.sqrt(), ..self }
     }
 
     /// The same of its quick part.
@@ -88,34 +93,54 @@ impl FloorSource {
     }
 }
 
-/// The floor under `residual_nm`, given at all rows.
-pub fn floor(records: &Records, residual_nm: &[f64]) -> Floor {
+/// The floor of noise alone; some fit leaves `most_square` on held-out units: a density that carried on below the low-pass says more than
+/// that was not noise, and only its lowest part is believed.
+pub fn of_noise(records: &Records, residual_nm: &[f64], most_square: f64) -> Floor {
     let mut blocks = repeats_blocks(records, residual_nm, BLOCK, SLOW);
     if blocks.len() >= BLOCKS_MIN {
-        let rms_nm = (median_square(&mut blocks) / 2.0 / (1.0 - 1.0 / SLOW)).sqrt();
+        let rms_nm = differing_square(&mut blocks).sqrt();
         let chance = (std::f64::consts::PI / (BLOCK * blocks.len() as f64)).sqrt();
         let relative_error = chance.hypot(SYSTEMATIC);
-        return Floor { rms_nm, quick_nm: rms_nm, source: FloorSource::Repeats, relative_error };
+        return Floor { rms_nm, quick_nm: rms_nm, encoder_nm: 0.0, source: FloorSource::Repeats, relative_error };
     }
-    let mut spectral: Vec<f64> =
-        records.all.iter().map(|record| record.spectral_floor_nm).filter(|floor| floor.is_finite()).collect();
-    let rms_nm = Some(quantile(&mut spectral, 0.5)).filter(|rms_nm| rms_nm.is_finite()).unwrap_or_default();
-    Floor { rms_nm, quick_nm: rms_nm, source: FloorSource::Spectrum, relative_error: 0.1 }
+    let usual = |of: fn(&SpectralFloor) -> f64| {
+        let floors = records.all.iter().map(|record| of(&record.spectral_floor)).filter(|floor| floor.is_finite());
+        Some(quantile(&mut floors.collect::<Vec<f64>>(), 0.5)).filter(|rms_nm| rms_nm.is_finite()).unwrap_or_default()
+    };
+    let (carried_nm, white_nm) = (usual(|floor| floor.carried_nm), usual(|floor| floor.white_nm));
+    let rms_nm = if carried_nm * carried_nm > most_square { white_nm } else { carried_nm };
+    Floor { rms_nm, quick_nm: rms_nm, encoder_nm: 0.0, source: FloorSource::Spectrum, relative_error: 0.1 }
 }
 
-/// The floor under `left_nm`, what the causes that were found leave at all rows: slow noise is in it. Without long repeats nothing
-/// tells that from a cause but that no fit finds it again on held-out units: `unforeseen_square` is what a flexible one leaves
-/// there, (N m)^2.
-pub fn settled(records: &Records, left_nm: &[f64], unforeseen_square: f64) -> Floor {
-    let fast = floor(records, left_nm);
-    let blocks = repeats_blocks(records, left_nm, BLOCK_LATER, SLOW_LATER);
+/// Mean square of `encoder_nm`, what the encoder alone leaves at the rows of `records`, over those that are `scored`, less what repeats
+/// differ by in it, (N m)^2.
+pub fn not_in_repeats(records: &Records, encoder_nm: &[f64], scored: &[bool]) -> f64 {
+    let counted: Vec<f64> = encoder_nm.iter().zip(scored).filter(|(_, scored)| **scored).map(|(x, _)| *x).collect();
+    let mut blocks = repeats_blocks(records, encoder_nm, BLOCK, SLOW);
+    let in_repeats = if blocks.len() >= BLOCKS_MIN { differing_square(&mut blocks) } else { 0.0 };
+    if counted.is_empty() { 0.0 } else { (mean_square(&counted) - in_repeats).max(0.0) }
+}
+
+/// Mean square of one of two series whose quick differences have these mean squares in blocks.
+fn differing_square(blocks: &mut [f64]) -> f64 {
+    median_square(blocks) / 2.0 / (1.0 - 1.0 / SLOW)
+}
+
+/// The floor under `left_nm`, what `after`, the model with its causes, leaves at all rows: slow noise is in it. Without long repeats
+/// nothing tells that from a cause but that no fit finds it again on held-out units: `unforeseen_square` is what a flexible one leaves
+/// there, (N m)^2. The model itself leaves `left_square`, which is where the encoder's part ends.
+pub fn settled(data: &DataSet, after: &Model, left_nm: &[f64], unforeseen_square: f64, left_square: f64) -> Floor {
+    let encoder_square = data.encoder_square(after);
+    let fast = of_noise(&data.records, left_nm, left_square);
+    let blocks = repeats_blocks(&data.records, left_nm, BLOCK_LATER, SLOW_LATER);
     let whole_square = match blocks.len() >= BLOCKS_MIN {
         true => usual_mean(blocks) / 2.0 / (1.0 - 1.0 / SLOW_LATER),
-        false => unforeseen_square,
+        false => (unforeseen_square - encoder_square).max(0.0),
     };
     let rms_nm = whole_square.sqrt().min(RISE_MAX * fast.rms_nm).max(fast.rms_nm);
     let rise = (rms_nm / fast.rms_nm.max(f64::MIN_POSITIVE)).powi(2) - 1.0;
-    Floor { rms_nm, relative_error: fast.relative_error.hypot(RISE_ERROR * rise), ..fast }
+    let settled = Floor { rms_nm, relative_error: fast.relative_error.hypot(RISE_ERROR * rise), ..fast };
+    settled.with_encoder(encoder_square, left_square)
 }
 
 /// Mean squares of what repeats differ by, in blocks, slow differences taken out.
@@ -208,66 +233,4 @@ fn without_slow(values: &[f64], slow: usize) -> Vec<f64> {
         (sums[from + slow] - sums[from]) / slow as f64
     };
     values.iter().enumerate().map(|(i, v)| v - mean(i)).collect()
-}
-
-/// RMS that the noise found beyond the low-pass would have within it, N m; NaN where the rate leaves no room.
-///
-/// The noise is taken for a first-order process, white at best: its density's fall over the bands beyond the low-pass is carried on
-/// below. In each band the median over stretches counts, for a reversal is no noise.
-///
-/// What a motion makes of the torque beyond the low-pass is no noise either, and a short one reverses in every stretch: the torque
-/// less `predicted_nm` is looked at too, and the lower of both counts.
-pub(super) fn spectral_nm(trial: &Trial, predicted_nm: &[f64], signal: &Signal) -> f64 {
-    let raw_nm = &trial.log.torque_nm;
-    let left_nm: Vec<f64> = raw_nm.iter().zip(predicted_nm).map(|(y, predicted)| y - predicted).collect();
-    carried_below_nm(raw_nm, trial.log.rate_hz, signal).min(carried_below_nm(&left_nm, trial.log.rate_hz, signal))
-}
-
-/// The noise in `series_nm` beyond the low-pass, carried on below, N m.
-fn carried_below_nm(series_nm: &[f64], rate_hz: f64, signal: &Signal) -> f64 {
-    let order = signal.lowpass_order;
-    let edges: Vec<f64> =
-        BANDS.iter().map(|factor| factor * signal.lowpass_hz).filter(|edge_hz| *edge_hz < BELOW * rate_hz).collect();
-    let levels: Option<Vec<Vec<f64>>> =
-        edges.iter().map(|edge_hz| Some(LowPass::new(order, *edge_hz, rate_hz)?.zero_phase(series_nm))).collect();
-    let Some(mut levels) = levels.filter(|levels| !levels.is_empty()) else { return f64::NAN };
-    levels.push(series_nm.to_vec());
-    let stretch = ((STRETCH_S * rate_hz) as usize).max(8);
-    let band = |pair: &[Vec<f64>]| {
-        let folds = pair[0].chunks_exact(stretch).zip(pair[1].chunks_exact(stretch));
-        let square = |(a, b): (&[f64], &[f64])| a.iter().zip(b).map(|(a, b)| (b - a) * (b - a)).sum::<f64>();
-        quantile(&mut folds.map(|part| square(part) / stretch as f64).collect::<Vec<f64>>(), 0.5)
-    };
-    let squares: Vec<f64> = levels.windows(2).map(band).collect();
-    let gain = |edge_hz: f64, hz: f64| passed(order, edge_hz, hz, rate_hz);
-    let within = |keep: f64, i: usize| {
-        mean_density(keep, rate_hz, |hz| {
-            let upper = edges.get(i + 1).map_or(1.0, |edge_hz| gain(*edge_hz, hz));
-            (upper - gain(edges[i], hz)).powi(2)
-        })
-    };
-    let fit = |keep: f64| {
-        let logs: Vec<f64> = squares.iter().enumerate().map(|(i, square)| (square / within(keep, i)).ln()).collect();
-        let mean = logs.iter().sum::<f64>() / logs.len() as f64;
-        (logs.iter().map(|l| (l - mean) * (l - mean)).sum::<f64>(), mean.exp())
-    };
-    let keeps = (0..KEEPS).map(|i| i as f64 * KEEP_STEP);
-    let best = keeps.map(|keep| (keep, fit(keep))).min_by(|a, b| a.1.0.total_cmp(&b.1.0));
-    best.map_or(f64::NAN, |(keep, (_, power))| {
-        (power * mean_density(keep, rate_hz, |hz| gain(signal.lowpass_hz, hz).powi(2))).sqrt()
-    })
-}
-
-/// Share of an amplitude at `hz` that passes a zero-phase Butterworth low-pass, as the bilinear transform has it.
-fn passed(order: usize, edge_hz: f64, hz: f64, rate_hz: f64) -> f64 {
-    let warped = |f: f64| (std::f64::consts::PI * f / rate_hz).tan();
-    1.0 / (1.0 + (warped(hz) / warped(edge_hz)).powi(2 * order as i32))
-}
-
-/// Mean over all frequencies of the density of a process of which each sample keeps the share `keep` of the one before, times
-/// what `weight` lets through.
-fn mean_density(keep: f64, rate_hz: f64, weight: impl Fn(f64) -> f64) -> f64 {
-    let density = |hz: f64| 1.0 / (1.0 - 2.0 * keep * (std::f64::consts::TAU * hz / rate_hz).cos() + keep * keep);
-    let at = |i: usize| (i as f64 + 0.5) / FREQUENCIES as f64 * rate_hz / 2.0;
-    (0..FREQUENCIES).map(|i| density(at(i)) * weight(at(i))).sum::<f64>() / FREQUENCIES as f64
 }

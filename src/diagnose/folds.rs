@@ -19,7 +19,7 @@ const ROWS_MIN: usize = 50;
 const PIECES: usize = 8;
 
 /// The rows cut into units.
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 pub struct Folds {
     /// Rows of each unit.
     pub units: Vec<Range<usize>>,

@@ -37,6 +37,12 @@ impl<'d> Mask<'d> {
         Self::new(self.data, used, self.floor_nm)
     }
 
+    /// The same rows of the motions as the encoder would have read them once more.
+    pub fn again(&self) -> Option<Arc<Self>> {
+        let data = self.data.again()?;
+        Some(Arc::new(Self { data, ..self.clone() }))
+    }
+
     /// Whether row `i` counts.
     pub fn counts(&self, i: usize) -> bool {
         self.used[i]

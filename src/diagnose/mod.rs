@@ -12,6 +12,7 @@ mod choose;
 mod contact_events;
 mod criteria;
 mod data;
+mod encoder;
 mod explain;
 mod extent;
 mod fit;
@@ -26,8 +27,10 @@ mod next;
 mod pairs;
 mod parameters;
 mod perturbation;
+mod probability;
 mod record;
 mod ripple;
+mod spectrum;
 mod verdict;
 
 pub use bootstrap::Shrink;
@@ -37,7 +40,8 @@ pub use locate::Place;
 pub use motion::{Follows, MotionGap, MotionPlace, MotionTrial, beside};
 pub use next::{BlindSpot, NextExperiment};
 pub use parameters::Fitted;
-pub use verdict::{Kind, Verdict, signature};
+pub use probability::Answer;
+pub use verdict::{Decision, Form, Kind, Verdict, signature};
 
 use crate::evaluate::fitted;
 use crate::log::Campaign;
@@ -63,6 +67,8 @@ pub struct Diagnosis {
     pub budget: Budget,
     /// Where it lies, most first.
     pub places: Vec<Place>,
+    /// Where what the causes leave lies, most first.
+    pub remainder: Vec<Place>,
     /// Every candidate, best first.
     pub candidates: Vec<Candidate>,
     /// The answer.
@@ -178,12 +184,15 @@ pub fn run(campaign: &Campaign, model: &Model, progress: &(dyn Fn() + Sync)) -> 
     let mask = Mask::new(&data, data.scored(&model), 0.0);
     // Floor.
     let base = BaseModel::new(&mask, &model, within_confidence(&model));
-    let floor_nm = floor::floor(&data.records, &base.residual_nm()).rms_nm;
-    let base = base.above(floor_nm);
+    let base_nm = base.residual_nm();
+    let base = base.above(floor::of_noise(&data.records, &base_nm, f64::INFINITY).rms_nm);
     // Contacts.
     let rest_nm = base.residual_nm();
     let lines = [false, true].map(|by_direction| ripple::starts(&base, &rest_nm, by_direction));
     let columns = flexible::columns(&base, &lines.concat());
+    let (_, flexible) = contact_events::find(&base, &columns, &rest_nm);
+    let floor_nm = floor::of_noise(&data.records, &base_nm, flexible.held_out).rms_nm.min(flexible.held_out.sqrt());
+    let base = base.above(floor_nm);
     let (events, flexible) = contact_events::find(&base, &columns, &rest_nm);
     progress();
     // Search.
@@ -201,6 +210,7 @@ pub fn run(campaign: &Campaign, model: &Model, progress: &(dyn Fn() + Sync)) -> 
         gap: account.gap(floor, &flexible),
         budget: account.budget(),
         places: account.places(&verdict),
+        remainder: account.remainder(),
         candidates: account.candidates(),
         contacts: account.contacts(),
         views: account.views(),

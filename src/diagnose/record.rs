@@ -1,6 +1,8 @@
 //! A campaign thinned to what its low-pass leaves, and what any model makes of it: the form in which hundreds of models are
 //! held against the same recordings.
 
+use super::encoder::{self, ReadAgain};
+use super::spectrum::{SpectralFloor, spectral};
 use crate::dynamics::{Both, Motion, RigidTorque};
 use crate::effects::{Added, Carried, Family, Sample};
 use crate::log::{Campaign, Fingerprint, clock_s, read_trial, refuse_copies, span_s};
@@ -41,8 +43,8 @@ pub struct Record {
     pub rows: Vec<usize>,
     /// Whether the joint rests there.
     pub rests: Vec<bool>,
-    /// Torque noise beyond the low-pass, as a white density would show within it, N m; NaN where the rate leaves no room.
-    pub spectral_floor_nm: f64,
+    /// Torque noise beyond the low-pass, as it would show within it.
+    pub spectral_floor: SpectralFloor,
     /// Whether the sensor clips at each thinned sample or beside it.
     pub clipped: Vec<bool>,
     /// The readings at which it clips, N m.
@@ -84,27 +86,36 @@ pub struct Records {
     pub lowpass_hz: f64,
 }
 
-/// A trial as it was read: thinned, when it began and ended (s), its place in the list and its content.
-type Read = (Record, (f64, f64), (usize, Fingerprint));
+/// A trial as it was read: thinned, without its encoder and read again, when it began and ended (s), its place in the list and its content.
+type Read = (Record, Option<ReadAgain>, (f64, f64), (usize, Fingerprint));
 
 impl Records {
-    /// Reads and thins the trials of `campaign` that a model without a person can be judged on; `progress` hears of each.
+    /// Reads and thins the trials of `campaign` that a model without a person can be judged on; `progress` hears of each. Beside them the
+    /// same trials without their encoder, and as it would have read them once more; nothing where one of those cannot be prepared.
     ///
     /// Errors: all that is wrong with any trial; no sample is left to judge.
-    pub fn read(campaign: &Campaign, model: &Model, progress: &(dyn Fn() + Sync)) -> Result<Self> {
+    pub fn read(
+        campaign: &Campaign,
+        model: &Model,
+        progress: &(dyn Fn() + Sync),
+    ) -> Result<(Self, Option<(Self, Self)>)> {
         let one = |index: usize| {
             let mut trial = read_trial(campaign, index).and_then(|log| prepare(campaign, index, log))?;
             let span = span_s(&trial.log);
             progress();
             let print = std::mem::take(&mut trial.log.fingerprint);
-            Ok((Record::new(campaign, model, &trial)?, span, (index, print)))
+            let record = Record::new(campaign, model, &trial)?;
+            let again = encoder::read_again(campaign, model, &trial, &record);
+            Ok((record, again, span, (index, print)))
         };
-        let (mut all, mut spans, mut prints, mut problems) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
+        let (mut all, mut again, mut problems) = (Vec::new(), Vec::new(), Vec::new());
+        let (mut spans, mut prints) = (Vec::new(), Vec::new());
         let found: Vec<Result<Read>> = (0..campaign.trials.len()).into_par_iter().with_max_len(1).map(one).collect();
         for result in found {
             match result {
-                Ok((record, span, print)) => {
+                Ok((record, read_again, span, print)) => {
                     all.push(record);
+                    again.push(read_again);
                     spans.push(span);
                     prints.push(print);
                 }
@@ -115,8 +126,10 @@ impl Records {
             return Err(Problems(problems));
         }
         refuse_copies(campaign, &prints)?;
-        for (record, began_s) in all.iter_mut().zip(clock_s(&spans)) {
-            record.began_s = began_s;
+        let again: Option<Vec<ReadAgain>> = again.into_iter().collect();
+        let (mut smooth, mut again): (Vec<Record>, Vec<Record>) = again.unwrap_or_default().into_iter().unzip();
+        for records in [&mut all, &mut smooth, &mut again] {
+            records.iter_mut().zip(clock_s(&spans)).for_each(|(record, began_s)| record.began_s = began_s);
         }
         let mut at = 0;
         let mut range = |record: &Record| {
@@ -132,7 +145,9 @@ impl Records {
         let lowpass_hz = campaign.signal.lowpass_hz;
         let row_s = |r: &Record| r.rows.get(1).map_or(0.0, |next| (next - r.rows[0]) as f64 / r.rate_hz);
         let rows_per_independent = (1.0 / (2.0 * lowpass_hz * row_s(&all[0]).max(1e-9))).max(1.0);
-        Ok(Self { all, ranges, rows_per_independent, lowpass_hz })
+        let of = |all: Vec<Record>| Self { all, ranges: ranges.clone(), rows_per_independent, lowpass_hz };
+        let beside = (!again.is_empty()).then(|| (of(smooth), of(again)));
+        Ok((Self { all, ranges, rows_per_independent, lowpass_hz }, beside))
     }
 
     /// What `of` says of each row: of the record and the thinned sample.
@@ -162,6 +177,11 @@ impl Records {
         };
         let all = self.all.par_iter().zip(passages).zip(branches).with_max_len(1);
         all.map(one).collect::<Vec<Vec<f64>>>().concat()
+    }
+
+    /// What `model` predicts at the rows, N m.
+    pub fn predicted_by(&self, model: &Model) -> Vec<f64> {
+        self.predicted_nm(model, &self.passages(model), &self.branches(model))
     }
 
     /// What an effect that only adds torque adds to y at the rows, low-passed, N m.
@@ -196,7 +216,7 @@ fn moving(velocity_rad_s: f64) -> i8 {
 
 impl Record {
     /// `trial` thinned. K_f is known from where `model` and any wider clearance would know it.
-    fn new(campaign: &Campaign, model: &Model, trial: &Trial) -> Result<Self> {
+    pub(super) fn new(campaign: &Campaign, model: &Model, trial: &Trial) -> Result<Self> {
         let (lowpass_hz, rate_hz) = (campaign.signal.lowpass_hz, trial.log.rate_hz);
         let step = ((rate_hz / (SAMPLES_PER_PERIOD * lowpass_hz)) as usize).max(1);
         let thinned_hz = rate_hz / step as f64;
@@ -224,7 +244,7 @@ impl Record {
         let in_range = trial.clear_of(&trial.log.clipped, lowpass_hz);
         let levels = |range: &Range<usize>| trial.log.torque_nm[range.start];
         let clips: Vec<f64> = trial.log.clipped.iter().map(levels).collect();
-        let spectral_floor_nm = super::floor::spectral_nm(trial, &torque_nm(model, trial).0, &campaign.signal);
+        let spectral_floor = spectral(trial, &torque_nm(model, trial).0, &campaign.signal);
         Ok(Self {
             file: entry.file.clone(),
             repeats: named.then(|| format!("{:?} {:?}", entry.protocol, entry.trajectory)),
@@ -236,7 +256,7 @@ impl Record {
             clipped: at.iter().map(|i| !in_range[*i]).collect(),
             clip_levels_nm: (!clips.is_empty()).then(|| crate::numerics::statistics::extent(&clips)),
             rows,
-            spectral_floor_nm,
+            spectral_floor,
             warnings: trial.log.warnings.iter().map(ToString::to_string).collect(),
             began_s: 0.0,
             others: trial.others.iter().map(|other| at.iter().map(|i| other[*i]).collect()).collect(),

@@ -4,16 +4,22 @@ use super::bootstrap::{Numbers, Resamples, Shrink, above};
 use super::candidates::Cause;
 use super::choose::{Choice, Found};
 use super::perturbation::{DOWN_ONLY, UP_ONLY};
+use super::probability::{Answer, probabilities, said};
 use crate::effects::Region;
 use crate::model::groups::LOAD_COEFFICIENT;
 
-/// A gap above this many floors that no cause closes is one from outside the library ...
-const UNKNOWN_FLOORS: f64 = 1.0;
-/// ... if more than this share of what the base leaves is still there after the causes that were found.
-const UNKNOWN_SHARE: f64 = 0.4;
-/// Where no contact is among them a form that is right leaves less: not so many floors, slow noise in them, and not this share.
+/// What is left after the causes is material above this many floors ...
+const OPEN_FLOORS: f64 = 1.0;
+/// ... and this share of what the base leaves (RMS).
+const OPEN_SHARE: f64 = 0.4;
+/// Where no contact is among the causes a form that is right leaves less: not so many floors, slow noise in them, and not this share.
 const FORM_FLOORS: f64 = 0.75;
 const FORM_SHARE: f64 = 0.25;
+/// Causes that leave more than this share of what the base leaves (RMS) do not name the gap: a fifth of its energy.
+const UNNAMED_SHARE: f64 = 0.45;
+/// Where the base leaves less than so many floors a cause is named only if this share of the resamples agrees.
+const WEAK_FLOORS: f64 = 0.6;
+const WEAK_AGREEMENT: f64 = 0.5;
 
 /// What kind of answer it is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -46,21 +52,38 @@ impl Kind {
     }
 }
 
-impl Kind {
-    /// Share of right ones among verdicts of this kind on simulated joints whose answers were withheld, one more right and one more wrong
-    /// counted (Laplace's rule). The counts are what `scripts/blind/score.py` prints for 60 cases of the generator `formula` (seeds 71 and
-    /// 501) and 95 of `physical` (seeds 1001 and 2002).
-    fn right_share(self) -> f64 {
-        let (right, cases) = match self {
-            Self::None => (12.0, 21.0),
-            Self::Stale => (11.0, 13.0),
-            Self::Effect => (57.0, 65.0),
-            Self::Several => (12.0, 20.0),
-            Self::Ambiguous => (9.0, 9.0),
-            Self::Unknown => (12.0, 27.0),
-        };
-        (right + 1.0) / (cases + 2.0)
+/// Whether the formulas of the named causes fit.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Form {
+    /// They leave nothing material of what can be explained.
+    Fits,
+    /// The causes are named rightly as far as can be told; their formulas leave a material part.
+    Approximate,
+}
+
+impl Form {
+    /// The name used in files.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Fits => "fits",
+            Self::Approximate => "approximate",
+        }
     }
+}
+
+/// A rule that was applied to something.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Decision {
+    /// What is asked.
+    pub rule: &'static str,
+    /// Of what.
+    pub subject: &'static str,
+    /// What was found there.
+    pub value: f64,
+    /// What it was compared with.
+    pub limit: f64,
+    /// What followed.
+    pub outcome: &'static str,
 }
 
 /// The answer.
@@ -74,6 +97,12 @@ pub struct Verdict {
     pub agreement: f64,
     /// Probability that it is right: [`Self::agreement`] times the share of blind simulated verdicts of this kind that were right.
     pub confidence: f64,
+    /// The answers with their probabilities, which add up to 1.
+    pub probabilities: Vec<(Answer, f64)>,
+    /// Whether the formulas of the named causes fit; nothing where no cause is named.
+    pub form: Option<Form>,
+    /// Every rule that decided, in order.
+    pub decisions: Vec<Decision>,
     /// What the model leaves above the floor, N m.
     pub gap_before_nm: f64,
     /// What is left of it with the causes added, on held-out units, N m.
@@ -105,6 +134,20 @@ pub struct Evidence<'e> {
 }
 
 impl Evidence<'_> {
+    /// Whether what the causes leave (`last`, of `rest` by the base; mean squares) is material, and by which rule.
+    fn open(&self, rest: f64, last: f64) -> (bool, Vec<Decision>) {
+        let exceeds = |rule: &'static str, floor_square: f64, floors: f64, share: f64| {
+            let value = above(last, floor_square);
+            let limit = (floors * floor_square.sqrt()).max(share * above(rest, floor_square));
+            let outcome = if value > limit { "material" } else { "immaterial" };
+            Decision { rule, subject: "remainder", value, limit, outcome }
+        };
+        let form = exceeds("form", self.floor_square, FORM_FLOORS, FORM_SHARE);
+        let open = exceeds("open", self.quick_square, OPEN_FLOORS, OPEN_SHARE);
+        let rules = if self.contact { vec![open] } else { vec![form, open] };
+        (rules.iter().any(|rule| rule.value > rule.limit), rules)
+    }
+
     /// How far the gap shrinks where `left` squares are left in each unit by a fit of so many `numbers`.
     pub fn shrink(&self, left: &[f64], numbers: Numbers) -> Shrink {
         self.resamples.shrink(&self.delivered, left, &self.rows, self.floor_square, numbers)
@@ -120,16 +163,20 @@ pub fn verdict(choice: &Choice<'_>, evidence: &Evidence<'_>) -> Verdict {
     if evidence.contact {
         effects.push(Cause::CONTACT);
     }
-    let is_open = |rest: f64, last: f64| {
-        let exceeds = |floor_square: f64, floors: f64, share: f64| {
-            let left = above(last, floor_square);
-            left > floors * floor_square.sqrt() && left > share * above(rest, floor_square)
-        };
-        let misses_form = !evidence.contact && exceeds(floor_square, FORM_FLOORS, FORM_SHARE);
-        misses_form || exceeds(evidence.quick_square, UNKNOWN_FLOORS, UNKNOWN_SHARE)
-    };
+    let names = !effects.is_empty();
     let (rest, last) = (mean(&evidence.rest), mean(&evidence.last));
-    let kind = if is_open(rest, last) {
+    let (is_open, mut decisions) = evidence.open(rest, last);
+    let is_unnamed = |rest: f64, last: f64| {
+        let (is_open, _) = evidence.open(rest, last);
+        is_open && !(names && above(last, floor_square) <= UNNAMED_SHARE * above(rest, floor_square))
+    };
+    let is_unknown = is_unnamed(rest, last);
+    if is_open && names {
+        let (value, limit) = (above(last, floor_square), UNNAMED_SHARE * above(rest, floor_square));
+        let outcome = if is_unknown { "causes do not name the gap" } else { "causes named, form approximate" };
+        decisions.push(Decision { rule: "named", subject: "all causes", value, limit, outcome });
+    }
+    let mut kind = if is_unknown {
         Kind::Unknown
     } else {
         match (&choice.found[..], evidence.contact) {
@@ -145,23 +192,38 @@ pub fn verdict(choice: &Choice<'_>, evidence: &Evidence<'_>) -> Verdict {
         evidence.resamples.mean_squares(&evidence.rest, &evidence.rows),
         evidence.resamples.mean_squares(&evidence.last, &evidence.rows),
     );
-    let open = |i: usize| is_open(rests[i], lasts[i]);
-    let agreement = match kind {
-        Kind::Unknown => evidence.resamples.share(open),
-        Kind::None => evidence.resamples.share(|i| !open(i)),
-        _ => stands(&choice.found, evidence).min(evidence.resamples.share(|i| !open(i))),
+    let unnamed = |i: usize| is_unnamed(rests[i], lasts[i]);
+    let mut agreement = match kind {
+        Kind::Unknown => evidence.resamples.share(unnamed),
+        Kind::None => evidence.resamples.share(|i| !unnamed(i)),
+        _ => stands(&choice.found, evidence).min(evidence.resamples.share(|i| !unnamed(i))),
     };
+    let is_weak = above(rest, floor_square) < WEAK_FLOORS * floor_square.sqrt();
+    if is_weak && !matches!(kind, Kind::None | Kind::Unknown) && agreement < WEAK_AGREEMENT {
+        let (value, limit, outcome) = (agreement, WEAK_AGREEMENT, "too weak to be named");
+        decisions.push(Decision { rule: "agreement", subject: "all causes", value, limit, outcome });
+        (kind, agreement) = (Kind::None, 1.0 - agreement);
+    }
     match kind {
         Kind::None => effects.clear(),
         Kind::Ambiguous => effects.extend(choice.found[0].rivals.iter().copied()),
         _ => {}
     }
+    let form = match kind {
+        Kind::None | Kind::Unknown => None,
+        _ if is_open => Some(Form::Approximate),
+        _ => Some(Form::Fits),
+    };
+    let probabilities = probabilities(kind, agreement, &effects);
     let delivered = mean(&evidence.delivered);
     Verdict {
         kind,
         effects,
         agreement,
-        confidence: agreement * kind.right_share(),
+        confidence: said(&probabilities, kind),
+        probabilities,
+        form,
+        decisions: choice.decisions.iter().cloned().chain(decisions).collect(),
         gap_before_nm: above(delivered, floor_square),
         gap_after_nm: above(last, floor_square).max(evidence.numbers.square().sqrt()),
         shrink: evidence.shrink(&evidence.last, evidence.numbers),

@@ -128,6 +128,8 @@ pub struct About {
     pub starts: Starts,
     /// Effects that approximate it over a short range: they stay rivals with one parameter more.
     pub outnumbered_by: &'static [&'static str],
+    /// Effects that are the same thing in another form.
+    pub alike: &'static [&'static str],
     /// Whether it is a function of time.
     pub of_time: bool,
 }
@@ -151,6 +153,7 @@ impl About {
         remedy: None,
         starts: Starts::Shapes,
         outnumbered_by: &[],
+        alike: &[],
         of_time: false,
     };
 }

@@ -52,9 +52,9 @@ impl Effect for ElasticSpring {
         at < 3 || p[2] > 0.5
     }
 
-    /// One that softens, or stiffens the wrong way, is another thing.
+    /// One that drives, softens, or stiffens the wrong way, is another thing.
     fn is_itself(&self, p: &[f64], _extent: &Extent) -> bool {
-        p[2] <= 0.5 || p[0].min(p[3]) >= 0.0
+        p[0] >= 0.0 && (p[2] <= 0.5 || p[3] >= 0.0)
     }
 
     fn in_simulator(&self, p: &[f64]) -> Option<SimulatorJoint> {

@@ -18,6 +18,7 @@ static ABOUT: About = About {
     source: "Dahl 1968; Canudas de Wit, Olsson, Astrom and Lischinsky 1995",
     signature: Region::AfterReversal,
     trades_with: &["reversal_transition", "backlash_width", "time_delay"],
+    alike: &["reversal_transition"],
     example: "travel_rad=0.01,exponent=1.2",
     parameters: &[Parameter::shape("travel_rad", 1e-9, 10.0), Parameter::shape("exponent", EXPONENT_MIN, 4.0)],
     needs: &[Excitation::Reversals],

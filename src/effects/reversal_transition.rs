@@ -21,6 +21,7 @@ static ABOUT: About = About {
     source: "paper (21) to (30); Nordin, Galic and Gutman 1997",
     signature: Region::AfterReversal,
     trades_with: &["presliding", "time_delay", "backlash_width"],
+    alike: &["presliding"],
     example: "backlash_m=0.003,p=1.1,n=1.4",
     parameters: &[
         Parameter::shape("backlash_m", 1e-7, 1.0),

@@ -1,4 +1,4 @@
-//! How friction passes from one branch to the other where an effect says so.
+//! How friction passes from one branch to the other where an effect declares it.
 
 use crate::numerics::scalar::Scalar;
 

@@ -18,7 +18,7 @@ const SAMPLES_MIN: usize = 20;
 /// How far a position difference follows a torque difference.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Follows {
-    /// Share of its square, judged on the half that the fit did not see; at most 1, negative where it does not follow at all.
+    /// Share of its square, scored on the held-out half; at most 1, negative where it does not follow at all.
     pub share: f64,
     /// a: position per torque, rad/(N m).
     pub rad_per_nm: f64,

@@ -50,7 +50,7 @@ pub struct Stage<'c> {
 }
 
 /// A rival along one motion: what it predicts, and how that changes with each of its numbers.
-pub struct Foretold {
+pub struct Predicted {
     reading_nm: Vec<f64>,
     columns: Vec<Vec<f64>>,
     deviations: Vec<f64>,
@@ -63,7 +63,7 @@ impl Stage<'_> {
     }
 
     /// `rival` along `trajectory`.
-    pub fn predicted(&self, rival: &Rival, trajectory: &Trajectory) -> Foretold {
+    pub fn predicted(&self, rival: &Rival, trajectory: &Trajectory) -> Predicted {
         let position_rad = trajectory.positions_rad(self.rate_hz);
         let samples = position_rad.len();
         let other = |path: &crate::trajectory::Path| {
@@ -83,7 +83,7 @@ impl Stage<'_> {
             ahead.iter().zip(&reading_nm).map(|(a, y)| (a - y) / way.probe).collect()
         };
         let columns = rival.moves.iter().map(column).collect();
-        Foretold { columns, deviations: rival.moves.iter().map(|(_, deviation)| *deviation).collect(), reading_nm }
+        Predicted { columns, deviations: rival.moves.iter().map(|(_, deviation)| *deviation).collect(), reading_nm }
     }
 
     fn reading_nm(&self, model: &Model, course: &Course, from: usize) -> Vec<f64> {
@@ -104,12 +104,12 @@ impl Stage<'_> {
     }
 
     /// What two rivals cannot make up for between them, root mean square, N m.
-    pub fn apart_nm(&self, a: &Foretold, b: &Foretold) -> f64 {
+    pub fn apart_nm(&self, a: &Predicted, b: &Predicted) -> f64 {
         self.left_nm(a, b).min(self.left_nm(b, a))
     }
 
     /// What `b`, its numbers free, leaves of `a`.
-    fn left_nm(&self, a: &Foretold, b: &Foretold) -> f64 {
+    fn left_nm(&self, a: &Predicted, b: &Predicted) -> f64 {
         // The two may know friction's state from different samples on; their ends are the same.
         let rows = a.reading_nm.len().min(b.reading_nm.len());
         if rows == 0 {

@@ -1,7 +1,7 @@
 //! `diagnosis.json`.
 
 use super::motion;
-use crate::diagnose::{Candidate, Cause, Diagnosis, Kind, Place, Shrink};
+use crate::diagnose::{Answer, Candidate, Cause, Decision, Diagnosis, Form, Kind, Place, Shrink};
 use serde_json::{Map, Value, json};
 
 /// The diagnosis as in `diagnosis.json`.
@@ -12,6 +12,7 @@ pub fn to_json(found: &Diagnosis, campaign: &str, model: &str) -> Value {
         "gap": {
             "rmse_nm": found.gap.rmse_nm,
             "noise_floor_nm": found.gap.floor.rms_nm,
+            "encoder_nm": found.gap.floor.encoder_nm,
             "noise_floor_source": found.gap.floor.source.name(),
             "explainable_nm": found.gap.explainable_nm,
             "recoverable_nm": found.gap.recoverable_nm,
@@ -25,7 +26,15 @@ pub fn to_json(found: &Diagnosis, campaign: &str, model: &str) -> Value {
             "agreement": verdict.agreement,
             "gap_before_nm": verdict.gap_before_nm,
             "gap_after_nm": verdict.gap_after_nm,
+            "probabilities": verdict.probabilities.iter().map(probability).collect::<Vec<Value>>(),
+            "form": verdict.form.map(Form::name),
+            "remainder": {
+                "rms_nm": verdict.gap_after_nm,
+                "share_of_gap": (verdict.gap_after_nm / verdict.gap_before_nm.max(f64::MIN_POSITIVE)).powi(2).min(1.0),
+                "where": found.remainder.iter().map(place).collect::<Vec<Value>>(),
+            },
         },
+        "decisions": verdict.decisions.iter().map(decision).collect::<Vec<Value>>(),
         "next_experiment": super::experiment::next_json(found),
         "blind_spots": super::experiment::blind_json(found),
         "budget": {
@@ -51,6 +60,25 @@ pub fn to_json(found: &Diagnosis, campaign: &str, model: &str) -> Value {
 
 fn names(causes: &[Cause]) -> Vec<&'static str> {
     causes.iter().map(|cause| cause.name()).collect()
+}
+
+fn probability((answer, probability): &(Answer, f64)) -> Value {
+    let causes = match answer {
+        Answer::Causes(causes) => names(causes),
+        Answer::Outside => vec!["unknown"],
+        Answer::Other => vec!["other"],
+    };
+    json!({ "causes": causes, "probability": probability })
+}
+
+fn decision(decision: &Decision) -> Value {
+    json!({
+        "rule": decision.rule,
+        "subject": decision.subject,
+        "value": decision.value,
+        "limit": decision.limit,
+        "outcome": decision.outcome,
+    })
 }
 
 fn put_shrink(value: &mut Value, shrink: Shrink) {

@@ -1,7 +1,7 @@
 //! The page of a diagnosis.
 
 use super::next::next_steps;
-use super::tables::{candidates_table, changes_table, contacts_table, places_table};
+use super::tables::{candidates_table, changes_table, contacts_table, decisions_table, places_table};
 use super::words::{grounds, percent, shrink, verdict};
 use crate::diagnose::{Diagnosis, FloorSource, Kind};
 use crate::report::chart::Figure;
@@ -29,6 +29,7 @@ pub fn page(found: &Diagnosis, campaign: &str, model: &str) -> Page {
         Section::open("Where the gap lies", of(vec![places, position], vec![places_table(found)])),
         Section::folded("Stretches of contact", of(Vec::new(), vec![contacts_table(found)])),
         Section::open("Grounds", vec![Block::List(grounds(found))]),
+        Section::folded("Rules that decided", of(Vec::new(), vec![decisions_table(found)])),
     ];
     Page {
         kicker: format!("tautline diagnose · campaign {campaign} · model {model}"),

@@ -3,7 +3,7 @@
 use super::names::{Role, claim, formula, place};
 use super::parameters::{Shown, shown};
 use super::words::{percent, shrink, taken};
-use crate::diagnose::{Candidate, Diagnosis, Kind};
+use crate::diagnose::{Candidate, Decision, Diagnosis, Kind};
 use crate::report::number::significant;
 use crate::report::page::Table;
 use crate::report::plots::diagnosis::candidates::added;
@@ -40,6 +40,27 @@ pub fn candidates_table(found: &Diagnosis) -> Option<Table> {
          stand with all of them together, and anything else on top; `adds` is the share of the residual's mean square that each takes off. A rival does as well as what was taken, on these data.",
         &["cause", "verdict", "how", "adds", "gap shrinks by", "held-out RMSE"],
         found.candidates.iter().map(row).collect(),
+    )
+}
+
+/// Every rule that decided.
+pub fn decisions_table(found: &Diagnosis) -> Option<Table> {
+    let row = |decision: &Decision| {
+        vec![
+            decision.subject.to_string(),
+            decision.rule.to_string(),
+            significant(decision.value, 3),
+            significant(decision.limit, 3),
+            decision.outcome.to_string(),
+        ]
+    };
+    table(
+        "What a cause must reach to be named, what those that were named reach, and where the best of the others fall short. `share of the gap`, \
+         `floors` and `encoder` compare its gain in mean square, (N m)^2, with a share of the gap, of the floor, and with what \
+         the encoder's errors alone would let it gain; `standard errors` and `clusters that gain` ask whether it gains in most trials or cycles. \
+         `form`, `open` and `named` compare what is left, N m RMS above the floor.",
+        &["of", "rule", "value", "limit", "outcome"],
+        found.verdict.decisions.iter().map(row).collect(),
     )
 }
 

@@ -2,7 +2,7 @@
 
 use super::names::{claim, family, floor_source, means, place};
 use super::parameters::shown;
-use crate::diagnose::{Candidate, Cause, Diagnosis, Kind, Shrink};
+use crate::diagnose::{Answer, Candidate, Cause, Diagnosis, Form, Kind, Shrink};
 use crate::effects::Family;
 use crate::report::number::{counted, significant};
 use crate::report::wording::Units;
@@ -15,7 +15,7 @@ const MUCH: f64 = 0.1;
 /// The verdict in a sentence or three.
 pub fn verdict(found: &Diagnosis) -> String {
     let units = Units::of(&found.before.joint);
-    kept_together(&match found.verdict.kind {
+    let answer = match found.verdict.kind {
         Kind::None => nothing(found, &units),
         Kind::Stale => format!("{} {}", stale(found), shrinks("Refitted, the gap", found, &units)),
         Kind::Effect => {
@@ -26,7 +26,24 @@ pub fn verdict(found: &Diagnosis) -> String {
         Kind::Several => format!("{} {}", several(found), shrinks("With all of them the gap", found, &units)),
         Kind::Ambiguous => format!("{} {}", ambiguous(found), shrinks("With the first the gap", found, &units)),
         Kind::Unknown => unknown(found, &units),
+    };
+    kept_together(&match found.verdict.form {
+        Some(Form::Approximate) => format!("{answer} {}", approximate(found, &units)),
+        _ => answer,
     })
+}
+
+/// What is left where a cause is named and its formula does not fit.
+fn approximate(found: &Diagnosis, units: &Units) -> String {
+    let verdict = &found.verdict;
+    let share = (verdict.gap_after_nm / verdict.gap_before_nm.max(f64::MIN_POSITIVE)).powi(2).min(1.0);
+    let lies =
+        found.remainder.first().map_or(String::new(), |at| format!(", mostly {} ({})", place(at.region), at.detail));
+    format!(
+        "The formula fits only approximately: {}, {} of the gap's energy, are left{lies}.",
+        units.torque(verdict.gap_after_nm),
+        percent(share)
+    )
 }
 
 /// `text` with spaces that do not break between a number and what belongs to it.
@@ -63,17 +80,36 @@ pub fn grounds(found: &Diagnosis) -> Vec<String> {
         units.torque(gap.recoverable_nm),
         found.held_out,
     )];
+    if gap.floor.encoder_nm > 0.0 {
+        all.push(format!(
+            "Of the floor, {} are what the encoder's steps and noise alone leave of a perfect model: simulated on the recorded motion.",
+            units.torque(gap.floor.encoder_nm)
+        ));
+    }
     all.extend(own_confidence(found));
     if found.verdict.kind != Kind::None {
         all.extend(found.places.first().map(|_| format!("The gap lies {}.", location(found))));
     }
     let (sure, agree) = (percent(found.verdict.confidence), percent(found.verdict.agreement));
+    all.push(format!("Probabilities: {}.", probabilities(found)));
     all.push(format!(
         "The verdict is right with a probability of {sure}: {agree} of the bootstrap resamples of whole {} give the same one, and \
          that share is weighted by how often verdicts of its kind were right on simulated joints with withheld answers.",
         found.held_out
     ));
     all.iter().map(|sentence| kept_together(sentence)).collect()
+}
+
+/// "presliding 87 %; nothing missing 4 %; ...".
+fn probabilities(found: &Diagnosis) -> String {
+    let name = |answer: &Answer| match answer {
+        Answer::Causes(causes) if causes.is_empty() => "nothing missing".to_string(),
+        Answer::Causes(causes) => causes.iter().map(|cause| cause.name()).collect::<Vec<_>>().join(" and "),
+        Answer::Outside => "a cause outside the library".to_string(),
+        Answer::Other => "other causes of the library".to_string(),
+    };
+    let one = |(answer, probability): &(Answer, f64)| format!("{} {}", name(answer), percent(*probability));
+    found.verdict.probabilities.iter().map(one).collect::<Vec<_>>().join("; ")
 }
 
 /// How much of the gap goes while the model stays what it is, where that is much.
