@@ -394,5 +394,5 @@ fn a_step_tells_what_identify_tells() {
     };
     assert_eq!(table(&friction), table(&identify));
     let two = told(&["fit", "friction", &folder, "--trials", &at("a/trials.csv"), "-o", &at("e")]);
-    assert!(two.contains("search limit"), "{two}");
+    assert!(two.contains("trade-off"), "{two}");
 }

@@ -143,7 +143,7 @@ fn intervals_hold_the_truth() {
         let truth = random_truth(&mut random.clone());
         let points = Points::new(points(&mut random, 2e-4, 3));
         let fit = points.fit(2).unwrap();
-        let profile = points.profile(&fit, Vec::new(), 3.0).unwrap();
+        let profile = points.profile(&fit, &fit, Vec::new(), 3.0).unwrap();
         let ([a, d, fast, slow], [fast_rate, slow_rate]) = truth;
         for (range, x) in
             profile.coefficients.iter().zip([a, d, slow, fast]).chain(profile.rates.iter().zip([slow_rate, fast_rate]))
@@ -153,4 +153,23 @@ fn intervals_hold_the_truth() {
         }
     }
     assert!(held as f64 >= 0.95 * asked as f64, "{held} of {asked}");
+}
+
+/// Of six speeds a slow exponential, the line and the constant tell nothing apart; but they do not cancel by many times the friction.
+#[test]
+fn intervals_are_no_wider_than_what_is_possible() {
+    let mut random = ChaCha8Rng::seed_from_u64(5);
+    let sigma = noise(2e-4);
+    let b = |u: f64| 0.7 + 0.03 * u + 0.1 * (-5.0 * u).exp() + 0.15 * (-30.0 * u).exp();
+    let speeds = (0..6).map(|i| 0.02 * 20f64.powf(f64::from(i) / 5.0));
+    let points = Points::new(speeds.flat_map(|u| [u; 3]).map(|u| (u, b(u) + sigma.sample(&mut random), 1.0)).collect());
+    let fit = points.fit(2).unwrap();
+    let largest = points.b_nm.iter().fold(0.0, |most: f64, b| most.max(b.abs()));
+    let profile = points.profile(&fit, &fit, Vec::new(), 3.0).unwrap();
+    for (place, (low, high)) in profile.coefficients.iter().enumerate() {
+        let reach = if place == 1 { 0.4 } else { 1.0 };
+        let most = 2.5 * largest.max(fit.coefficients.iter().map(|c| c.abs()).sum());
+        assert!(low.abs().max(high.abs()) * reach <= 1.2 * most, "{place}: {low} to {high}");
+    }
+    assert!(profile.coefficients[0].0 < 0.7 && profile.coefficients[0].1 > 0.7, "{:?}", profile.coefficients);
 }

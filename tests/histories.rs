@@ -23,6 +23,44 @@ fn session_model(relative_level: f64) -> Model {
     model
 }
 
+/// When it was, its value, and the temperature where it is known.
+type Session = (String, f64, Option<f64>);
+
+/// The joints of a fleet, each with sessions (date, relative level of friction) that stand in the results' folder already.
+fn fleet(joints: &[(&str, Vec<Session>)]) -> Vec<Value> {
+    let folder = TempDir::new().unwrap();
+    let all = || joints.iter().flat_map(|(joint, sessions)| sessions.iter().map(move |session| (joint, session)));
+    let entry = |(joint, (date, ..)): (&&str, &Session)| {
+        format!("[[campaigns]]\npath = \"{joint}/{date}\"\njoint = \"{joint}\"\ndate = {date}\n")
+    };
+    let file = folder.path().join("fleet.toml");
+    fs::write(&file, "format = \"batch/1\"\n".to_string() + &all().map(entry).collect::<String>()).unwrap();
+    let batch = Batch::read(&[file]).unwrap();
+    let row = |(entry, (_, session)): (&Entry, (&&str, &Session))| Row {
+        entry: entry.clone(),
+        record: Record { name: entry.name.clone(), ..Record::default() },
+        model: Some(session_model(session.1)),
+    };
+    let rows = batch.entries.iter().zip(all()).map(row).collect();
+    tautline::report::fleet::to_json(&Fleet::new(&batch, rows))["joints"].as_array().unwrap().clone()
+}
+
+#[test]
+fn other_joints_tell_what_a_short_history_scatters() {
+    let shifted = |by: usize| {
+        let sessions = every_month(8 + by, |_| 1.0);
+        (0..8).map(|i| (sessions[i].0.clone(), sessions[i + by].1, None)).collect::<Vec<_>>()
+    };
+    let mut jump = shifted(0);
+    jump[6..].iter_mut().for_each(|session| session.1 += 0.06);
+    let alone = fleet(&[("a", jump.clone())]);
+    assert!(happened(&alone[0], "B(0.089").is_empty(), "a history of eight sessions cannot know: {alone:?}");
+    let found = fleet(&[("a", jump), ("b", shifted(3)), ("c", shifted(6)), ("d", shifted(9)), ("e", shifted(12))]);
+    let told = happened(&found[0], "B(0.089");
+    assert_eq!((told.len(), told[0]["kind"].as_str()), (1, Some("jump")), "{told:?}");
+    assert!(found[1..].iter().all(|joint| happened(joint, "B(0.089").is_empty()));
+}
+
 /// The joint "elbow" of a fleet whose `sessions` (date, relative level of friction, temperature) stand in the results' folder
 /// already; `more` is added to the list.
 fn history(sessions: &[(String, f64, Option<f64>)], more: &str) -> Value {

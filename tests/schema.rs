@@ -3,7 +3,10 @@
 use serde::de::DeserializeOwned;
 use std::fs;
 use std::path::{Path, PathBuf};
-use tautline::schema::{Batch, Campaign, Diagnosis, Evaluation, FILES, Model, Trajectory};
+use tautline::schema::{
+    Batch, Campaign, Check, Comparison, Diagnosis, Evaluation, FILES, Fleet, Interaction, Model, Repeatability, Rig,
+    Trajectory,
+};
 use tautline::simulate::Plan;
 
 fn files(folder: &Path, found: &mut Vec<PathBuf>) {
@@ -34,6 +37,7 @@ fn every_bundled_file_is_what_its_schema_says() {
             () if is("campaign") => fault::<Campaign>(path, &text),
             () if is("model") && !is("baseline") => fault::<Model>(path, &text),
             () if is("trajectory") => fault::<Trajectory>(path, &text),
+            () if is("rig") => fault::<Rig>(path, &text),
             () if is("batch") => fault::<Batch>(path, &text),
             () => continue,
         };
@@ -41,6 +45,20 @@ fn every_bundled_file_is_what_its_schema_says() {
         faults.extend(fault);
     }
     assert!(faults.is_empty() && seen >= 6, "{seen} files; {}", faults.join("\n"));
+}
+
+/// A rig with everything that it may have.
+#[test]
+fn a_rig_with_two_drives_and_a_brake_is_what_its_schema_says() {
+    let brake = "[drive.brake]\nrelease_s = 0.1\nengage_s = 0.1\n[drive.brake.device]\nplace = 3\nname = \"outputs\"\nvendor = 1\n\
+                 product = 2\n[drive.brake.device.outputs]\npdo = 0x1600\nentries = [{ as = \"brake\", index = 0x7000, sub = 1, \
+                 type = \"bit\" }]\n\n[drive.inputs]";
+    let rig = include_str!("../data/rigs/demo/rig.toml").replace("[drive.inputs]", brake);
+    let text = format!("{rig}{}", include_str!("../data/rigs/demo/axes.toml"));
+    let path = Path::new("rig.toml");
+    assert_eq!(fault::<Rig>(path, &text), None);
+    assert!(tautline::capture::rig::Rig::parse(path, &text).is_ok());
+    assert!(fault::<Rig>(path, &text.replace("[axes.limits]", "unknown = 1\n[axes.limits]")).is_some());
 }
 
 #[test]
@@ -61,6 +79,43 @@ fn what_is_written_is_what_its_schema_says() {
     assert!(faults.iter().all(Option::is_none), "{faults:#?}");
 }
 
+#[test]
+fn what_is_printed_is_what_its_schema_says() {
+    let out = tempfile::TempDir::new().unwrap();
+    let to = |name: &str| out.path().join(name).to_string_lossy().into_owned();
+    let record = |seed: u64| {
+        let plan = Plan { cosines: 1, seed, ..crate::campaigns::plan() };
+        crate::campaigns::record(&crate::campaigns::truth(), &plan)
+    };
+    let campaigns = [record(1), record(2), record(3)];
+    let paths = campaigns.each_ref().map(|campaign| campaign.path().to_string_lossy().into_owned());
+    let list: String = std::iter::once("format = \"batch/1\"\n".to_string())
+        .chain((0..3).map(|i| format!("[[campaigns]]\npath = \"{}\"\ndate = 2026-0{}-01\n", paths[i], i + 1)))
+        .collect();
+    fs::write(to("list.toml"), list).unwrap();
+    let printed = |arguments: &[&str]| {
+        let done = crate::cli::tautline(arguments);
+        assert!(done.status.success(), "{arguments:?}: {}", String::from_utf8_lossy(&done.stderr));
+        String::from_utf8(done.stdout).unwrap()
+    };
+    for (path, name) in paths.iter().zip(["a", "b"]) {
+        printed(&["identify", path, "-o", &to(name), "--quiet"]);
+    }
+    printed(&["check", &paths[0], "--baseline", &to("baseline.json"), "--update", "--quiet"]);
+    let path = Path::new("printed.json");
+    let faults = [
+        fault::<Comparison>(path, &printed(&["compare", &to("a/model.json"), &to("b/model.json"), "--json"])),
+        fault::<Check>(path, &printed(&["check", &paths[0], "--baseline", &to("baseline.json"), "--json"])),
+        fault::<Fleet>(path, &printed(&["batch", &to("list.toml"), "-o", &to("fleet"), "--json"])),
+        fault::<Repeatability>(path, &printed(&["repeatability", &to("list.toml"), "--json"])),
+        fault::<Interaction>(
+            path,
+            &printed(&["interaction", "data/arm", "--model", "data/elbow/truth/model.json", "-o", &to("i"), "--json"]),
+        ),
+    ];
+    assert!(faults.iter().all(Option::is_none), "{faults:#?}");
+}
+
 /// Keys that `files` ask for, by their source.
 fn asked(files: &[&str]) -> Vec<String> {
     let sources = files.iter().map(|file| fs::read_to_string(format!("src/{file}")).unwrap());
@@ -75,7 +130,7 @@ fn asked(files: &[&str]) -> Vec<String> {
 
 #[test]
 fn every_key_that_a_reader_asks_for_is_in_its_schema() {
-    let readers: [(&str, &[&str]); 4] = [
+    let readers: [(&str, &[&str]); 5] = [
         (
             "campaign",
             &[
@@ -92,6 +147,18 @@ fn every_key_that_a_reader_asks_for_is_in_its_schema() {
         ("model", &["model/file.rs", "model/functions.rs"]),
         ("trajectory", &["trajectory/file.rs"]),
         ("batch", &["batch/manifest.rs"]),
+        (
+            "rig",
+            &[
+                "capture/rig/read.rs",
+                "capture/rig/read_drive.rs",
+                "capture/rig/read_sensor.rs",
+                "capture/rig/axes.rs",
+                "capture/rig/setup.rs",
+                "capture/rig/process_data.rs",
+                "capture/limits.rs",
+            ],
+        ),
     ];
     // Of what an identification adds, and by quantity rather than by key.
     const OTHERS: [&str; 2] = ["parameter", "time"];

@@ -2,7 +2,7 @@
 
 use super::calendar::day;
 use super::events::{Drift, Event, differences, events};
-use super::life::{Forecast, Life, Limit, Refusal, Sessions};
+use super::life::{Alike, Forecast, Life, Limit, Refusal, Scatters, Sessions};
 use super::manifest::Batch;
 use super::outliers::{Outlier, outliers};
 use super::quantities::{self, Quantity};
@@ -91,8 +91,13 @@ impl Fleet {
             of_joint.into_iter().map(|(name, of)| History::new(batch, &rows, name, of)).collect();
         let compared = histories.iter().flat_map(|history| &history.quantities).filter(|q| is_followed(q)).count();
         let count = histories.len();
-        let joints: Vec<Joint> =
-            histories.into_par_iter().map(|history| history.joint(&rows, compared, count)).collect();
+        let alone: Vec<Vec<Life>> = histories.par_iter().map(|history| history.lives(compared, &|_, _| None)).collect();
+        let scatters = Scatters::new(&alone);
+        let joint = |(at, history): (usize, History)| {
+            let lives = history.lives(compared, &|name, typical| scatters.of_others(at, name, typical));
+            history.joint(&rows, lives, [compared, count])
+        };
+        let joints: Vec<Joint> = histories.into_par_iter().enumerate().map(joint).collect();
         let (outliers, warnings) = (outliers(&rows), unused(batch, &rows, &joints));
         Self { rows, joints, outliers, compared, warnings }
     }
@@ -154,15 +159,20 @@ impl History {
         Self { name, of, dates, sessions, quantities, limits }
     }
 
-    /// One joint of `joints`, with `compared` quantities in the fleet.
-    fn joint(self, rows: &[Row], compared: usize, joints: usize) -> Joint {
-        let Self { name, of, dates, sessions, quantities, limits } = self;
+    /// What happened to each quantity, one of `compared` in the fleet; `of_others` says what other joints say of its scatter.
+    fn lives(&self, compared: usize, of_others: &dyn Fn(&str, f64) -> Option<Alike>) -> Vec<Life> {
+        let life = |q: &Quantity| Life::new(q.clone(), &self.sessions, compared, of_others);
+        self.quantities.iter().filter_map(life).collect()
+    }
+
+    /// One joint of `joints` with its `lives`, among `compared` quantities of the fleet.
+    fn joint(self, rows: &[Row], lives: Vec<Life>, [compared, joints]: [usize; 2]) -> Joint {
+        let Self { name, of, dates, sessions, limits, .. } = self;
         let (first, last) = (of[0], of[of.len() - 1]);
         let date = |at: usize| rows[at].entry.date.as_deref();
         let retensioned = dates.iter().rev().find(|at| date(last) >= Some(at.as_str())).cloned();
         let since = of.iter().copied().find(|at| retensioned.as_deref() <= date(*at)).unwrap_or(first);
         let place = of.iter().position(|at| *at == since).unwrap_or(0);
-        let lives: Vec<Life> = quantities.into_iter().filter_map(|q| Life::new(q, &sessions, compared)).collect();
         let mut joint = Joint {
             events: events(rows, &of, &dates, &lives, [compared, joints]),
             limits: limits.iter().flat_map(|(limit, names)| foreseen(limit, names, &lives, &sessions)).collect(),

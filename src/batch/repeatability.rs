@@ -14,8 +14,8 @@ use std::collections::BTreeMap;
 
 /// Fewest runs that can be judged.
 pub const RUNS_MIN: usize = 3;
-/// Scatter that chance would give less often than this is more than the intervals claim.
-const MORE_THAN_CLAIMED: f64 = 0.01;
+/// Of joints whose intervals tell the whole scatter this share has any quantity called otherwise, all quantities counted.
+const MORE_THAN_CLAIMED: f64 = 0.05;
 /// A condition explains the scatter when chance would do as well less often than this.
 const EXPLAINED: f64 = 0.01;
 /// Pairs that absorb each other are correlated over the runs by more than this ...
@@ -101,8 +101,9 @@ impl Repeatability {
         rows.iter().for_each(|row| names.extend(row.entry.conditions.keys().map(|name| (name, ()))));
         let conditions: Vec<(&String, Condition)> =
             names.into_keys().filter_map(|name| Some((name, Condition::of(rows, name)?))).collect();
-        let quantities: Vec<Quantity> =
-            quantities::of(&models).into_iter().map(|of| Quantity::new(of, &conditions)).collect();
+        let all = quantities::of(&models);
+        let by_chance = MORE_THAN_CLAIMED / all.len() as f64;
+        let quantities: Vec<Quantity> = all.into_iter().map(|of| Quantity::new(of, &conditions, by_chance)).collect();
         let absorbed = absorbed(&quantities);
         Self {
             joint: joint.to_string(),
@@ -114,7 +115,8 @@ impl Repeatability {
 }
 
 impl Quantity {
-    fn new(of: quantities::Quantity, conditions: &[(&String, Condition)]) -> Self {
+    /// Of `of`, whose scatter is more than its intervals claim where chance would give it less often than `by_chance`.
+    fn new(of: quantities::Quantity, conditions: &[(&String, Condition)], by_chance: f64) -> Self {
         let quantities::Quantity { name, unit, values } = of;
         let known: Vec<Known> =
             values.iter().enumerate().filter_map(|(run, value)| value.map(|(x, se)| (run, x, se))).collect();
@@ -137,7 +139,7 @@ impl Quantity {
         let claimed = claimed[claimed.len() / 2];
         let excess = between(&known, q);
         let honest = if excess > 0.0 { claimed.hypot(student_t(runs - 1.0) * excess.sqrt()) } else { claimed };
-        let scatters = chi_squared_tail(q, runs - 1.0) < MORE_THAN_CLAIMED;
+        let scatters = chi_squared_tail(q, runs - 1.0) < by_chance;
         let explained = || {
             let fits = conditions.iter().filter_map(|(name, condition)| Some((name, condition.explains(&known, q)?)));
             fits.min_by(|a, b| a.1.0.total_cmp(&b.1.0))

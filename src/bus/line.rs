@@ -43,6 +43,12 @@ impl Line {
         struck
     }
 
+    /// The faults of them that no frame gets past meanwhile, process data or not.
+    pub fn lasting(&self) -> Vec<Fault> {
+        let stops = |fault: &Fault| matches!(fault, Fault::Lost { .. } | Fault::Unsent { .. });
+        self.left.iter().map(|(fault, _)| *fault).filter(stops).collect()
+    }
+
     /// What comes back of `reply` under `faults`, in order of arrival.
     pub fn replies(&mut self, reply: Reply, faults: &[Fault]) -> Vec<Reply> {
         let mut reply = reply;

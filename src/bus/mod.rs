@@ -17,8 +17,11 @@ mod eeprom;
 mod fault;
 mod fmmu;
 mod frame;
+mod inject;
 mod line;
 mod memory;
+mod outputs;
+mod passing;
 mod process;
 mod registers;
 mod states;
@@ -30,14 +33,15 @@ pub use clock::Clock;
 pub use coe::{Access, Dictionary, Emergency, Entry};
 pub use description::Description;
 pub use device::Device;
-pub use drive::{COUNTS_PER_REVOLUTION, RATED_TORQUE_MNM, device as drive, device_with as drive_with};
+pub use drive::{COUNTS_PER_REVOLUTION, RATED_TORQUE_MNM, device as drive, device_with as drive_with, two_axes};
 pub use fault::{Fault, When};
+pub use outputs::device as outputs;
 pub use terminal::{Terminal, VOLTS_PER_NM};
-pub use world::{Joint, Law, MOTOR_INERTIA_KG_M2, Motor, World};
+pub use world::{BrakeBy, Joint, Law, MOTOR_INERTIA_KG_M2, Motor, SecondCable, World};
 
 use crate::model::Model;
-use crate::simulate::Load;
 use frame::{Addressing, datagrams};
+use inject::Struck;
 use line::Line;
 
 /// How long a frame takes from one device to the next, and back, ns.
@@ -50,6 +54,9 @@ const BEHIND: u16 = 1;
 /// How much too fast the clocks of the demo's devices run, parts per billion: what cheap crystals do.
 const DRIFTS_PPB: [i64; 2] = [3_000, -8_000];
 
+/// What is slack of an antagonistic joint's second cable at first, rad of the joint.
+const SLACK_RAD: f64 = 0.02;
+
 /// A bus of devices on one wire, in virtual time.
 #[derive(Debug)]
 pub struct Bus {
@@ -61,13 +68,6 @@ pub struct Bus {
     reached: usize,
     cycles: u64,
     now_ns: u64,
-}
-
-/// Whose fault it is, where there are two drives.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Struck {
-    First = 0,
-    Second = 1,
 }
 
 /// What comes back on the wire.
@@ -128,6 +128,16 @@ impl Bus {
         joints.into_iter().fold(Self::new(devices), Self::with_joint)
     }
 
+    /// An antagonistic joint: the second drive's cable pulls it down, against the first one's. A little of that cable is slack at first.
+    pub fn demo_antagonistic(model: Model, noise_nm: f64, seed: u64) -> Self {
+        let devices =
+            vec![drive(DRIFTS_PPB[0]), Terminal::default().device(DRIFTS_PPB[1]), drive::device_on(1, DRIFTS_PPB[0])];
+        let winch = Joint::new(model.clone(), 0.0, noise_nm, seed).unloaded();
+        let mut bus = Self::new(devices).with_joint(Joint::new(model, 0.0, noise_nm, seed)).with_joint(winch);
+        bus.world.cable = Some(SecondCable { slack_rad: SLACK_RAD });
+        bus
+    }
+
     /// Sends `frame`, a whole Ethernet frame, at `now_ns`, which never goes back; devices and joint advance to then first.
     /// Replies are in order of arrival; late frames come later, lost ones not at all, doubled ones twice.
     pub fn send(&mut self, now_ns: u64, frame: &[u8]) -> Vec<Reply> {
@@ -137,7 +147,7 @@ impl Bus {
         };
         let process_data = datagrams.iter().any(|datagram| datagram.command.to == Addressing::Logical);
         self.advance(now_ns);
-        let faults = if process_data { self.next_cycle() } else { Vec::new() };
+        let faults = if process_data { self.next_cycle() } else { self.line.lasting() };
         let now_ns = self.now_ns;
         if !faults.iter().any(|fault| matches!(fault, Fault::Unsent { .. })) {
             self.world.advance(now_ns);
@@ -199,75 +209,6 @@ impl Bus {
         self.line.strike()
     }
 
-    /// Has something go wrong, at a time (ns) or at a cycle. What is of a drive or its joint is of the first.
-    pub fn inject(&mut self, fault: Fault, when: impl Into<When>) {
-        self.to_come.push((when.into(), Struck::First, fault));
-    }
-
-    /// The same in the second drive, or what it moves.
-    pub fn inject_into_second(&mut self, fault: Fault, when: impl Into<When>) {
-        self.to_come.push((when.into(), Struck::Second, fault));
-    }
-
-    /// Lets the faults happen whose time has come.
-    fn strike(&mut self, now: impl Fn(When) -> bool) {
-        if self.to_come.is_empty() {
-            return;
-        }
-        let (struck, to_come) = std::mem::take(&mut self.to_come).into_iter().partition(|(when, ..)| now(*when));
-        self.to_come = to_come;
-        let struck: Vec<(When, Struck, Fault)> = struck;
-        for (_, of, fault) in struck {
-            self.happen(of, fault);
-        }
-    }
-
-    fn happen(&mut self, of: Struck, fault: Fault) {
-        if self.line.take(fault) {
-            return;
-        }
-        let now_ns = self.now_ns;
-        match fault {
-            Fault::Gone { device } => {
-                self.reached = self.reached.min(device);
-                if let Some(last) = self.devices[..self.reached].last_mut() {
-                    last.count_lost_link(BEHIND);
-                }
-                self.link();
-            }
-            Fault::SafeOp { device, .. }
-            | Fault::Emergency { device, .. }
-            | Fault::Watchdog { device }
-            | Fault::WatchdogOff { device }
-            | Fault::FrozenInputs { device } => {
-                if let Some(device) = self.devices.get_mut(device) {
-                    device.fail(fault, now_ns);
-                }
-            }
-            Fault::Blocked | Fault::CableBreak | Fault::EncoderJump { .. } => {
-                if let Some(joint) = self.world.joints.get_mut(of as usize) {
-                    match fault {
-                        Fault::Blocked => joint.set_load(Load::Obstacle),
-                        Fault::EncoderJump { by_rad } => joint.motor.encoder_off_rad += by_rad,
-                        _ => joint.set_load(Load::Nothing),
-                    }
-                }
-            }
-            Fault::SecondMaster => self.devices.iter_mut().for_each(|device| device.fail(fault, now_ns)),
-            // Terminals leave alone what is of a drive, and the other way round.
-            _ => {
-                let is_drive = |device: &Device| device.object(0x6041, 0).is_some();
-                let second = self.devices.iter().position(is_drive).map_or(usize::MAX, |first| {
-                    let behind = self.devices[first + 1..].iter().position(is_drive);
-                    behind.map_or(usize::MAX, |behind| first + 1 + behind)
-                });
-                let is_struck = |place: usize| (place == second) == (of == Struck::Second);
-                let struck = self.devices.iter_mut().enumerate().filter(|(place, _)| is_struck(*place));
-                struck.for_each(|(_, device)| device.fail(fault, now_ns));
-            }
-        }
-    }
-
     /// Tells every device whether there is one behind it.
     fn link(&mut self) {
         let reached = self.reached;
@@ -291,6 +232,11 @@ impl Bus {
             velocity_rad_s: joint.velocity_rad_s(),
             torque_nm: joint.torque_nm(),
         })
+    }
+
+    /// What the second winch's cable pulls an antagonistic joint down with, N m at its winch.
+    pub fn pull_nm(&self) -> f64 {
+        self.world.pull_nm()
     }
 
     /// Sets a number in the object dictionary of the device at `place`, as the maker's own tool would.

@@ -102,9 +102,22 @@ pub struct Joint {
     /// y before the sensor and when, as long as its reading is late.
     past: VecDeque<(u64, f64)>,
     now_ns: u64,
-    /// Whether it has a brake, and whether that is closed.
-    has_brake: bool,
+    /// What lets its brake go, if it has one, and whether that is closed.
+    brake: Option<BrakeBy>,
     is_braked: bool,
+    /// What a cable that is not this motor's own pulls back with, N m at the winch.
+    pull_nm: f64,
+    /// Where the joint stayed when its cable broke, rad.
+    left_at_rad: Option<f64>,
+}
+
+/// What a brake is wired to.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum BrakeBy {
+    /// The drive's digital output.
+    Drive,
+    /// A digital output terminal.
+    Terminal,
 }
 
 impl Joint {
@@ -130,19 +143,35 @@ impl Joint {
             random: ChaCha8Rng::seed_from_u64(seed),
             past: VecDeque::new(),
             now_ns: 0,
-            has_brake: false,
+            brake: None,
             is_braked: false,
+            pull_nm: 0.0,
+            left_at_rad: None,
         }
     }
 
-    /// The same with a brake that is closed without power.
-    pub fn with_brake(self) -> Self {
-        Self { has_brake: true, is_braked: true, ..self }
+    /// The same with a brake that is closed without power, and let go by `by`.
+    pub fn with_brake(self, by: BrakeBy) -> Self {
+        Self { brake: Some(by), is_braked: true, ..self }
     }
 
-    /// Its brake, if it has one, is closed from now on, or open.
-    pub fn brake(&mut self, closed: bool) {
-        self.is_braked = self.has_brake && closed;
+    /// `by` closes the brake from now on, or lets it go, if it is wired to it.
+    pub fn brake(&mut self, by: BrakeBy, closed: bool) {
+        if self.brake == Some(by) {
+            self.is_braked = closed;
+        }
+    }
+
+    /// The same as a winch alone, without a joint on its cable.
+    pub fn unloaded(mut self) -> Self {
+        self.machine.load = Load::Nothing;
+        self
+    }
+
+    /// Its cable breaks: the motor moves itself alone, the joint stays where it is.
+    pub fn lose_cable(&mut self) {
+        self.machine.load = Load::Nothing;
+        self.left_at_rad.get_or_insert(self.machine.position_rad());
     }
 
     /// Moves on to `now_ns`.
@@ -158,11 +187,14 @@ impl Joint {
             let at_ns = began_ns + ahead_ns * step / steps;
             let step_s = (at_ns - self.now_ns) as f64 * 1e-9;
             let motor = &self.motor;
+            // A winch alone is pulled itself, a joint past the torque sensor.
+            let alone_nm = if self.machine.load == Load::Nothing { self.pull_nm } else { 0.0 };
+            self.machine.pull_nm = self.pull_nm;
             let load = self.machine.load;
             if self.is_braked {
                 self.machine.load = Load::Obstacle;
             }
-            self.machine.step(step_s, |own| motor.given_nm(transmission, own, at_ns));
+            self.machine.step(step_s, |own| motor.given_nm(transmission, own, at_ns) - alone_nm);
             self.machine.load = load;
             self.now_ns = at_ns;
             let own = Motion {
@@ -218,11 +250,66 @@ impl Joint {
 pub struct World {
     /// They.
     pub joints: Vec<Joint>,
+    /// The second winch's cable to the first joint, where there is one.
+    pub cable: Option<SecondCable>,
+}
+
+/// The cable of a second winch, which pulls the first joint down. It only pulls: slack it is not there.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct SecondCable {
+    /// How much of it is slack while both winches are at 0, rad of the joint.
+    pub slack_rad: f64,
+}
+
+/// Stiffness of the second cable, N m at the winch for a rad of the joint: a few mrad at the tensions that are held.
+const CABLE_NM_RAD: f64 = 60.0;
+/// Its damping, N m s/rad: about critical on the winch's inertia.
+const CABLE_NM_S_RAD: f64 = 0.5;
+
+impl SecondCable {
+    /// N m at the winch, never below 0.
+    fn torque_nm(&self, joint: &Joint, winch: &Joint) -> f64 {
+        let joint_rad = joint.left_at_rad.unwrap_or(joint.position_rad());
+        let joint_rad_s = if joint.left_at_rad.is_some() { 0.0 } else { joint.velocity_rad_s() };
+        let stretch_rad = winch.position_rad() + joint_rad - self.slack_rad;
+        if stretch_rad <= 0.0 {
+            return 0.0;
+        }
+        let rate_rad_s = winch.velocity_rad_s() + joint_rad_s;
+        (CABLE_NM_RAD * stretch_rad + CABLE_NM_S_RAD * rate_rad_s).max(0.0)
+    }
 }
 
 impl World {
     /// Moves everything on to `now_ns`.
     pub fn advance(&mut self, now_ns: u64) {
+        while let (Some(cable), [joint, winch, ..]) = (&self.cable, self.joints.as_mut_slice()) {
+            let at_ns = now_ns.min(joint.now_ns + STEP_NS);
+            if at_ns.saturating_sub(joint.now_ns) < SHORTEST_NS {
+                break;
+            }
+            let pull_nm = cable.torque_nm(joint, winch);
+            (joint.pull_nm, winch.pull_nm) = (if joint.left_at_rad.is_some() { 0.0 } else { pull_nm }, pull_nm);
+            joint.advance(at_ns);
+            winch.advance(at_ns);
+        }
         self.joints.iter_mut().for_each(|joint| joint.advance(now_ns));
+    }
+
+    /// What the second winch's cable pulls with, N m at its winch.
+    pub fn pull_nm(&self) -> f64 {
+        match (&self.cable, self.joints.as_slice()) {
+            (Some(cable), [joint, winch, ..]) => cable.torque_nm(joint, winch),
+            _ => 0.0,
+        }
+    }
+
+    /// The cable of the joint `index` breaks.
+    pub fn break_cable(&mut self, index: usize) {
+        match self.joints.get_mut(index) {
+            Some(winch) if index == 1 && self.cable.take().is_some() => winch.pull_nm = 0.0,
+            Some(joint) => joint.lose_cable(),
+            None => {}
+        }
     }
 }

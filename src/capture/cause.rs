@@ -182,6 +182,25 @@ impl fmt::Display for Cause {
             Self::Emergency(None) => write!(f, "the drive sent a message that nobody had asked for"),
             Self::InternalLimit => write!(f, "the drive is at a limit of its own (status bit 11)"),
             Self::FollowingError => write!(f, "the drive reports a following error (status bit 13)"),
+            Self::CycleQuality { missed, cycles } => {
+                write!(f, "{missed} of {cycles} cycles were missed: this computer does not keep the cycle")
+            }
+            Self::Watchdog(why) => write!(f, "{why}"),
+            Self::Recording(why) => write!(f, "the recording cannot be written: {why}"),
+            Self::Interrupted => write!(f, "stopped by the operator"),
+            Self::DriveSlow { wanted, found } => write!(f, "the drive did not get to `{wanted}` in time: {found}"),
+            Self::OtherAxis(name, why) => write!(f, "of `{name}`: {why}"),
+            Self::Stack(why) => write!(f, "the EtherCAT stack failed: {why}"),
+            Self::Panic(why) => write!(f, "the program failed: {why}"),
+            _ => self.of_measured(f),
+        }
+    }
+}
+
+impl Cause {
+    /// Those that are seen in what was measured, in words.
+    fn of_measured(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
             Self::Lag(beyond) => write!(f, "the joint is {} rad off its command", beyond),
             Self::NotFollowing(Beyond { found, limit }) => write!(
                 f,
@@ -197,10 +216,6 @@ impl fmt::Display for Cause {
                 "the torque going up is {torque_nm:+.4} N m above that going down, and friction makes that positive: the sign of \
                  the drive (sign) or of the sensor (nm_per_count, torque_sign) is wrong"
             ),
-            Self::CycleQuality { missed, cycles } => {
-                write!(f, "{missed} of {cycles} cycles were missed: this computer does not keep the cycle")
-            }
-            Self::Watchdog(why) => write!(f, "{why}"),
             Self::Position(beyond) => write!(f, "the joint is at {} rad", beyond),
             Self::Speed(beyond) => write!(f, "the joint moves at {} rad/s", beyond),
             Self::Restless(beyond) => {
@@ -216,12 +231,7 @@ impl fmt::Display for Cause {
             Self::SensorSaturated => write!(f, "the torque sensor is at the end of its range"),
             Self::SensorError => write!(f, "the torque sensor's terminal reports an error"),
             Self::SensorNotANumber => write!(f, "the torque sensor's value is no number"),
-            Self::Recording(why) => write!(f, "the recording cannot be written: {why}"),
-            Self::Interrupted => write!(f, "stopped by the operator"),
-            Self::DriveSlow { wanted, found } => write!(f, "the drive did not get to `{wanted}` in time: {found}"),
-            Self::OtherAxis(name, why) => write!(f, "of `{name}`: {why}"),
-            Self::Stack(why) => write!(f, "the EtherCAT stack failed: {why}"),
-            Self::Panic(why) => write!(f, "the program failed: {why}"),
+            other => write!(f, "{}", other.name()),
         }
     }
 }

@@ -9,7 +9,8 @@
 //! whether an encoder that shows no change is alive (see `fresh`).
 
 use super::cause::{Beyond, Cause};
-use super::limits::{Limits, SPEED_CYCLES};
+use super::limits::Limits;
+use super::watch::SPEED_CYCLES;
 use std::collections::VecDeque;
 
 /// Share of the commanded way that must be measured.

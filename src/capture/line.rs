@@ -149,41 +149,29 @@ impl<W: Wire> Line<'_, W> {
         }
     }
 
-    /// The end, past the stack: every device on the bus is told to leave OP, on which a drive must stop by itself.
-    pub fn drop_out(&mut self) {
-        self.send_past_stack(&DROP_OUT);
-    }
-
-    /// The same to the device at `station` alone.
-    pub fn drop_device(&mut self, station: u16) {
-        let mut frame = DROP_OUT;
-        frame[COMMAND_AT] = FPWR;
-        frame[ADDRESS_AT..ADDRESS_AT + 2].copy_from_slice(&station.to_le_bytes());
-        self.send_past_stack(&frame);
-    }
-
-    /// Three times, as frames may be lost.
-    fn send_past_stack(&mut self, frame: &[u8]) {
-        for _ in 0..3 {
-            let _ = self.wire.send(frame);
+    /// The end, past the stack: each device at `stations` is told to leave OP, on which a drive must stop by itself. Three times, as
+    /// frames may be lost. Devices that are not named stay as they are.
+    pub fn drop_out(&mut self, stations: impl IntoIterator<Item = u16>) {
+        for station in stations {
+            let mut frame = DROP_OUT;
+            frame[ADDRESS_AT..ADDRESS_AT + 2].copy_from_slice(&station.to_le_bytes());
+            (0..3).for_each(|_| drop(self.wire.send(&frame)));
         }
     }
 }
 
-/// Where the datagram's command and address stand in `DROP_OUT`, and the command that writes to one station (FPWR).
-const COMMAND_AT: usize = 16;
+/// Where the datagram's station address stands in `DROP_OUT`.
 const ADDRESS_AT: usize = 18;
-const FPWR: u8 = 0x05;
 
-/// A broadcast write of SAFE-OP (0x04, 0x10: whatever error is acknowledged) to AL control (register 0x0120), padded to the
-/// shortest Ethernet frame: destination, source, EtherType 0x88A4, EtherCAT header (length 14, type 1), datagram (command 8 BWR,
+/// A write of SAFE-OP (0x04, 0x10: whatever error is acknowledged) to AL control (register 0x0120) of one station, padded to the
+/// shortest Ethernet frame: destination, source, EtherType 0x88A4, EtherCAT header (length 14, type 1), datagram (command 5 FPWR,
 /// index, address, register, length 2, interrupt), data, working counter.
 const DROP_OUT: [u8; 60] = {
     let mut frame = [0; 60];
     let start: [u8; 30] = [
         0xFF, 0xFF, 0xFF, 0xFF, 0xFF, 0xFF, 0x10, 0x10, 0x10, 0x10, 0x10, 0x10, 0x88, 0xA4, //
         0x0E, 0x10, //
-        0x08, 0xFF, 0x00, 0x00, 0x20, 0x01, 0x02, 0x00, 0x00, 0x00, //
+        0x05, 0xFF, 0x00, 0x00, 0x20, 0x01, 0x02, 0x00, 0x00, 0x00, //
         0x14, 0x00, 0x00, 0x00,
     ];
     let mut i = 0;

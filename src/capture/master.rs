@@ -7,7 +7,7 @@ use super::line::{Failure, Line};
 use super::mapping;
 use super::own_limits;
 use super::pulses;
-use super::rig::{Drive, ProcessData, Rig};
+use super::rig::{BrakeDevice, Drive, ProcessData, Rig};
 use super::watchdog;
 use super::wire::Wire;
 use ethercrab::subdevice_group::{DcConfiguration, HasDc, NoDc, Op, PreOp, PreOpPdi};
@@ -35,6 +35,16 @@ const TO_OP_S: f64 = 5.0;
 
 /// The station address that the stack gives to the first device; the others follow.
 const FIRST_STATION: u16 = 0x1000;
+
+/// The station addresses of the devices of `rig`, as the stack gives them.
+pub fn stations(rig: &Rig) -> Vec<u16> {
+    rig.devices().map(|(identity, _)| station(identity.place)).collect()
+}
+
+fn station(place: usize) -> u16 {
+    FIRST_STATION.wrapping_add(u16::try_from(place).unwrap_or(u16::MAX))
+}
+
 /// AL status, whose bit 4 flags an error; its code follows after 4 bytes.
 const AL_STATUS: u16 = 0x0130;
 const AL_ERROR: u8 = 1 << 4;
@@ -81,7 +91,7 @@ fn of_all<W: Wire, T>(
 pub fn ailing<W: Wire>(line: &mut Line<'_, W>, main: &MainDevice<'_>) -> String {
     (0..main.num_subdevices())
         .filter_map(|place| {
-            let register = Command::fprd(FIRST_STATION.wrapping_add(u16::try_from(place).ok()?), AL_STATUS);
+            let register = Command::fprd(station(place), AL_STATUS);
             let status = line.run(register.receive::<[u8; 6]>(main)).ok()?;
             let why = AlStatusCode::from(u16::from_le_bytes([status[4], status[5]]));
             (status[0] & AL_ERROR != 0).then(|| format!("; device {place} is in error {why}"))
@@ -128,6 +138,12 @@ pub fn prepare<W: Wire>(
         if !mapped.contains(&identity.place) {
             mapping::map(line, device, identity, ASSIGNED_OUTPUTS, &drive.outputs, &mut report)?;
             mapping::map(line, device, identity, ASSIGNED_INPUTS, &drive.inputs, &mut report)?;
+            mapped.push(identity.place);
+        }
+    }
+    for BrakeDevice { identity, outputs, .. } in rig.brake_devices() {
+        if !mapped.contains(&identity.place) {
+            mapping::map(line, &devices[identity.place], identity, ASSIGNED_OUTPUTS, outputs, &mut report)?;
             mapped.push(identity.place);
         }
     }
@@ -248,19 +264,20 @@ pub fn to_op<W: Wire, C>(
 
 /// The layout that the devices ended up with must be the one that the rig reads by.
 fn check_lengths<C>(main: &MainDevice<'_>, group: &Group<Op, C>, rig: &Rig) -> Result<(), NotStarted> {
-    let drives = rig.drives().map(|drive| (&drive.identity, &drive.inputs, Some(&drive.outputs)));
-    let sensor = (!rig.sensor.is_in_drive).then_some((&rig.sensor.identity, &rig.sensor.inputs, None));
-    for (identity, inputs, outputs) in drives.chain(sensor) {
+    let drives = rig.drives().map(|drive| (&drive.identity, Some(&drive.inputs), Some(&drive.outputs)));
+    let sensor = (!rig.sensor.is_in_drive).then_some((&rig.sensor.identity, Some(&rig.sensor.inputs), None));
+    let brakes = rig.brake_devices().map(|device| (&device.identity, None, Some(&device.outputs)));
+    for (identity, inputs, outputs) in drives.chain(sensor).chain(brakes) {
         let Ok(device) = group.subdevice(main, identity.place) else {
             return NotStarted::of(format!("`{}` is gone", identity.name));
         };
         let (found_in, found_out) = (device.inputs_raw().len(), device.outputs_raw().len());
         let wanted_out = outputs.map_or(found_out, ProcessData::bytes);
-        if found_in < inputs.bytes() || found_out < wanted_out {
+        let wanted_in = inputs.map_or(0, ProcessData::bytes);
+        if found_in < wanted_in || found_out < wanted_out {
             return NotStarted::of(format!(
-                "`{}` exchanges {found_in} bytes in and {found_out} out, the rig reads {} and {wanted_out}",
+                "`{}` exchanges {found_in} bytes in and {found_out} out, the rig reads {wanted_in} and writes {wanted_out}",
                 identity.name,
-                inputs.bytes()
             ));
         }
     }

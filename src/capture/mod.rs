@@ -16,10 +16,12 @@
 //! | `drive`, `sensor` | what the words on the wire mean |
 //! | `safety` | the machine that decides what the drive is told: every state, every transition |
 //! | `cause`, `limits`, `ramp` | why to stop, what is allowed, moves without corners |
+//! | `watch` | what is measured, held against the limits |
 //! | `bound`, `follow`, `fresh` | what is sent kept within the limits; whether the joint follows; whether inputs are new |
 //! | `axis`, `cycle` | one cycle as a pure step; the exchange |
 //! | `operator`, `briefing` | who is asked before there is torque, and what is shown first |
 //! | `run`, `tried`, `session` | the trials one after the other, after a first small motion; a whole capture |
+//! | `torque` | whether it is known to be off at the end |
 //! | `folder`, `origin`, `recorder` | samples to the disk as they come; by which clock |
 //! | `evidence`, `history` | what the bus told of itself during each trial; what the drives remember of their faults |
 //! | `realtime` | what the operating system grants |
@@ -62,6 +64,8 @@ pub mod sensor;
 pub mod session;
 #[cfg(target_os = "linux")]
 pub mod socket;
+mod torque;
 mod tried;
+mod watch;
 mod watchdog;
 pub mod wire;

@@ -1,6 +1,6 @@
 //! A capture from end to end: the bus to OP, the trials of a plan one after the other, and back to no torque.
 
-use super::axis::{Axis, Now};
+use super::axis::Now;
 use super::cause::Cause;
 use super::cycle::{Counts, Cycle};
 use super::folder::Folder;
@@ -20,6 +20,8 @@ use ethercrab::MainDevice;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::atomic::AtomicBool;
 use std::sync::{Arc, Mutex};
+
+pub use super::torque::Torque;
 
 /// What is to be done.
 #[derive(Debug, Clone, Copy)]
@@ -103,50 +105,6 @@ pub struct Outcome {
     pub torque: Torque,
 }
 
-/// The drive's torque at the end of a capture.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub enum Torque {
-    /// A fresh answer of the drive has shown that it is off, or it was never asked for and not seen on.
-    Off,
-    /// Nothing has shown that it is off: what was last seen, in words.
-    NotShownOff(String),
-}
-
-impl Torque {
-    /// What the operator must be told, if it is not off.
-    pub fn warning(&self) -> Option<String> {
-        match self {
-            Self::Off => None,
-            Self::NotShownOff(seen) => Some(format!(
-                "TORQUE IS NOT SHOWN TO BE OFF: {seen}. PRESS THE EMERGENCY STOP, AND KEEP AWAY FROM THE JOINT"
-            )),
-        }
-    }
-
-    /// Of all axes: the first that is not shown to be off.
-    fn of<'d>(mut axes: impl Iterator<Item = (&'d str, &'d Axis)>, watchdog_ms: u32) -> Self {
-        let found = axes.find_map(|(name, axis)| match Self::of_one(axis, watchdog_ms) {
-            Self::Off => None,
-            Self::NotShownOff(seen) => Some(format!("of `{name}`: {seen}")),
-        });
-        found.map_or(Self::Off, Self::NotShownOff)
-    }
-
-    fn of_one(axis: &Axis, watchdog_ms: u32) -> Self {
-        let drive = axis.drive();
-        if axis.is_seen_off() || !axis.was_armed() && !drive.has_torque() {
-            return Self::Off;
-        }
-        Self::NotShownOff(match axis.was_answered() {
-            true => format!("the drive says `{drive}`"),
-            false => format!(
-                "the drive does not answer, or its answers are old; the last one said `{drive}`; its own watchdog of \
-                 {watchdog_ms} ms may have stopped it, which cannot be seen from here"
-            ),
-        })
-    }
-}
-
 /// Captures `task` over `wire` into `folder`, telling `live`.
 ///
 /// Errors: the bus does not start. What stops a motion later is in the outcome. Whatever happens, panics included, the devices
@@ -187,7 +145,7 @@ fn session<W: Wire>(
     let outcome = with_line(wire, |line, main| {
         let run = || Session { task, deed, done, origin, recorder: &mut recorder, live }.run(line, main);
         catch_unwind(AssertUnwindSafe(run)).unwrap_or_else(|panic| {
-            line.drop_out();
+            line.drop_out(master::stations(task.rig));
             Err(NotStarted(format!("something panicked: {}; the devices were told to leave OP", words(&*panic))))
         })
     });
@@ -234,13 +192,15 @@ impl Session<'_> {
             true => {
                 let group = master::with_clocks(line, main, group, rig, &mut findings)?;
                 self.must_be_watched(&findings)?;
-                let exchange = master::to_op(line, main, group, rig).inspect_err(|_| line.drop_out())?;
+                let exchange =
+                    master::to_op(line, main, group, rig).inspect_err(|_| line.drop_out(master::stations(rig)))?;
                 Ok(self.cycle(line, main, exchange, findings))
             }
             false => {
                 let group = master::with_data(line, main, group, rig, &mut findings)?;
                 self.must_be_watched(&findings)?;
-                let exchange = master::to_op(line, main, group, rig).inspect_err(|_| line.drop_out())?;
+                let exchange =
+                    master::to_op(line, main, group, rig).inspect_err(|_| line.drop_out(master::stations(rig)))?;
                 Ok(self.cycle(line, main, exchange, findings))
             }
         }

@@ -14,12 +14,14 @@
 
 mod figures;
 mod file;
+mod finding;
 mod judge;
 mod marks;
 pub mod sketch;
 
 pub use figures::Figure;
-pub use judge::{Checked, Finding, Held, Outcome, Part, judge};
+pub use finding::{Finding, Held, Outcome, Part};
+pub use judge::{Checked, judge};
 pub use marks::TrialMark;
 
 use crate::evaluate;

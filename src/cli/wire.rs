@@ -79,9 +79,9 @@ pub fn demo_bus(seed: u64) -> Result<Bus> {
     Ok(Bus::demo(elbow()?, NOISE_NM, seed))
 }
 
-/// The same with a second drive.
+/// The same with a second drive, whose cable pulls the elbow down.
 pub fn demo_bus_of_two(seed: u64) -> Result<Bus> {
-    Ok(Bus::demo_of_two(elbow()?, NOISE_NM, seed))
+    Ok(Bus::demo_antagonistic(elbow()?, NOISE_NM, seed))
 }
 
 fn elbow() -> Result<Model> {

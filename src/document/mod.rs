@@ -13,11 +13,13 @@
 //! There is no list of known keys: a key is known once it was asked for. So a reader asks for every key first and
 //! gives up on what is missing last; the section then reports what nobody asked for.
 
+mod field;
 mod parse;
 mod section;
 mod write;
 
-pub use section::{Field, Section};
+pub use field::Field;
+pub use section::Section;
 pub use write::write_pairs;
 
 use crate::limits::{DOCUMENT_BYTES, NAME_CHARS, NAMES_COMPARED, listed, shown};

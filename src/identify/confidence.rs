@@ -41,7 +41,9 @@ pub fn of_k(of_p: Confidence) -> Confidence {
 /// to tell it, the wider interval then counts against the parameter. `alone` is the coefficient of variation were all else known.
 pub fn interval(value: f64, ends: [f64; 2], beside: f64, half_widths: f64, alone: f64, at_bound: bool) -> Confidence {
     let (low, high) = (ends[0].min(ends[1]), ends[0].max(ends[1]));
-    let (low, high) = (value - (value - low).hypot(beside), value + (high - value).hypot(beside));
+    // Of a form that was not taken the best fit may lie beyond what is possible.
+    let middle = value.clamp(low, high);
+    let (low, high) = (middle - (middle - low).hypot(beside), middle + (high - middle).hypot(beside));
     let cv = (high - low) / 2.0 / half_widths / value.abs();
     let cv = if cv.is_nan() { f64::INFINITY } else { cv };
     let status = if at_bound {

@@ -61,7 +61,23 @@ fn outside_physics(model: &Model, sweeps: bool) -> Vec<String> {
         }
     }
     doubts.extend(hysteresis_that_drives(model));
+    doubts.extend(load_that_drives(model));
     doubts
+}
+
+/// Friction that grows with the load takes energy from a load that pulls down: A moving up is the larger one, and with it mu_c.
+fn load_that_drives(model: &Model) -> Option<String> {
+    let known = |direction: Direction| model.confidence.get(&Term::Load.dotted(direction));
+    let (up, down) = (known(Direction::Up)?, known(Direction::Down)?);
+    let value = |direction: Direction| model.friction.of(direction).mu_c;
+    (up.high < down.low).then(|| {
+        format!(
+            "mu_c = {:.3} moving up is below mu_c = {:.3} moving down: where the load pulls against moving up, friction that grows with \
+             it would drive the motion; unless the load pulls the other way, it compensates for an unmodelled effect",
+            value(Direction::Up),
+            value(Direction::Down)
+        )
+    })
 }
 
 /// B moving up lies above B moving down, or friction would drive the motion.

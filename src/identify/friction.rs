@@ -90,8 +90,9 @@ fn branch(data: &Data, direction: Direction, form: Form) -> Result<Branch> {
     if let Some(few) = few_speeds(direction, mine.iter().map(|leg| leg.speed_rad_s), data.campaign) {
         return few.alone();
     }
-    let weighted = mine.iter().zip(weights(&mine)).map(|(leg, weight)| (leg.speed_rad_s, leg.b_nm, weight));
-    let points = Points::new(weighted.collect());
+    let weights = weights(&mine);
+    let weighted = mine.iter().zip(&weights.each).map(|(leg, weight)| (leg.speed_rad_s, leg.b_nm, *weight));
+    let points = Points::new(weighted.collect()).claiming(weights.variance_nm2);
     let forms: Vec<ExponentialFit> = (0..=2).filter_map(|n| points.fit(n)).collect();
     if forms.first().is_none_or(|form| !form.rates.is_empty()) {
         return Problem::error(data.campaign, "B(v) has no solution", "check the sweeps' speeds").alone();
@@ -121,7 +122,7 @@ fn of_the_paper(
         return known;
     }
     let full = branch.forms.iter().find(|other| other.rates.len() == FULL).and_then(|full| {
-        let profile = branch.points.profile(full, Vec::new(), CONSPIRING)?;
+        let profile = branch.points.profile(full, form, Vec::new(), CONSPIRING)?;
         Some(branch.scale.confidence(full, Some(&profile), &branch.points))
     });
     for (at, term) in Term::ALL.into_iter().enumerate() {
@@ -140,7 +141,7 @@ fn of_the_paper(
 fn take(branch: &Branch, Taken { form, cut }: &Taken) -> FrictionFit {
     let (slow, fast) = branch.points.speed_range_rad_s();
     let band = (0..BAND_POINTS).map(|i| slow * (fast / slow).powf(i as f64 / (BAND_POINTS - 1) as f64)).collect();
-    let profile = branch.points.profile(form, band, CONSPIRING);
+    let profile = branch.points.profile(form, form, band, CONSPIRING);
     let known = branch.scale.confidence(form, profile.as_ref(), &branch.points);
     let mut confidence = of_the_paper(branch, form, known);
     if !branch.a.describes() {

@@ -14,7 +14,7 @@ use super::sums::{BLOCKS, LegSums};
 use super::zero::{FREEDOM_OF_PLACES, Zero, common};
 use crate::log::Campaign;
 use crate::model::{Both, Direction};
-use crate::numerics::statistics::{mean, root_mean_square, standard_deviation, student_t};
+use crate::numerics::statistics::{half_width_of_sum, mean, root_mean_square, standard_deviation, student_t};
 use crate::problem::{Problem, Result};
 use std::path::Path;
 
@@ -160,17 +160,22 @@ pub fn amplitude<'l>(legs: impl IntoIterator<Item = &'l LegFit>, direction: Dire
     let values: Vec<f64> = mine.iter().map(|leg| leg.a_nm).collect();
     let n = values.len();
     let sd_nm = standard_deviation(&values);
-    let of_legs_nm = if n > 1 { student_t(n as f64 - 1.0) * sd_nm / (n as f64).sqrt() } else { f64::INFINITY };
     let LegZero { half_width_rad: zero_half_width_rad, a_position_se_nm, .. } = mine.first()?.zero;
-    let given_zero_nm = of_legs_nm.hypot(student_t(FREEDOM_OF_PLACES) * a_position_se_nm);
+    let freedom = n as f64 - 1.0;
+    let of_legs = if n > 1 { sd_nm * sd_nm / n as f64 } else { f64::INFINITY };
+    let given_zero = [(of_legs, freedom), (a_position_se_nm.powi(2), FREEDOM_OF_PLACES)];
+    let given_zero_nm = half_width_of_sum(&given_zero);
     let by_zero_nm_rad = mean(&mine.iter().map(|leg| leg.zero.a_by_zero_nm_rad).collect::<Vec<f64>>());
+    // The zero is known from the legs of both directions.
+    let of_both = 2.0 * n as f64 - 1.0;
+    let of_zero = ((by_zero_nm_rad * zero_half_width_rad / student_t(of_both)).powi(2), of_both);
     let errors: Vec<f64> = mine.iter().map(|leg| leg.a_se_nm).collect();
     let (a_nm, error_nm) = (mean(&values), root_mean_square(&errors));
     let misfit = if error_nm <= NEGLIGIBLE_MISFIT * a_nm.abs() { 0.0 } else { error_nm / sd_nm };
     Some(Amplitude {
         a_nm,
         sd_nm,
-        half_width_nm: given_zero_nm.hypot(by_zero_nm_rad * zero_half_width_rad),
+        half_width_nm: half_width_of_sum(&[given_zero[0], given_zero[1], of_zero]),
         given_zero_nm,
         by_zero_nm_rad,
         zero_half_width_rad,
@@ -254,16 +259,25 @@ pub fn sliding_nm(legs: &[LegFit]) -> Option<f64> {
     (!legs.is_empty()).then(|| root_mean_square(&legs.iter().map(|leg| leg.rmse_nm).collect::<Vec<f64>>()))
 }
 
+/// Weights of points B.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Weights {
+    /// Of each, 1 on average.
+    pub each: Vec<f64>,
+    /// Variance of a point of weight 1 as the legs themselves claim it, (N m)^2; `None` where their errors are not known.
+    pub variance_nm2: Option<f64>,
+}
+
 /// Weights of the points B of `legs` (one direction), 1 on average: the inverse of the variance within the leg plus that
 /// between repeats of one speed.
 ///
 /// A fast leg is short and its B far less certain than a slow one's; what differs from repeat to repeat beyond that (the
 /// method of moments of DerSimonian and Laird, Controlled Clinical Trials 7:177, 1986) counts alike for all and evens the
 /// weights out. Alike for all, too, when the standard errors are not known.
-pub fn weights(legs: &[&LegFit]) -> Vec<f64> {
+pub fn weights(legs: &[&LegFit]) -> Weights {
     let precision: Vec<f64> = legs.iter().map(|leg| leg.b_se_nm.powi(-2)).collect();
     if precision.iter().any(|p| !p.is_finite() || *p <= 0.0) {
-        return vec![1.0; legs.len()];
+        return Weights { each: vec![1.0; legs.len()], variance_nm2: None };
     }
     let (mut excess, mut freedom, mut scale) = (0.0, 0.0, 0.0);
     let mut speeds: Vec<f64> = legs.iter().map(|leg| leg.speed_rad_s).collect();
@@ -280,5 +294,5 @@ pub fn weights(legs: &[&LegFit]) -> Vec<f64> {
     let between = if scale > 0.0 { ((excess - freedom) / scale).max(0.0) } else { 0.0 };
     let raw: Vec<f64> = precision.iter().map(|p| 1.0 / (1.0 / p + between)).collect();
     let average = mean(&raw);
-    raw.iter().map(|w| w / average).collect()
+    Weights { each: raw.iter().map(|w| w / average).collect(), variance_nm2: Some(1.0 / average) }
 }

@@ -10,6 +10,7 @@ mod doubts;
 pub mod drift;
 mod forms;
 pub mod free;
+mod free_motion;
 pub mod friction;
 mod functions;
 mod implausible;
@@ -26,6 +27,7 @@ pub mod stribeck;
 pub mod strokes;
 pub mod sums;
 mod support;
+mod sweeps;
 mod understood;
 pub mod whole;
 mod windows;
@@ -50,9 +52,8 @@ pub use zero::Zero;
 
 use crate::dynamics::JointKind;
 use crate::log::{Arm, Campaign, Protocol, TrialEntry};
-use crate::model::{Both, Combination, Confidence, Direction, Friction, Functions, Model, Status, Term};
+use crate::model::{Both, Combination, Confidence, Direction, Friction, Functions, Model, Term};
 use crate::problem::{Problem, Problems, Result};
-use drift::{Drift, LegTime};
 use predicted::Prepared;
 use residuals::residuals;
 use std::collections::BTreeMap;
@@ -157,9 +158,9 @@ pub fn identify(campaign: &Campaign, readings: Vec<Reading>, settings: Settings)
     Problems([doubts.clone(), check(campaign, &readings)].concat()).unless_errors(())?;
     let demotes = readings.iter().any(|reading| reading.demotes);
     let mut found = if sweeps {
-        from_sweeps(campaign, readings, settings)?
+        sweeps::from_sweeps(campaign, readings, settings)?
     } else {
-        from_free_motion(campaign, readings, settings)?
+        free_motion::from_free_motion(campaign, readings, settings)?
     };
     if demotes {
         confidence::demote(found.model.confidence.values_mut());
@@ -190,88 +191,6 @@ pub fn at_zero(mut model: Model, zero: &Zero) -> Model {
     model
 }
 
-fn from_sweeps(campaign: &Campaign, mut readings: Vec<Reading>, settings: Settings) -> Result<Identification> {
-    let lowpass_hz = campaign.signal.lowpass_hz;
-    let sums: Vec<LegSums> = readings.iter_mut().flat_map(|r| std::mem::take(&mut r.legs)).collect();
-    let (zero, mut legs) = legs::fit_legs(&sums, settings.zero_within_rad(campaign));
-    let load_nm = legs::load_of_a_nm(campaign);
-    let times: Vec<LegTime> = readings.iter_mut().flat_map(|r| std::mem::take(&mut r.times)).collect();
-    let drift = Drift::of(&legs.iter().collect::<Vec<_>>(), &times);
-    let a = legs::amplitudes(&legs, load_nm, &campaign.file)?;
-    legs::fix_a(&mut legs, &a);
-    let sliding_nm = legs::sliding_nm(&legs);
-    let mut warnings: Vec<String> = readings.iter().flat_map(|r| r.warnings.iter().map(Problem::to_string)).collect();
-    let (rows, trials) = (readings.iter().map(|r| r.rows).sum(), readings.len());
-    let trace = readings.iter_mut().find_map(|r| r.trace.take());
-    let (prepared, entries) = of_the_joint_alone(readings);
-    let compared = first_repeats(&prepared, &entries);
-    let judge = |friction: &Both<Friction>| {
-        let model = Model { friction: *friction, ..at_zero(blank_model(campaign), &zero) };
-        judge::left_nm(&compared, model, lowpass_hz, settings.combination)
-    };
-    let uncertainty = &campaign.uncertainty;
-    let data =
-        friction::Data { legs: &legs, a: &a, joint: &campaign.joint, uncertainty, load_nm, campaign: &campaign.file };
-    let fits = friction::fit_friction(&data, settings.form, Some(&judge))?;
-    let mut model = with_friction(at_zero(blank_model(campaign), &zero), &fits);
-    warnings.splice(0..0, zero::warning(&zero));
-    warnings.extend([&fits.up, &fits.down].into_iter().flat_map(friction::warnings));
-    let combination = combination::fit_combination(&prepared, &model, lowpass_hz, settings.combination, sliding_nm);
-    match &combination {
-        Some(fit) => {
-            model.combination = fit.curve().curve;
-            model.joint.backlash_m = fit.curve().backlash_m;
-            model.confidence.extend(fit.confidence.iter().cloned());
-            warnings.extend(fit.warnings.iter().cloned());
-        }
-        None => warnings.push("no reversal could be used: the combination stays `sign`".to_string()),
-    }
-    let refinement = settings.refine.then(|| {
-        let folds: Vec<usize> = folds(&entries.iter().map(|e| e.repeat).collect::<Vec<u32>>());
-        refine::refine(&prepared, &folds, &model, lowpass_hz, &fits, zero.declared_rad)
-    });
-    warnings.extend(refinement.iter().flat_map(|r| r.warnings.iter().cloned()));
-    if let Some(refined) = refinement.as_ref().filter(|r| r.kept) {
-        model = Model { confidence: model.confidence, ..refined.fit.model.clone() };
-        learn(&mut model, &refined.fit.confidence);
-    }
-    if let Some(drift) = drift {
-        warnings.push(drift.problem(&campaign.file).to_string());
-        confidence::demote(model.confidence.values_mut());
-    }
-    let mut checks = checks::of_sweeps(&fits, &zero, &legs, &sums);
-    warnings.extend(checks.iter().filter_map(Check::warning));
-    checks.extend(combination.iter().flat_map(|fit| fit.checks.iter().cloned()));
-    checks.iter().for_each(|check| check.demote(&mut model));
-    let rests_on = rests_on::of_sweeps(&model, &zero, &a, load_nm);
-    let residuals = residuals(&prepared, &entries, &model);
-    warnings.extend(doubts::extrapolation_warning(&residuals, fits.up.points.speed_range_rad_s().1, settings.refine));
-    let route = Route::Sweeps(Box::new(fits));
-    Ok(Identification {
-        model,
-        route,
-        legs,
-        combination,
-        refinement,
-        residuals,
-        trace,
-        warnings,
-        checks,
-        rests_on,
-        trials,
-        rows,
-    })
-}
-
-/// One repeat of each motion: enough to compare one friction with another.
-fn first_repeats(trials: &[Prepared], entries: &[TrialEntry]) -> Vec<Prepared> {
-    let first = |entry: &TrialEntry| {
-        let same = |other: &&TrialEntry| other.protocol == entry.protocol && other.trajectory == entry.trajectory;
-        entries.iter().filter(same).all(|other| entry.repeat <= other.repeat)
-    };
-    trials.iter().zip(entries).filter(|(_, entry)| first(entry)).map(|(trial, _)| trial.clone()).collect()
-}
-
 /// `model` with the friction that `fits` found and its confidence, and with A and B(v).
 pub fn with_friction(mut model: Model, fits: &Both<FrictionFit>) -> Model {
     model.functions = functions::of_sweeps(fits);
@@ -285,61 +204,56 @@ pub fn with_friction(mut model: Model, fits: &Both<FrictionFit>) -> Model {
     model
 }
 
+/// What every route begins with.
+struct Trials {
+    /// Those in which nothing but the joint itself acts, thinned.
+    prepared: Vec<Prepared>,
+    /// Their entries.
+    entries: Vec<TrialEntry>,
+    /// Warnings.
+    warnings: Vec<String>,
+    /// Trials read.
+    trials: usize,
+    /// Rows read.
+    rows: usize,
+}
+
+impl Trials {
+    fn new(readings: Vec<Reading>) -> Self {
+        let warnings = readings.iter().flat_map(|r| r.warnings.iter().map(Problem::to_string)).collect();
+        let (rows, trials) = (readings.iter().map(|r| r.rows).sum(), readings.len());
+        let (prepared, entries) = of_the_joint_alone(readings);
+        Self { prepared, entries, warnings, trials, rows }
+    }
+
+    /// The half that each trial belongs to.
+    fn folds(&self) -> Vec<usize> {
+        folds(&self.entries.iter().map(|entry| entry.repeat).collect::<Vec<u32>>())
+    }
+
+    /// What every route ends with: `model`, found by `route`, and what it leaves of every trial.
+    fn identified(self, model: Model, route: Route) -> Identification {
+        Identification {
+            residuals: residuals(&self.prepared, &self.entries, &model),
+            model,
+            route,
+            legs: Vec::new(),
+            combination: None,
+            refinement: None,
+            trace: None,
+            warnings: self.warnings,
+            checks: Vec::new(),
+            rests_on: BTreeMap::new(),
+            trials: self.trials,
+            rows: self.rows,
+        }
+    }
+}
+
 /// The trials in which nothing but the joint itself acts, thinned, with their entries.
 pub fn of_the_joint_alone(readings: Vec<Reading>) -> (Vec<Prepared>, Vec<TrialEntry>) {
     let alone = readings.into_iter().filter(|r| r.entry.protocol != Protocol::Interaction);
     alone.map(|r| (r.prepared, r.entry)).unzip()
-}
-
-fn from_free_motion(campaign: &Campaign, readings: Vec<Reading>, settings: Settings) -> Result<Identification> {
-    let lowpass_hz = campaign.signal.lowpass_hz;
-    let mut warnings: Vec<String> = readings.iter().flat_map(|r| r.warnings.iter().map(Problem::to_string)).collect();
-    warnings.push(
-        "no uniform sweeps in this campaign: A(v) and B(v) cannot be identified; friction and combination are fitted to free \
-         motion and validated on held-out strokes"
-            .to_string(),
-    );
-    let (rows, trials) = (readings.iter().map(|r| r.rows).sum(), readings.len());
-    let (prepared, entries) = of_the_joint_alone(readings);
-    let blank = blank_model(campaign);
-    let folds = folds(&entries.iter().map(|e| e.repeat).collect::<Vec<u32>>());
-    let zero_rad = settings.zero_within_rad(campaign);
-    let fit = free::fit_free(&prepared, &folds, &blank, lowpass_hz, settings.combination, zero_rad, &campaign.file)?;
-    let mut model = fit.fit.model.clone();
-    let unseen = Confidence { low: f64::NEG_INFINITY, high: f64::INFINITY, cv: f64::INFINITY, status: Status::Flat };
-    for direction in Direction::BOTH {
-        for term in Term::ALL {
-            model.confidence.insert(term.dotted(direction), unseen);
-        }
-    }
-    learn(&mut model, &fit.fit.confidence);
-    let checks = fit.combination.checks.clone();
-    checks.iter().for_each(|check| check.demote(&mut model));
-    if settings.refine {
-        warnings.push("--refine changes nothing here: without sweeps all parameters are fitted together anyway".into());
-    }
-    model.functions = functions::of_free_motion(&fit.of_functions, &prepared);
-    let rests_on = rests_on::of_free_motion(&model);
-    let residuals = residuals(&prepared, &entries, &model);
-    warnings.splice(0..0, zero::warning_of_fit(&model));
-    warnings.extend(fit.combination.warnings.iter().cloned());
-    let combination = Some(fit.combination.clone());
-    let route = Route::Free(Box::new(fit));
-    let (legs, refinement, trace) = (Vec::new(), None, None);
-    Ok(Identification {
-        model,
-        route,
-        legs,
-        combination,
-        refinement,
-        residuals,
-        trace,
-        warnings,
-        checks,
-        rests_on,
-        trials,
-        rows,
-    })
 }
 
 /// Takes over what a fit knows of its parameters, and of k what it knows of p.

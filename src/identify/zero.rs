@@ -10,7 +10,7 @@
 use super::legs::{LegFit, LegZero};
 use super::sums::{BLOCKS, LegSums};
 use crate::model::{Both, Confidence, Direction, Model, Status};
-use crate::numerics::statistics::{HALF_WIDTH, extent, student_t};
+use crate::numerics::statistics::{HALF_WIDTH, extent, half_width_of_sum};
 
 /// Steps of Gauss-Newton: the problem is linear but for the angle's own sine.
 const STEPS: usize = 6;
@@ -18,6 +18,9 @@ const STEPS: usize = 6;
 const MOST_RAD: f64 = 0.5;
 /// Places that the legs' errors are sorted into, as many as a leg has blocks.
 const PLACES: usize = BLOCKS;
+/// Sums of independent errors over places, squared, exceed the squares of the errors by this ratio once in twenty times: the 95 %
+/// quantile of chi squared of 20 over 20. Below, nothing is common; chance alone would otherwise widen every second interval.
+const BY_CHANCE: f64 = 1.57;
 /// Degrees of freedom of a sum over places: three parameters are fitted within.
 pub(super) const FREEDOM_OF_PLACES: f64 = PLACES as f64 - 3.0;
 /// A zero of more than this many half widths is off beyond doubt (a chance of 1 in 300 where it is right), ...
@@ -106,14 +109,14 @@ fn pooled(legs: &[&LegSums], rad: f64) -> Option<Pooled> {
     let mean_rad: f64 = steps.iter().zip(&weights).map(|(x, w)| x * w).sum();
     let scatter = steps.iter().zip(&weights).map(|(x, w)| w * (x - mean_rad).powi(2)).sum::<f64>();
     // Of a single leg its own error is all that there is.
-    let (of_legs, t) = match told.len() {
-        1 => (variances[0], student_t(FREEDOM_OF_PLACES)),
-        _ => (scatter / (number - 1.0), student_t(number - 1.0)),
+    let (of_legs, freedom) = match told.len() {
+        1 => (variances[0], FREEDOM_OF_PLACES),
+        _ => (scatter / (number - 1.0), number - 1.0),
     };
     let weighted = |(leg, w): (&super::sums::ZeroOfLeg, &f64)| leg.by_block_rad.iter().map(|x| x * w).collect();
     let by_leg: Vec<Vec<f64>> = told.iter().zip(&weights).map(weighted).collect();
     let of_places = common(&legs, &by_leg);
-    let half_width_rad = (t * of_legs.sqrt()).hypot(student_t(FREEDOM_OF_PLACES) * of_places.sqrt());
+    let half_width_rad = half_width_of_sum(&[(of_legs, freedom), (of_places, FREEDOM_OF_PLACES)]);
     Some(Pooled { mean_rad, se_rad: (of_legs + of_places).sqrt(), half_width_rad })
 }
 
@@ -135,7 +138,7 @@ fn weights(values: &[f64], variances: &[f64]) -> Vec<f64> {
 }
 
 /// The variance that errors common to all `legs` at one place add to a mean, whose error is the sum of `by_leg`, the parts of
-/// each leg's blocks: the squares of the sums over places beyond the squares of the parts. 0 where errors are independent.
+/// each leg's blocks: the squares of the sums over places beyond the squares of the parts. 0 where errors may be independent.
 pub(super) fn common(legs: &[&LegSums], by_leg: &[Vec<f64>]) -> f64 {
     let all: Vec<f64> = legs.iter().flat_map(|leg| leg.positions_rad().iter().copied()).collect();
     let (low, high) = extent(&all);
@@ -149,7 +152,10 @@ pub(super) fn common(legs: &[&LegSums], by_leg: &[Vec<f64>]) -> f64 {
         }
     }
     let together: f64 = places.iter().map(|sum| sum * sum).sum();
-    (together - apart).max(0.0) * PLACES as f64 / FREEDOM_OF_PLACES
+    if together <= BY_CHANCE * apart {
+        return 0.0;
+    }
+    (together - apart) * PLACES as f64 / FREEDOM_OF_PLACES
 }
 
 /// What is known of a zero of `rad` within `half_width_rad`. A relative error of what may be 0 says nothing: it is pinned

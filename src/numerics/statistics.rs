@@ -44,6 +44,17 @@ pub fn student_t(freedom: f64) -> f64 {
     StudentsT::new(0.0, 1.0, freedom).map_or(f64::INFINITY, |t| t.inverse_cdf(0.5 + CONFIDENCE / 2.0))
 }
 
+/// Half width of the 95 % interval of a sum of independent errors, each with its variance and the degrees of freedom that this was
+/// estimated with (Satterthwaite, Biometrics Bulletin 2:110, 1946).
+pub fn half_width_of_sum(parts: &[(f64, f64)]) -> f64 {
+    let variance: f64 = parts.iter().map(|part| part.0).sum();
+    if variance == 0.0 || !variance.is_finite() {
+        return variance;
+    }
+    let freedom = variance.powi(2) / parts.iter().map(|(variance, freedom)| variance.powi(2) / freedom).sum::<f64>();
+    student_t(freedom) * variance.sqrt()
+}
+
 /// Distance from the mean, in standard deviations, beyond which the share `outside` of a normal distribution lies, on both sides.
 pub fn normal(outside: f64) -> f64 {
     Normal::new(0.0, 1.0).map_or(f64::INFINITY, |normal| -normal.inverse_cdf(outside / 2.0))

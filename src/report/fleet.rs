@@ -206,13 +206,6 @@ fn table<const N: usize>(title: &str, intro: &str, (heads, mut rows): Cells<N>) 
 /// The page of `fleet`, called `name`.
 pub fn page(fleet: &Fleet, name: &str) -> Page {
     let card = |name: &str, value: String, note: &str| Card { name: name.into(), value, note: note.into() };
-    let drift_intro = format!(
-        "First campaign since the cables were last retensioned, or the first of all, against the last, both as the whole history has \
-         them. {} followed; the intervals are wide enough to hold all together with 95 %. With five campaigns or more they hold the \
-         scatter between sessions, with fewer only what each campaign knows of itself. A and B(v) are what parameters that are \
-         correlated amount to.",
-        counted(fleet.compared, "parameter or function", "parameters and functions")
-    );
     let drawn = plots::fleet::figures(fleet);
     // From a row to the joint's figure.
     let linked = |mut table: Table| {
@@ -222,29 +215,8 @@ pub fn page(fleet: &Fleet, name: &str) -> Page {
         }
         table
     };
-    let tables = [
-        table(
-            "What changed since the cables were last retensioned",
-            "Decided on A and B(v) of the first campaign since then and the last, with the intervals of both.",
-            changes(fleet),
-        ),
-        table("When limits will be reached", life::LIMITS, life::limits(fleet)),
-        table("Retensionings, and other changes at one time", life::EVENTS, life::events(fleet)),
-        table("Slow drift", life::DRIFTS, life::drifts(fleet)),
-        table("What follows the temperature", life::TEMPERATURE, life::temperature(fleet)),
-        table("How much changed since", &drift_intro, drifts(fleet)),
-        table("Campaigns that failed", "The others are complete.", failures(fleet)),
-        table(
-            "Outliers",
-            "More than six standard deviations from the fleet's median, with the deviation estimated from the middle of the fleet; \
-             only pinned parameters.",
-            outliers(fleet),
-        ),
-        table("Joints", "RMSE and verdict are of the last campaign.", joints(fleet)),
-    ];
-    let mut sections: Vec<Section> = tables
+    let mut sections: Vec<Section> = tables(fleet)
         .into_iter()
-        .flatten()
         .map(|mut table| Section::open(&std::mem::take(&mut table.title), vec![Block::Table(linked(table))]))
         .collect();
     let options: Vec<_> = drawn.into_iter().map(|(joint, figure)| (joint.name.clone(), vec![figure])).collect();
@@ -267,6 +239,38 @@ pub fn page(fleet: &Fleet, name: &str) -> Page {
         sections,
         ..Page::default()
     }
+}
+
+/// The tables of the page that have rows, each with its title.
+fn tables(fleet: &Fleet) -> Vec<Table> {
+    let drift_intro = format!(
+        "First campaign since the cables were last retensioned, or the first of all, against the last, both as the whole history has \
+         them. {} followed; the intervals are wide enough to hold all together with 95 %. With five campaigns or more they hold the \
+         scatter between sessions, with fewer only what each campaign knows of itself. A and B(v) are what parameters that are \
+         correlated amount to.",
+        counted(fleet.compared, "parameter or function", "parameters and functions")
+    );
+    let all = [
+        table(
+            "What changed since the cables were last retensioned",
+            "Decided on A and B(v) of the first campaign since then and the last, with the intervals of both.",
+            changes(fleet),
+        ),
+        table("When limits will be reached", life::LIMITS, life::limits(fleet)),
+        table("Retensionings, and other changes at one time", life::EVENTS, life::events(fleet)),
+        table("Slow drift", life::DRIFTS, life::drifts(fleet)),
+        table("What follows the temperature", life::TEMPERATURE, life::temperature(fleet)),
+        table("How much changed since", &drift_intro, drifts(fleet)),
+        table("Campaigns that failed", "The others are complete.", failures(fleet)),
+        table(
+            "Outliers",
+            "More than six standard deviations from the fleet's median, with the deviation estimated from the middle of the fleet; \
+             only pinned parameters.",
+            outliers(fleet),
+        ),
+        table("Joints", "RMSE and verdict are of the last campaign.", joints(fleet)),
+    ];
+    all.into_iter().flatten().collect()
 }
 
 /// Writes the summary to `out`; `written` is where the files went.

@@ -99,6 +99,8 @@ pub struct Diagnosis {
     pub causes: Vec<Cause>,
     /// The answer.
     pub verdict: Verdict,
+    /// Every rule that decided, for causes named and refused.
+    pub decisions: Vec<Decision>,
 }
 
 /// The format's name.
@@ -116,6 +118,8 @@ pub struct Gap {
     pub rmse_nm: f64,
     /// What no model could explain.
     pub noise_floor_nm: f64,
+    /// Of the floor, what the encoder's steps and noise alone leave of a perfect model.
+    pub encoder_nm: f64,
     /// sqrt(rmse^2 - floor^2).
     pub explainable_nm: f64,
     /// What a flexible fit recovers on held-out data.
@@ -170,4 +174,45 @@ pub struct Verdict {
     pub gap_before_nm: f64,
     /// The same with the causes added, N m.
     pub gap_after_nm: f64,
+    /// The answers with their probabilities, which add up to 1.
+    pub probabilities: Vec<Probability>,
+    /// Of named causes whether their formulas fit: fits or approximate.
+    pub form: Option<String>,
+    /// What is left outside the named causes.
+    pub remainder: Remainder,
+}
+
+/// An answer.
+#[derive(Debug, Deserialize, JsonSchema)]
+pub struct Probability {
+    /// Its causes; none where nothing is missing; unknown for a cause outside the library; other for anything else.
+    pub causes: Vec<String>,
+    /// How probable.
+    pub probability: f64,
+}
+
+/// What is left.
+#[derive(Debug, Deserialize, JsonSchema)]
+pub struct Remainder {
+    /// RMS above the floor, N m.
+    pub rms_nm: f64,
+    /// Of the gap's energy.
+    pub share_of_gap: f64,
+    /// Where it lies, most first.
+    pub r#where: Vec<Place>,
+}
+
+/// A rule that decided.
+#[derive(Debug, Deserialize, JsonSchema)]
+pub struct Decision {
+    /// What is asked.
+    pub rule: String,
+    /// Of which cause, or of what is left.
+    pub subject: String,
+    /// What was found.
+    pub value: f64,
+    /// What it was compared with.
+    pub limit: f64,
+    /// What followed.
+    pub outcome: String,
 }

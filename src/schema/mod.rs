@@ -5,15 +5,23 @@
 //! unknown keys; results may gain some.
 
 mod campaign;
+mod comparison;
 mod evaluation;
+mod fleet;
+mod interaction;
 mod list;
 mod model;
+mod rig;
 mod trajectory;
 
 pub use campaign::Campaign;
+pub use comparison::{Check, Comparison};
 pub use evaluation::{Diagnosis, Evaluation};
+pub use fleet::{Fleet, Repeatability};
+pub use interaction::Interaction;
 pub use list::Batch;
 pub use model::Model;
+pub use rig::Rig;
 pub use trajectory::Trajectory;
 
 use schemars::{Schema, schema_for};
@@ -29,11 +37,17 @@ pub struct File {
 }
 
 /// All kinds.
-pub const FILES: [File; 6] = [
+pub const FILES: [File; 12] = [
     File { name: "campaign", about: "campaign.toml: a joint and its logs", schema: || schema_for!(Campaign) },
     File { name: "model", about: "model.json: a joint's friction", schema: || schema_for!(Model) },
     File { name: "trajectory", about: "a motion to record or to simulate", schema: || schema_for!(Trajectory) },
+    File { name: "rig", about: "rig.toml: a joint on an EtherCAT bus", schema: || schema_for!(Rig) },
     File { name: "batch", about: "a list of campaigns for batch and repeatability", schema: || schema_for!(Batch) },
     File { name: "evaluation", about: "evaluation.json", schema: || schema_for!(Evaluation) },
     File { name: "diagnosis", about: "diagnosis.json", schema: || schema_for!(Diagnosis) },
+    File { name: "interaction", about: "interaction --json", schema: || schema_for!(Interaction) },
+    File { name: "comparison", about: "compare --json", schema: || schema_for!(Comparison) },
+    File { name: "check", about: "check --json", schema: || schema_for!(Check) },
+    File { name: "fleet", about: "batch --json", schema: || schema_for!(Fleet) },
+    File { name: "repeatability", about: "repeatability --json", schema: || schema_for!(Repeatability) },
 ];

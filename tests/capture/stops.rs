@@ -212,7 +212,7 @@ fn there_is_no_torque_without_an_output_watchdog() {
     let outcome = traced(bus_of(drive_with(0, false, &[])), &rig, &plan, &Agrees, &mut |_, _| ());
     assert_eq!((outcome.cause, outcome.complete), (None, 2));
     assert!(
-        outcome.report.iter().any(|line| line == "`winch drive`: output watchdog 100 ms, read back"),
+        outcome.report.iter().any(|line| line == "`winch drive`: output watchdog 20 ms, read back"),
         "{:?}",
         outcome.report
     );
@@ -287,7 +287,7 @@ fn the_operator_sees_everything_first() {
     for line in [
         "serial 0x0000002a",
         "quick stop: option 2, 20.0 rad/s^2",
-        "output watchdog 100 ms, read back",
+        "output watchdog 20 ms, read back",
         "drive's limits of position, read back",
         "drive's own limits, read back",
         "of 500 cycles 0 late, 0 missed",
@@ -428,6 +428,27 @@ fn other_devices_stay_in_op_while_a_drive_is_dropped_out() {
         apart += u32::from(state(0) == 4 && state(1) == 8);
     });
     assert!(apart > 5, "{apart} cycles");
+}
+
+/// S13: at the end the rig's devices leave OP, each by its own address; what else is on the bus stays as it is.
+#[test]
+fn other_devices_stay_in_op_at_the_end() {
+    let devices = vec![tautline::bus::drive(0), Terminal::default().device(0), Terminal::default().device(0)];
+    let bus = Bus::new(devices).with_joint(Joint::new(truth(), 0.0, 0.005, 1));
+    let shared = std::rc::Rc::new(RefCell::new(bus));
+    let (rig, plan, interrupted) = (rig(), plan(SWEEP), std::sync::atomic::AtomicBool::new(false));
+    let (answering, last_ns) = (std::rc::Rc::clone(&shared), std::rc::Rc::new(Cell::new(0)));
+    let told_ns = std::rc::Rc::clone(&last_ns);
+    let wire = InProcess::new(move |now_ns: u64, frame: &[u8]| {
+        told_ns.set(now_ns);
+        answering.borrow_mut().send(now_ns, frame).into_iter().map(|reply| (reply.at_ns, reply.frame)).collect()
+    });
+    let task = Task { rig: &rig, plan: &plan, armed: false, interrupted: &interrupted, operator: &Agrees };
+    capture(wire, &task, None, &std::sync::Arc::default()).unwrap();
+    // A change of state takes its time.
+    shared.borrow_mut().advance(last_ns.get() + 10_000_000);
+    let states: Vec<u16> = shared.borrow().devices().iter().map(|device| device.al_status() & 0xF).collect();
+    assert_eq!(states, [4, 4, 8]);
 }
 
 /// S11: devices are told apart by serial number; what takes outputs and is not in the rig is named before it is brought to OP.

@@ -264,9 +264,9 @@ fn dates_and_times_are_time_stamps() {
     let log = log.expect("reads");
     assert!((log.rate_hz - 1000.0).abs() < 1e-3 && log.torque_nm == plain.torque_nm, "{}", log.rate_hz);
 
-    // As pandas writes it: datetime64[us], and timedelta64[ns].
+    // As pandas writes it: datetime64[us], and timedelta64[us], a count in the unit that the campaign names.
     let bytes = std::fs::read("tests/reference/import/datetime.parquet").unwrap();
-    for column in ["name = \"t\", unit = \"s\"", "name = \"elapsed\", unit = \"ns\""] {
+    for column in ["name = \"t\", unit = \"s\"", "name = \"elapsed\", unit = \"us\""] {
         let campaign = CAMPAIGN.replace("name = \"t\", unit = \"s\"", column);
         let log = read_parquet(&campaign, &bytes).expect("reads");
         assert!((log.rate_hz - 1000.0).abs() < 1e-3, "{column}: {}", log.rate_hz);

@@ -4,13 +4,17 @@
 //! |---|---|
 //! | `regression` | a level, what happened to it, and a scatter from session to session |
 //! | `search` | which jumps, episodes and drifts there are, by one criterion |
+//! | `alike` | what other joints say of that scatter |
 //! | `limit` | when a limit will be reached, or why that cannot be said |
 
+mod alike;
 mod limit;
 mod regression;
 mod search;
 
+pub(super) use alike::Scatters;
 pub use limit::{Forecast, Limit, Refusal};
+pub(super) use regression::Alike;
 pub use regression::Part;
 
 use super::quantities::Quantity;
@@ -81,8 +85,14 @@ pub struct Change {
 }
 
 impl Life {
-    /// Of `quantity` over `sessions`, one of `compared` of the fleet; `None` where too few sessions show it.
-    pub(super) fn new(quantity: Quantity, sessions: &Sessions, compared: usize) -> Option<Self> {
+    /// Of `quantity` over `sessions`, one of `compared` of the fleet; `of_others` says by name and size what other joints say of its
+    /// scatter. `None` where too few sessions show it.
+    pub(super) fn new(
+        quantity: Quantity,
+        sessions: &Sessions,
+        compared: usize,
+        of_others: &dyn Fn(&str, f64) -> Option<Alike>,
+    ) -> Option<Self> {
         let shown: Vec<usize> = (0..quantity.values.len()).filter(|i| quantity.values[*i].is_some()).collect();
         let known = || quantity.values.iter().flatten();
         // Of what claims no interval nothing is known until its scatter is.
@@ -96,6 +106,7 @@ impl Life {
             values: known().map(|value| value.0).collect(),
             variances: known().map(|value| value.1.powi(2) + (IMMATERIAL * typical).powi(2)).collect(),
             temperatures: sessions.temperatures(&shown),
+            alike: of_others(&quantity.name, typical),
         };
         // Before the first session that shows it nothing changed.
         let mut retensioned: Vec<usize> = sessions.retensioned.iter().map(|at| after(&shown, *at)).collect();
@@ -156,6 +167,15 @@ impl Life {
     pub fn claimed(&self) -> impl Iterator<Item = (f64, f64)> {
         let half = |variance: &f64| crate::numerics::statistics::HALF_WIDTH * variance.sqrt();
         self.course.values.iter().copied().zip(self.course.variances.iter().map(half))
+    }
+
+    /// Its scatter between sessions as a variance over the square of its size, what the sessions claim, likewise, and the degrees of
+    /// freedom; `None` where that is not known.
+    pub(super) fn told_scatter(&self) -> Option<[f64; 3]> {
+        let typical = quantile(&mut self.course.values.iter().map(|value| value.abs()).collect::<Vec<f64>>(), 0.5);
+        let claimed = self.course.variances.iter().sum::<f64>() / self.course.len() as f64;
+        let known = self.scatter.is_finite() && typical > 0.0 && self.fit.freedom >= 1.0;
+        known.then(|| [(self.scatter / typical).powi(2), claimed / typical.powi(2), self.fit.freedom])
     }
 
     /// When its magnitude will be beyond `limit`.

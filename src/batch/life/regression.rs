@@ -3,7 +3,8 @@
 //! y_i = level + sum of parts_j(i) + e_i, with var e_i = s_i^2 + tau^2: s_i is what the session's own interval claims, tau the
 //! scatter between sessions that no session knows of (mounting, a cable that has settled differently). tau^2 is the one with
 //! which the weighted squares left are what they should be, n - k (Paule and Mandel, J. Res. NBS 87:377, 1982); 0 where they are
-//! less.
+//! less. What other joints scatter counts as further squares, each s^2 + tau_0^2 on average (a moderated variance: Smyth, Stat.
+//! Appl. Genet. Mol. Biol. 3:3, 2004).
 
 use crate::numerics::statistics::{HALF_WIDTH, chi_squared_tail, fisher_tail, student_t};
 use nalgebra::{DMatrix, DVector};
@@ -36,6 +37,15 @@ pub enum Part {
     Temperature,
 }
 
+/// What other joints of the fleet say of the scatter between sessions of a quantity.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Alike {
+    /// Variance between sessions beyond what they claim.
+    pub variance: f64,
+    /// So many degrees of freedom it counts for.
+    pub freedom: f64,
+}
+
 /// A quantity over sessions.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Course {
@@ -47,6 +57,8 @@ pub struct Course {
     pub variances: Vec<f64>,
     /// The temperature of each, less their mean, K.
     pub temperatures: Option<Vec<f64>>,
+    /// What other joints say of its scatter.
+    pub alike: Option<Alike>,
 }
 
 impl Course {
@@ -62,6 +74,13 @@ impl Course {
     /// Sessions.
     pub fn len(&self) -> usize {
         self.values.len()
+    }
+
+    /// Squares that other joints add where the scatter's variance is `variance`, and how many.
+    fn alike(&self, variance: f64) -> (f64, f64) {
+        let Some(alike) = self.alike else { return (0.0, 0.0) };
+        let claimed = self.variances.iter().sum::<f64>() / self.len() as f64;
+        (alike.freedom * (claimed + alike.variance) / (claimed + variance), alike.freedom)
     }
 }
 
@@ -82,6 +101,8 @@ pub struct Fit {
     pub left: f64,
     /// Sessions less what was fitted.
     pub freedom: f64,
+    /// Squares of other joints, and how many.
+    alike: (f64, f64),
 }
 
 impl Fit {
@@ -91,23 +112,26 @@ impl Fit {
         let freedom = n as f64 - parts.len() as f64 - 1.0;
         let with = |variance: f64| {
             let weights: Vec<f64> = course.variances.iter().map(|own| 1.0 / (own + variance)).collect();
-            Self::weighted(course, parts, weights)
+            Some(Self { alike: course.alike(variance), ..Self::weighted(course, parts, weights)? })
         };
         if n < SCATTER_KNOWN_FROM {
-            return Some(Self { scatter: f64::NAN, ..with(0.0)? }).filter(|_| freedom >= 0.0);
+            let fit = Self { scatter: f64::NAN, alike: (0.0, 0.0), ..with(0.0)? };
+            return Some(fit).filter(|_| freedom >= 0.0);
         }
         if freedom < 1.0 {
             return None;
         }
         let claimed = with(0.0)?;
-        if claimed.left <= freedom {
+        let is_more = |fit: &Self| fit.left + fit.alike.0 > freedom + fit.alike.1;
+        if !is_more(&claimed) {
             return Some(claimed);
         }
         let mean = course.values.iter().sum::<f64>() / n as f64;
-        let (mut low, mut high) = (0.0, course.values.iter().map(|y| (y - mean).powi(2)).sum::<f64>() / freedom);
+        let own = course.values.iter().map(|y| (y - mean).powi(2)).sum::<f64>() / freedom;
+        let (mut low, mut high) = (0.0, own.max(course.alike.map_or(0.0, |alike| alike.variance)));
         for _ in 0..HALVINGS {
             let middle = (low + high) / 2.0;
-            *(if with(middle)?.left > freedom { &mut low } else { &mut high }) = middle;
+            *(if is_more(&with(middle)?) { &mut low } else { &mut high }) = middle;
         }
         Some(Self { scatter: high.sqrt(), ..with(high)? })
     }
@@ -130,7 +154,7 @@ impl Fit {
         let sizes = &covariance * design.tr_mul(&target);
         let left = (target - &design * &sizes).norm_squared();
         let freedom = n as f64 - parts.len() as f64 - 1.0;
-        Some(Self { parts: parts.to_vec(), sizes, covariance, scatter: 0.0, weights, left, freedom })
+        Some(Self { parts: parts.to_vec(), sizes, covariance, scatter: 0.0, weights, left, freedom, alike: (0.0, 0.0) })
     }
 
     /// Chance that a part that never was would explain as much as `part` does beside the others: Fisher's F, the scatter counted
@@ -139,15 +163,16 @@ impl Fit {
         let others: Vec<Part> = self.parts.iter().copied().filter(|other| *other != part).collect();
         let Some(without) = Self::weighted(course, &others, self.weights.clone()) else { return 1.0 };
         let gained = (without.left - self.left).max(0.0);
+        let (left, freedom) = (self.left + self.alike.0, self.freedom + self.alike.1);
         match self.scatter.is_nan() {
             true => chi_squared_tail(gained, 1.0),
-            false => fisher_tail(gained / (self.left.max(self.freedom) / self.freedom), 1.0, self.freedom),
+            false => fisher_tail(gained / (left.max(freedom) / freedom), 1.0, freedom),
         }
     }
 
     /// Half of a 95 % interval in standard errors.
     pub fn half_widths(&self) -> f64 {
-        if self.scatter.is_nan() { HALF_WIDTH } else { student_t(self.freedom) }
+        if self.scatter.is_nan() { HALF_WIDTH } else { student_t(self.freedom + self.alike.1) }
     }
 
     /// The sum of the level and the parts with these `factors`, and its standard error.

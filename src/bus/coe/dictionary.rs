@@ -83,6 +83,11 @@ impl Dictionary {
         self.entries.retain(|entry| entry.at.0 != index);
     }
 
+    /// All entries, in order.
+    pub fn entries(&self) -> impl Iterator<Item = &Entry> {
+        self.entries.iter()
+    }
+
     fn place(&self, index: u16, sub: u8) -> Result<usize, usize> {
         self.entries.binary_search_by_key(&(index, sub), |entry| entry.at)
     }

@@ -1,9 +1,11 @@
 //! A drive after CiA 402: its states, its modes, what it watches, and how it stops.
 
+mod axes;
 mod motion;
 mod objects;
 mod power;
 
+pub use axes::two_axes;
 pub use objects::{COUNTS_PER_REVOLUTION, RATED_TORQUE_MNM};
 
 use super::application::{Application, Moment};
@@ -13,7 +15,7 @@ use super::description::Description;
 use super::device::Device;
 use super::fault::Fault;
 use super::terminal::VENDOR;
-use super::world::{Joint, Law, World};
+use super::world::{BrakeBy, Joint, Law, World};
 use objects::{COUNTS_PER_RAD, CSP, CST, NM_PER_MILLE};
 use power::Power;
 
@@ -98,24 +100,7 @@ fn made(joint: usize, drift_ppb: i64, feeds_watchdog: bool, without: &[u16]) -> 
         clock: Some(Clock::new(1_234_567_890, drift_ppb)),
         feeds_watchdog,
     };
-    let drive = Drive {
-        joint,
-        power: Power::SwitchOnDisabled,
-        mode: CSP,
-        control: 0,
-        error: 0,
-        injected: None,
-        inhibited: false,
-        limit_shown: false,
-        stopping_rad_s: 0.0,
-        strays_since_ns: None,
-        target: 0,
-        bridges: false,
-        was_operational: false,
-        worked_ns: 0,
-        defects: Defects { frozen_encoder: false, ignores_control: false, ignores_quick_stop: false, runaway: 1.0 },
-    };
-    Device::new(description, Box::new(drive))
+    Device::new(description, Box::new(Drive::new(joint)))
 }
 
 impl Application for Drive {
@@ -124,7 +109,7 @@ impl Application for Drive {
         let warning = self.fault(dictionary, joint, moment);
         self.obey(dictionary, joint, moment);
         joint.motor.limit_nm = own(dictionary, 0x6072, OWN_TORQUE) as f64 * NM_PER_MILLE;
-        joint.brake(!moment.operational || dictionary.unsigned(0x60FE, 1) & BRAKE == 0);
+        joint.brake(BrakeBy::Drive, !moment.operational || dictionary.unsigned(0x60FE, 1) & BRAKE == 0);
         self.steer(dictionary, joint, moment);
         self.tell(dictionary, joint, moment);
         self.worked_ns = moment.now_ns;
@@ -147,6 +132,27 @@ impl Application for Drive {
 }
 
 impl Drive {
+    /// One without torque, on the joint numbered `joint`.
+    fn new(joint: usize) -> Self {
+        Self {
+            joint,
+            power: Power::SwitchOnDisabled,
+            mode: CSP,
+            control: 0,
+            error: 0,
+            injected: None,
+            inhibited: false,
+            limit_shown: false,
+            stopping_rad_s: 0.0,
+            strays_since_ns: None,
+            target: 0,
+            bridges: false,
+            was_operational: false,
+            worked_ns: 0,
+            defects: Defects { frozen_encoder: false, ignores_control: false, ignores_quick_stop: false, runaway: 1.0 },
+        }
+    }
+
     /// What it finds wrong by itself.
     fn fault(&mut self, dictionary: &mut Dictionary, joint: &mut Joint, moment: Moment) -> Option<Emergency> {
         let enabled = self.power == Power::Enabled;

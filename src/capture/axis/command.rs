@@ -86,7 +86,9 @@ impl Axis {
         set(self.places.control_word, f64::from(self.state.control(&self.last).word()));
         set(self.places.mode, f64::from(drive.mode.code()));
         let lets_go = self.state.lets_brake_go(&self.last);
-        set(self.places.brake, drive.brake.filter(|_| lets_go).map_or(0.0, |brake| f64::from(1u32 << brake.bit)));
+        let brake = drive.brake.as_ref().filter(|_| lets_go);
+        self.brake_word = brake.map_or(0.0, |brake| f64::from(1u32 << brake.bit));
+        set(self.places.brake, self.brake_word);
         set(self.places.target_position, counts);
         set(self.places.target_velocity, drive.sign * self.sent.speed_rad_s * drive.counts_per_rad);
         set(self.places.target_torque, drive.sign * self.sent.torque_nm / drive.rated_torque_nm * 1e3);
@@ -109,7 +111,7 @@ impl Axis {
 
     /// Whether it holds, and may move: its brake is open, and a tension, which comes along a ramp, is there.
     pub fn is_ready(&self) -> bool {
-        let released = self.rig.drive.brake.map_or(0.0, |brake| brake.release_s / self.rig.bus.period_s());
+        let released = self.rig.drive.brake.as_ref().map_or(0.0, |brake| brake.release_s / self.rig.bus.period_s());
         let reached = |tension_nm: f64| (tension_nm - self.sent.torque_nm).abs() <= ALMOST * tension_nm.abs();
         self.state == State::Holding && f64::from(self.unbraked) >= released && self.tension_nm.is_none_or(reached)
     }

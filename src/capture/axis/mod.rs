@@ -9,10 +9,11 @@ use super::cause::Cause;
 use super::drive::{Condition, Mode};
 use super::follow::Follow;
 use super::fresh::Freshness;
-use super::limits::{Limits, SPEED_CYCLES, Watch};
+use super::limits::Limits;
 use super::rig::{Drive, Holds, Place, Rig};
 use super::safety::{Patience, Seen, State};
 use super::sensor::{Reading, SensorReader};
+use super::watch::{SPEED_CYCLES, Watch};
 
 /// Slower than this counts as rest, rad/s ...
 const REST_RAD_S: f64 = 0.01;
@@ -21,7 +22,7 @@ const REST_COUNTS: f64 = 1.5;
 /// How long the drive may take to switch, s: some have a brake to open.
 const SWITCHING_S: f64 = 3.0;
 /// How long the drive may stay enabled after a quick stop was commanded before voltage is taken away, s: some cycles, and slow firmware.
-const OBEYING_S: f64 = 0.05;
+pub const OBEYING_S: f64 = 0.02;
 /// How long a stop may take before voltage is taken away whatever is seen, s.
 const STOPPING_S: f64 = 2.0;
 /// How long the drive may take to lose torque without voltage, and again once out of OP, s: its watchdog, and its fault reaction.
@@ -62,6 +63,8 @@ pub struct Axis {
     error_code: Option<u16>,
     /// Cycles for which the brake has been let go.
     unbraked: u32,
+    /// What its output is told.
+    brake_word: f64,
     /// Cycles without an answer of the drive.
     silent: u32,
 }
@@ -140,7 +143,7 @@ impl Axis {
     pub fn new(rig: &Rig) -> Self {
         let period_s = rig.bus.period_s();
         let is_soft = rig.drive.mode == Mode::Torque;
-        let engage = rig.drive.brake.map_or(0, |brake| (brake.engage_s / period_s).ceil() as u32);
+        let engage = rig.drive.brake.as_ref().map_or(0, |brake| (brake.engage_s / period_s).ceil() as u32);
         Self {
             rig: rig.clone(),
             places: Places::of(&rig.drive),
@@ -159,6 +162,7 @@ impl Axis {
             target_rad_s: 0.0,
             last: Seen { engage, ..Seen::default() },
             unbraked: 0,
+            brake_word: 0.0,
             follow: Follow::new(&soft(rig), period_s, is_soft, 1.0 / rig.drive.counts_per_rad),
             fresh: Freshness::default(),
             sent: Sent::default(),
@@ -213,6 +217,11 @@ impl Axis {
     /// The drive's error code in the last answer, where it is mapped.
     pub fn error_code(&self) -> Option<u16> {
         self.error_code
+    }
+
+    /// What the output that lets the brake go is told, as its bits.
+    pub fn brake_word(&self) -> f64 {
+        self.brake_word
     }
 
     /// Whether the last cycle brought an answer of the drive that is new.

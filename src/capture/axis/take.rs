@@ -3,9 +3,9 @@
 use super::{Axis, Inputs, Now};
 use crate::capture::cause::{Beyond, Cause};
 use crate::capture::drive::{Condition, FOLLOWING_ERROR, INTERNAL_LIMIT, Mode};
-use crate::capture::limits::Measured;
 use crate::capture::rig::Place;
 use crate::capture::safety::{State, Target};
+use crate::capture::watch::Measured;
 
 /// Cycles at rest that make sure.
 const REST_CYCLES: u32 = 20;
@@ -31,6 +31,7 @@ impl Axis {
             self.freshen(counter as i64 as u32, inputs.periods);
         }
         let beyond = self.watch.step(&measured);
+        self.jump_with_encoder();
         let beyond = beyond.or(self.follows(position_rad, inputs.periods));
         let condition = Condition::of(status_word);
         // What explains the others comes first.
@@ -55,6 +56,15 @@ impl Axis {
             drive(self.places.velocity).map(|counts| self.rig.drive.sign * counts / self.rig.drive.counts_per_rad);
         let drive_current_per_mille = drive(self.places.current);
         Now { position_rad, sensor, status_word, drive_torque_nm, drive_velocity_rad_s, drive_current_per_mille }
+    }
+
+    /// An encoder that has lost count counts from elsewhere: the target goes along. A drive that does not obey a stop would else drive the
+    /// joint back to it, with all its torque.
+    fn jump_with_encoder(&mut self) {
+        if let Some(jumped_rad) = self.watch.jumped_rad().filter(|_| self.state.target() != Target::Actual) {
+            self.target_rad += jumped_rad;
+            self.sent.position_rad += jumped_rad;
+        }
     }
 
     /// What the drive says of itself in an answer of this cycle: `status_word`, where nothing else of the answer is of use.

@@ -24,6 +24,8 @@ pub struct Driven {
     place: usize,
     sensor_place: usize,
     status_word: Option<Place>,
+    /// The device, on the bus and in its outputs, that lets the brake go, where that is not the drive.
+    brake: Option<(usize, Place)>,
     /// Where the drive's inputs stand in its memory, if that is known.
     inputs: Option<Manager>,
     /// The drive's station address.
@@ -55,6 +57,8 @@ impl Driven {
         let drive = exchange.group.subdevice(main, place).ok();
         let station = drive.as_ref().map(|drive| drive.configured_address());
         let inputs = drive.and_then(|drive| managers(line, &drive).into_iter().find(Manager::is_inputs));
+        let brake = rig.drive.brake.as_ref().and_then(|brake| brake.device.as_ref());
+        let brake = brake.and_then(|device| Some((device.identity.place, device.outputs.place("brake")?)));
         Self {
             name: rig.drive.identity.name.clone(),
             axis,
@@ -62,6 +66,7 @@ impl Driven {
             place,
             sensor_place: rig.sensor.identity.place,
             status_word: rig.drive.inputs.place("status_word"),
+            brake,
             inputs,
             station,
             looked_at: 0,
@@ -99,6 +104,11 @@ impl Driven {
     pub fn write<'m, C>(&mut self, main: &'m MainDevice<'m>, exchange: &Exchange<C>) {
         if let Ok(drive) = exchange.group.subdevice(main, self.place) {
             self.axis.write(drive.io_raw_mut().outputs(), self.now.as_ref());
+        }
+        if let Some((at, place)) = self.brake
+            && let Ok(device) = exchange.group.subdevice(main, at)
+        {
+            place.set(device.io_raw_mut().outputs(), self.axis.brake_word());
         }
     }
 
@@ -151,10 +161,7 @@ impl Driven {
 
     /// The drive is told to leave OP, past the stack. It alone: what else is on the bus goes on.
     pub fn drop_out<W: Wire>(&self, line: &mut Line<'_, W>) {
-        match self.station {
-            Some(station) => line.drop_device(station),
-            None => line.drop_out(),
-        }
+        line.drop_out(self.station);
     }
 
     /// What is wanted of an axis that holds while `request` is wanted of the joint.

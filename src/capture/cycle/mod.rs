@@ -11,7 +11,7 @@ use super::evidence::Evidence;
 use super::history;
 use super::line::{Failure, Line};
 use super::managers::{Manager, managers};
-use super::master::{Exchange, states};
+use super::master::{self, Exchange, states};
 use super::recorder::Recorder;
 use super::rig::Rig;
 use super::safety::Request;
@@ -244,11 +244,11 @@ impl<'a, 's, W: Wire, C> Cycle<'a, 's, W, C> {
         self.rig.name(place).unwrap_or_else(|| format!("device {place}"))
     }
 
-    /// The exchange ends: all devices leave OP, those too that were brought there without being the rig's. Gives where each of them was,
-    /// in words. After a stop the drives are asked what they remember of it.
+    /// The exchange ends: the rig's devices leave OP; others on the bus stay as they are. Gives where each of them was, in words.
+    /// After a stop the drives are asked what they remember of it.
     pub fn finish(self) -> String {
         let words = states(self.line, self.main, &self.exchange.group, &self.rig);
-        self.line.drop_out();
+        self.line.drop_out(master::stations(&self.rig));
         if self.joint.axis.cause().is_some() {
             for drive in self.rig.drives() {
                 let Ok(device) = self.exchange.group.subdevice(self.main, drive.identity.place) else { continue };

@@ -1,6 +1,7 @@
 //! Further axes on the same bus, which hold while the joint moves: the second cable of an antagonistic joint, a neighbouring joint.
 
-use super::read::{read_drive, sensor_in_drive};
+use super::read_drive::read_drive;
+use super::read_sensor::sensor_in_drive;
 use super::{Drive, Rig, Setup, Target};
 use crate::capture::limits::Limits;
 use crate::document::Section;

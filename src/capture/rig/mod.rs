@@ -4,6 +4,8 @@ mod axes;
 pub mod preset;
 mod process_data;
 mod read;
+mod read_drive;
+mod read_sensor;
 mod setup;
 mod start;
 
@@ -148,7 +150,7 @@ pub struct Drive {
 }
 
 /// A brake that stands closed without power, and takes its time.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Brake {
     /// The bit of the output with the role `brake` that lets it go (0x60FE, or a bit of its own).
     pub bit: u32,
@@ -156,6 +158,19 @@ pub struct Brake {
     pub release_s: f64,
     /// From closing it until it holds, s: torque stays on for so long.
     pub engage_s: f64,
+    /// Whose output lets it go, where that is not the drive's own.
+    pub device: Option<BrakeDevice>,
+}
+
+/// A device whose output lets a brake go: a digital output terminal.
+#[derive(Debug, Clone, PartialEq)]
+pub struct BrakeDevice {
+    /// Who it is.
+    pub identity: Identity,
+    /// How it is set up.
+    pub setup: Setup,
+    /// What is sent to it.
+    pub outputs: ProcessData,
 }
 
 /// What a drive is sent: targets along a path, or a torque that stands.
@@ -237,13 +252,21 @@ impl Rig {
     /// The devices that the rig names, each once, with how they are set up.
     pub fn devices(&self) -> impl Iterator<Item = (&Identity, &Setup)> {
         let sensor = (!self.sensor.is_in_drive).then_some((&self.sensor.identity, &self.sensor.setup));
-        // A device with two axes counts once, by the first of them.
-        let held = self.axes.iter().enumerate().filter(|(i, axis)| {
-            self.drives().take(i + 1).all(|other| other.identity.place != axis.drive.identity.place)
-        });
-        std::iter::once((&self.drive.identity, &self.drive.setup))
-            .chain(sensor)
-            .chain(held.map(|(_, axis)| (&axis.drive.identity, &axis.drive.setup)))
+        let held = self.axes.iter().map(|axis| (&axis.drive.identity, &axis.drive.setup));
+        let brakes = self.brake_devices().map(|device| (&device.identity, &device.setup));
+        let all = std::iter::once((&self.drive.identity, &self.drive.setup)).chain(sensor).chain(held).chain(brakes);
+        // A device with two axes, or on which two brakes hang, counts once, by the first of them.
+        let mut seen = Vec::new();
+        all.filter(move |(identity, _)| {
+            let is_new = !seen.contains(&identity.place);
+            seen.push(identity.place);
+            is_new
+        })
+    }
+
+    /// The devices whose outputs let brakes go, once for each brake.
+    pub fn brake_devices(&self) -> impl Iterator<Item = &BrakeDevice> {
+        self.drives().filter_map(|drive| drive.brake.as_ref()?.device.as_ref())
     }
 
     /// The joint's own drive, and those of the axes that hold.

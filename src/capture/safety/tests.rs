@@ -1,6 +1,7 @@
 //! Every state with everything that can be seen.
 
 use super::*;
+use crate::capture::drive::Control;
 
 const PATIENCE: Patience = Patience { switching: 100, obeying: 50, stopping: 1000, cutting: 99 };
 

@@ -22,7 +22,7 @@ pub struct Arguments {
     /// The network interface at which the devices hang
     #[arg(long)]
     interface: String,
-    /// A second drive behind the torque sensor, on a load of its own
+    /// A second drive behind the torque sensor, whose cable pulls the joint down
     #[arg(long)]
     two: bool,
     /// Seed of the torque sensor's noise

@@ -167,7 +167,7 @@ fn played(case: &Case, at: u64) -> Result<Row> {
     });
     let struck = usize::from(case.second);
     let (mut began, mut off_ns, mut speed_rad_s, mut travel_rad) = (None, None, 0.0f64, 0.0f64);
-    let (mut commanded_ns, allowed) = (None, Allowed::of(&rig.each_axis()[struck], &case.faults));
+    let (mut commanded_ns, allowed) = (None, Allowed::of(&rig.each_axis()[struck], &case.faults, case.second));
     let mut position_rad = (f64::MAX, f64::MIN);
     let outcome = captured(&rig, bus, &mut |now_ns, bus| {
         let truth = bus.truth_of(struck);

@@ -4,31 +4,20 @@
 //! tells the truth. k of (29) follows from p: K~ must reach 1 when K_f does, hence k = 1 / atan(2 p) (the paper's own
 //! 0.752 and 2.011 keep that to 0.2 %).
 
+mod curves;
 mod fitting;
+mod reach;
+
+pub use curves::{CurveFit, CurveKind};
 
 use super::checks::Check;
 use super::confidence::demote;
 use super::predicted::Prepared;
 use super::support::supported;
-use super::windows::{Crossing, Window, windows};
-use crate::model::{Combination, Confidence, Model};
-use crate::numerics::scalar::Scalar;
-use crate::numerics::statistics::{extent, quantile};
+use super::windows::{Crossing, Window};
+use crate::model::{Confidence, Model};
 use fitting::Fitting;
-use rayon::prelude::*;
-
-/// Range of p searched: from nearly a straight line to nearly a step.
-const P_RANGE: (f64, f64) = (0.02, 100.0);
-/// Range of n searched, likewise.
-const N_RANGE: (f64, f64) = (0.02, 10.0);
-/// A window follows the motion after a reversal for this many clearances.
-const REACH_BACKLASHES: f64 = 1.5;
-/// A window follows it for at least this share of the median stroke, should the declared clearance be next to nothing.
-const REACH_LEAST: f64 = 0.02;
-/// When the clearance is estimated, up to this share of the median stroke.
-const REACH_STROKE: f64 = 0.5;
-/// The smallest clearance looked for, in deadbands of the encoder.
-const MIN_DEADBANDS: f64 = 3.0;
+use reach::Reach;
 
 /// A curve that leaves more than this many times what sliding leaves does not describe the change-over, ...
 const MISFIT: f64 = 4.0;
@@ -42,73 +31,6 @@ pub struct Settings {
     pub wanted: Option<CurveKind>,
     /// Whether to find X_cl from the reversals rather than take the campaign's.
     pub estimate_backlash: bool,
-}
-
-/// A curve without its parameter.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum CurveKind {
-    /// (20).
-    Sign,
-    /// (25).
-    Linear,
-    /// (29).
-    Arctan,
-    /// (30).
-    Power,
-}
-
-impl CurveKind {
-    /// All, the simplest first.
-    pub const ALL: [Self; 4] = [Self::Sign, Self::Linear, Self::Arctan, Self::Power];
-
-    /// The name used in files.
-    pub fn name(self) -> &'static str {
-        self.with(1.0).name()
-    }
-
-    /// The kind of `curve`.
-    pub fn of(curve: &Combination) -> Self {
-        match curve {
-            Combination::Sign => Self::Sign,
-            Combination::Linear => Self::Linear,
-            Combination::Arctan { .. } => Self::Arctan,
-            Combination::Power { .. } => Self::Power,
-        }
-    }
-
-    /// The curve with its parameter, p or n, if it has one.
-    pub fn with<S: Scalar>(self, parameter: S) -> Combination<S> {
-        match self {
-            Self::Sign => Combination::Sign,
-            Self::Linear => Combination::Linear,
-            Self::Arctan => Combination::arctan(parameter),
-            Self::Power => Combination::Power { n: parameter },
-        }
-    }
-
-    /// The range of the parameter; `None` for a curve without.
-    pub fn range(self) -> Option<(f64, f64)> {
-        match self {
-            Self::Sign | Self::Linear => None,
-            Self::Arctan => Some(P_RANGE),
-            Self::Power => Some(N_RANGE),
-        }
-    }
-}
-
-/// One curve's fit.
-#[derive(Debug, Clone, PartialEq)]
-pub struct CurveFit {
-    /// Which.
-    pub kind: CurveKind,
-    /// With its parameter.
-    pub curve: Combination,
-    /// X_cl it was fitted with, m.
-    pub backlash_m: f64,
-    /// Residual on the samples that `CombinationFit::judged_on` names, N m.
-    pub rmse_nm: f64,
-    /// Share of those samples' variance that is explained.
-    pub r_squared: f64,
 }
 
 /// Which samples the curves are judged on.
@@ -203,38 +125,6 @@ pub fn fit_one(trials: &[Prepared], model: &Model, lowpass_hz: f64, settings: Se
     Some(fitting.fit(settings.wanted.unwrap_or(CurveKind::Arctan)).0)
 }
 
-/// How far after a reversal to look.
-struct Reach {
-    /// The travel that a window follows, rad.
-    reach_rad: f64,
-    /// Where the clearance is looked for, if it is, rad.
-    span_rad: Option<(f64, f64)>,
-    /// The median stroke between reversals, rad.
-    stroke_rad: f64,
-}
-
-impl Reach {
-    fn new(trials: &[Prepared], model: &Model, settings: Settings) -> Self {
-        let stroke_rad = median_stroke_rad(trials);
-        let declared_rad = model.joint.backlash_rad();
-        let reach_rad = if settings.estimate_backlash {
-            (REACH_STROKE * stroke_rad).max(REACH_BACKLASHES * declared_rad)
-        } else {
-            (REACH_BACKLASHES * declared_rad).max(REACH_LEAST * stroke_rad).min(stroke_rad)
-        };
-        let deadband_rad = trials.iter().map(|t| t.series.deadband_rad).fold(0.0, f64::max);
-        let smallest_rad = (MIN_DEADBANDS * deadband_rad).max(1e-3 * reach_rad);
-        Self { reach_rad, span_rad: settings.estimate_backlash.then_some((smallest_rad, reach_rad)), stroke_rad }
-    }
-
-    /// The windows of all trials; `None` without any.
-    fn windows<'a>(&self, trials: &'a [Prepared], model: &Model, lowpass_hz: f64) -> Option<Vec<Window<'a>>> {
-        let of = |trial| windows(trial, model, self.reach_rad, lowpass_hz);
-        let all: Vec<Window> = trials.par_iter().flat_map_iter(of).collect();
-        (!all.is_empty()).then_some(all)
-    }
-}
-
 /// Whether the curve describes the change-over, where sliding leaves `noise_nm`.
 fn curve_check(fit: &CurveFit, noise_nm: f64, negligible_nm: f64) -> Check {
     let value = fit.rmse_nm / noise_nm;
@@ -267,9 +157,7 @@ pub fn overlay(
     supported: usize,
     taken: usize,
 ) -> CombinationFit {
-    let reach_rad = (REACH_BACKLASHES * model.joint.backlash_rad()).min(median_stroke_rad(trials));
-    let all: Vec<Window> =
-        trials.par_iter().flat_map_iter(|trial| windows(trial, model, reach_rad, lowpass_hz)).collect();
+    let all = Reach::as_declared(trials, model).windows(trials, model, lowpass_hz).unwrap_or_default();
     let crossings = |w: &Window| w.crossings(model, model.joint.backlash_rad(), lowpass_hz);
     CombinationFit {
         windows: all.len(),
@@ -283,20 +171,6 @@ pub fn overlay(
         warnings: Vec::new(),
         checks: Vec::new(),
     }
-}
-
-fn median_stroke_rad(trials: &[Prepared]) -> f64 {
-    let mut strokes: Vec<f64> = Vec::new();
-    for trial in trials {
-        let turns = trial.reversals();
-        let at = |i: usize| trial.series.position_rad[turns[i].0];
-        strokes.extend((1..turns.len()).map(|i| (at(i) - at(i - 1)).abs()));
-        if turns.len() < 2 {
-            let (low, high) = extent(&trial.series.position_rad);
-            strokes.push((high - low).max(0.0));
-        }
-    }
-    quantile(&mut strokes, 0.5)
 }
 
 /// Which of `CurveKind::ALL` the sums of squares support, given for each curve and each of the same stretches of data:

@@ -12,6 +12,7 @@
 
 mod covariance;
 mod line;
+mod possible;
 mod profile;
 mod search;
 
@@ -20,7 +21,7 @@ pub use profile::Profile;
 use crate::model::{Level, decayed};
 use crate::numerics::linear::{LinearFit, solve};
 use crate::numerics::marquardt::Stopped;
-use crate::numerics::statistics::root_mean_square;
+use crate::numerics::statistics::{HALF_WIDTH, root_mean_square, student_t};
 use nalgebra::{DMatrix, DVector};
 
 /// The slowest rate searched turns its term by this much over the fastest speed: slower is a straight line.
@@ -32,6 +33,9 @@ const FASTEST: f64 = 5.0;
 const RATIO_MIN: f64 = 1.02;
 /// Repeats beyond the first, over all speeds, whose scatter tells the error of a single point.
 const REPEATS_MIN: f64 = 6.0;
+/// What the legs claim of their errors, from their own blocks, counts as so many degrees of freedom: two repeats of a few speeds
+/// say hardly more of what differs from leg to leg.
+const CLAIMED: f64 = 4.0;
 
 /// B against speed, one direction.
 #[derive(Debug, Clone, PartialEq)]
@@ -44,6 +48,8 @@ pub struct Points {
     speeds: Vec<Speed>,
     /// Weighted sum of squares of the points about the mean of their speed: no fit can remove it.
     within: f64,
+    /// Variance of a point of weight 1 as the legs themselves claim it, (N m)^2; `None` where that is not known.
+    claimed: Option<f64>,
 }
 
 /// All points of one speed.
@@ -127,22 +133,33 @@ impl Points {
             speeds.push(Speed { speed_rad_s: group[0].0, b_nm, weight });
         }
         let (speed_rad_s, b_nm) = points.iter().map(|p| (p.0, p.1)).unzip();
-        Self { speed_rad_s, b_nm, speeds, within }
+        Self { speed_rad_s, b_nm, speeds, within, claimed: None }
+    }
+
+    /// The same points, whose legs claim a variance of `variance_nm2` for one of weight 1.
+    pub fn claiming(self, variance_nm2: Option<f64>) -> Self {
+        Self { claimed: variance_nm2, ..self }
     }
 
     /// Mean B at each speed with its standard error: from the scatter of repeats where there are enough of them, else from
-    /// what `fit` leaves; NaN where neither says anything.
+    /// what `fit` leaves; in both what the legs themselves claim counts as `CLAIMED` degrees of freedom. NaN where nothing says it.
+    ///
+    /// Few degrees of freedom leave a standard error uncertain: it is told so that 1.96 of it are the 95 % interval, by Student's t.
     pub fn means(&self, fit: &ExponentialFit) -> impl Iterator<Item = Level> {
         let of_repeats = self.b_nm.len() as f64 - self.speeds.len() as f64;
-        let variance = match of_repeats >= REPEATS_MIN {
-            true => self.within / of_repeats,
-            false if fit.freedom() >= 1.0 => fit.residual_sum / fit.freedom(),
-            false => f64::NAN,
+        let (sum, freedom) = match of_repeats >= REPEATS_MIN {
+            true => (self.within, of_repeats),
+            false if fit.freedom() >= 1.0 => (fit.residual_sum, fit.freedom()),
+            false => (0.0, 0.0),
         };
+        let (claimed, counts) = self.claimed.map_or((0.0, 0.0), |variance| (variance, CLAIMED));
+        let freedom = freedom + counts;
+        let variance = (sum + counts * claimed) / freedom;
+        let uncertain = student_t(freedom) / HALF_WIDTH;
         self.speeds.iter().map(move |s| Level {
             speed_rad_s: s.speed_rad_s,
             b_nm: s.b_nm,
-            se_nm: (variance / s.weight).sqrt(),
+            se_nm: uncertain * (variance / s.weight).sqrt(),
         })
     }
 

@@ -30,6 +30,8 @@ pub struct Machine {
     elapsed_s: f64,
     /// What the motor moves.
     pub load: Load,
+    /// What else pulls the joint down, as torque at the winch, N m; a motor without the joint is not pulled.
+    pub pull_nm: f64,
 }
 
 impl Machine {
@@ -38,14 +40,15 @@ impl Machine {
     pub fn at_rest(model: Model, motor_inertia_kg_m2: f64, position_rad: f64) -> Self {
         let passage = Passage::after(&model, Direction::Up, position_rad, 0.0);
         let state = State { position_rad, velocity_rad_s: 0.0, passage, torque_nm: 0.0 };
-        Self { model, motor_inertia_kg_m2, state, elapsed_s: 0.0, load: Load::Joint }
+        Self { model, motor_inertia_kg_m2, state, elapsed_s: 0.0, load: Load::Joint, pull_nm: 0.0 }
     }
 
     /// `step_s` on, under a motor whose torque at the winch, N m, is `motor_nm` of the joint's motion and falls as it moves on.
     pub fn step(&mut self, step_s: f64, motor_nm: impl Fn(Motion) -> f64) {
         self.elapsed_s += step_s;
         let plant = Plant { model: &self.model, chain: None, motor_inertia_kg_m2: self.motor_inertia_kg_m2, step_s };
-        let moment = Moment { time_s: self.elapsed_s, elapsed_s: self.elapsed_s, contact_nm: 0.0, others: &[] };
+        let moment =
+            Moment { time_s: self.elapsed_s, elapsed_s: self.elapsed_s, contact_nm: self.pull_nm, others: &[] };
         match self.load {
             Load::Joint => self.state = plant.step(self.state, &moment, motor_nm),
             Load::Obstacle => {

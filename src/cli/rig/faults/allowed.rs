@@ -11,10 +11,12 @@
 //!   the torque that the rig lets the drive give acts on what it moves until a command can act, `ACTS_CYCLES` later; where the drive
 //!   ignores the quick stop, until voltage is taken away. An encoder that loses count drives the joint no faster than sqrt(a d).
 //! - **deaf**: a drive that ignores the quick stop follows its target to rest, for as long as it may take to obey (`OBEYING_S`).
+//! - **coasts**: a winch without torque goes on, as little as friction takes, until the other drive has stopped the joint.
 //! - **cut off**: no frame reaches the drive, which goes on until its watchdog expires.
 //! - **unwatched**: the watchdog has failed as well, and only the drive's own limits of position are left.
 
 use crate::bus::{Fault, MOTOR_INERTIA_KG_M2};
+use crate::capture::axis::OBEYING_S;
 use crate::capture::rig::Rig;
 use std::ops::RangeInclusive;
 
@@ -25,8 +27,9 @@ const ROOM: f64 = 1.25;
 const ACTS_CYCLES: f64 = 2.0;
 /// Cycles that may bring the evidence of a fault: a mailbox is looked at once in so many.
 const SEEN_CYCLES: f64 = 10.0;
-/// How long a drive may take to obey a quick stop, s.
-const OBEYING_S: f64 = 0.05;
+
+/// How long the other drive may take to bring the joint to rest and let go, s: its braking ramp, and what its status word takes.
+const COASTS_S: f64 = 0.1;
 
 /// What is allowed.
 #[derive(Debug, Clone)]
@@ -53,8 +56,8 @@ impl Bound {
 }
 
 impl Allowed {
-    /// Under `faults` that strike together.
-    pub fn of(rig: &Rig, faults: &[Fault]) -> Self {
+    /// Under `faults` that strike together; `is_winch` where what they strike is the second winch alone.
+    pub fn of(rig: &Rig, faults: &[Fault], is_winch: bool) -> Self {
         let limits = &rig.limits;
         let ramp_rad = |speed_rad_s: f64| speed_rad_s.powi(2) / (2.0 * limits.acceleration_rad_s2);
         let seen_rad = SEEN_CYCLES * rig.bus.period_s() * limits.speed_rad_s;
@@ -67,7 +70,9 @@ impl Allowed {
         let driven_s = ACTS_CYCLES * rig.bus.period_s() + deaf_s + watchdog_s;
         let kick_rad_s = faults.iter().map(|fault| kick_rad_s(rig, *fault, driven_s)).fold(0.0, f64::max);
         let speed_rad_s = within.speed_rad_s + kick_rad_s;
-        let travel_rad = seen_rad + ramp_rad(limits.speed_rad_s + kick_rad_s) + (deaf_s + watchdog_s) * speed_rad_s;
+        let coasts_s = if is_winch && has(Fault::Inhibit) { COASTS_S } else { 0.0 };
+        let lasts_s = deaf_s + watchdog_s + coasts_s;
+        let travel_rad = seen_rad + ramp_rad(limits.speed_rad_s + kick_rad_s) + lasts_s * speed_rad_s;
         let is_unwatched = has(Fault::WatchdogOff { device: 0 });
         let travel_rad = if is_unwatched { f64::INFINITY } else { travel_rad };
         let why = [
@@ -75,6 +80,7 @@ impl Allowed {
             (watchdog_s > 0.0, "cut off"),
             (kick_rad_s > 0.0, "driven"),
             (deaf_s > 0.0, "deaf"),
+            (coasts_s > 0.0, "coasts"),
         ];
         let why = why.into_iter().find_map(|(is_so, why)| is_so.then_some(why));
         let room_rad = limits.lag_rad + ramp_rad(within.speed_rad_s);

@@ -1,0 +1,163 @@
+//! What is measured, held against the limits cycle by cycle.
+
+use super::cause::{Beyond, Cause};
+use super::limits::{Limits, SPEED_ROOM};
+
+/// How many times the limit of speed a jump of the position is: no joint gets there in one cycle.
+const JUMP_SPEEDS: f64 = 5.0;
+/// The same of its change from one cycle to the next: what no torque can do to a joint in a cycle.
+const KINK_SPEEDS: f64 = 2.0;
+/// Cycles over which the measured speed is taken: in one, a count of the encoder more or less is a lot.
+pub const SPEED_CYCLES: usize = 10;
+
+/// What was measured in one cycle.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Measured {
+    /// rad.
+    pub position_rad: f64,
+    /// At the sensor, N m; nothing where the sensor says nothing of use.
+    pub torque_nm: Option<f64>,
+    /// Where the joint was told to be when this was measured, rad; only where it should follow.
+    pub command_rad: Option<f64>,
+    /// Periods since the last measurement: 1, and more after missed cycles.
+    pub periods: u32,
+}
+
+/// The limits, watching what is measured cycle by cycle.
+#[derive(Debug, Clone)]
+pub struct Watch {
+    limits: Limits,
+    period_s: f64,
+    last: Option<Measured>,
+    /// Positions of the last cycles, the newest last, with the periods that each took.
+    recent: Vec<(f64, u32)>,
+    /// By how much the last position had jumped, rad.
+    jumped_rad: Option<f64>,
+}
+
+impl Watch {
+    /// Watches measurements every `period_s`.
+    pub fn new(limits: Limits, period_s: f64) -> Self {
+        Self { limits, period_s, last: None, recent: Vec::with_capacity(SPEED_CYCLES + 1), jumped_rad: None }
+    }
+
+    /// The measured speed over the last cycles, rad/s; 0 until there are enough.
+    pub fn speed_rad_s(&self) -> f64 {
+        let (Some(first), Some(last)) = (self.recent.first(), self.recent.last()) else { return 0.0 };
+        let periods: u32 = self.recent[1..].iter().map(|(_, periods)| periods).sum();
+        if self.recent.len() <= SPEED_CYCLES { 0.0 } else { (last.0 - first.0) / (f64::from(periods) * self.period_s) }
+    }
+
+    /// The last measured position, rad.
+    pub fn position_rad(&self) -> Option<f64> {
+        self.last.map(|last| last.position_rad)
+    }
+
+    /// By how much the last measured position had jumped, rad, if it had: no joint goes so far in a cycle, so it is the encoder.
+    pub fn jumped_rad(&self) -> Option<f64> {
+        self.jumped_rad
+    }
+
+    /// The first limit that `now` breaks.
+    pub fn step(&mut self, now: &Measured) -> Option<Cause> {
+        if self.recent.len() > SPEED_CYCLES {
+            self.recent.remove(0);
+        }
+        self.recent.push((now.position_rad, now.periods));
+        let last = self.last.replace(*now);
+        let limits = &self.limits;
+        let above = |found: f64, limit: f64| (found.is_nan() || found > limit).then_some(Beyond { found, limit });
+        let jump_rad = JUMP_SPEEDS * limits.speed_rad_s * self.period_s * f64::from(now.periods);
+        let jumped = last.and_then(|last| above((now.position_rad - last.position_rad).abs(), jump_rad));
+        let kink =
+            self.kink_rad().and_then(|kink_rad| above(kink_rad, KINK_SPEEDS * limits.speed_rad_s * self.period_s));
+        let jumped = jumped.or(kink);
+        let moved_rad = last.map_or(0.0, |last| now.position_rad - last.position_rad);
+        self.jumped_rad = kink.map(|_| moved_rad).filter(|moved_rad| moved_rad.is_finite());
+        let torque_step = last.and_then(|last| Some((now.torque_nm? - last.torque_nm?).abs()));
+        let torque_step = torque_step.and_then(|step| above(step, limits.torque_step_nm * f64::from(now.periods)));
+        let lag = now.command_rad.and_then(|command| above((command - now.position_rad).abs(), limits.lag_rad));
+        let speed = above(self.speed_rad_s().abs(), SPEED_ROOM * limits.speed_rad_s);
+        // What explains the others comes first.
+        jumped
+            .map(Cause::EncoderJump)
+            .or(torque_step.map(Cause::TorqueStep))
+            .or_else(|| now.torque_nm.and_then(|torque| above(torque.abs(), limits.torque_nm)).map(Cause::Torque))
+            .or_else(|| self.outside(now.position_rad).map(Cause::Position))
+            .or(speed.map(Cause::Speed))
+            .or(lag.map(Cause::Lag))
+    }
+
+    /// By how much the way of the last cycle differs from that of the one before, where neither was missed, rad.
+    fn kink_rad(&self) -> Option<f64> {
+        let [.., (first, _), (second, 1), (third, 1)] = self.recent[..] else { return None };
+        Some(((third - second) - (second - first)).abs())
+    }
+
+    /// How far outside its range the joint is, with the room that following its command takes.
+    fn outside(&self, position_rad: f64) -> Option<Beyond> {
+        let (low, high) = (self.limits.low_rad - self.limits.lag_rad, self.limits.high_rad + self.limits.lag_rad);
+        if position_rad < low {
+            Some(Beyond { found: position_rad, limit: low })
+        } else {
+            (position_rad.is_nan() || position_rad > high).then_some(Beyond { found: position_rad, limit: high })
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::limits::EXAMPLE as LIMITS;
+    use super::*;
+
+    fn at(position_rad: f64) -> Measured {
+        Measured { position_rad, torque_nm: Some(0.5), command_rad: Some(position_rad), periods: 1 }
+    }
+
+    /// The cause that comes up when `then` follows a second of rest at 0.5 rad.
+    fn after_rest(then: Measured) -> Option<Cause> {
+        let mut watch = Watch::new(LIMITS, 0.001);
+        assert!((0..1000).all(|_| watch.step(&at(0.5)).is_none()));
+        watch.step(&then)
+    }
+
+    #[test]
+    fn what_is_within_passes() {
+        let mut watch = Watch::new(LIMITS, 0.001);
+        let moves = (0..2000).map(|i| at(0.1 + 0.49e-3 * f64::from(i)));
+        assert!(moves.map(|m| watch.step(&m)).all(|cause| cause.is_none()));
+        assert!((watch.speed_rad_s() - 0.49).abs() < 1e-9);
+    }
+
+    #[test]
+    fn each_limit_is_told_by_name() {
+        let name = |m: Measured| after_rest(m).map(|cause| cause.name());
+        assert_eq!(name(Measured { position_rad: 0.6, ..at(0.6) }), Some("encoder_jump"));
+        assert_eq!(name(Measured { position_rad: 0.5012, ..at(0.5012) }), Some("encoder_jump"));
+        assert_eq!(name(Measured { position_rad: 0.5008, ..at(0.5008) }), None);
+        assert_eq!(name(Measured { position_rad: f64::NAN, ..at(0.5) }), Some("encoder_jump"));
+        assert_eq!(name(Measured { torque_nm: Some(0.1), ..at(0.5) }), Some("torque_step"));
+        assert_eq!(name(Measured { command_rad: Some(0.56), ..at(0.5) }), Some("lag"));
+        assert_eq!(name(Measured { torque_nm: None, ..at(0.5) }), None);
+    }
+
+    #[test]
+    fn what_creeps_beyond_is_told_too() {
+        let run = |measured: &dyn Fn(f64) -> Measured| {
+            let mut watch = Watch::new(LIMITS, 0.001);
+            (0..20_000).find_map(|i| watch.step(&measured(f64::from(i) * 1e-3))).map(|cause| cause.name())
+        };
+        assert_eq!(run(&|t| at(0.5 + 0.4 * t)), Some("position"));
+        assert_eq!(run(&|t| at(0.5 - 0.4 * t)), Some("position"));
+        assert_eq!(run(&|t| at(0.7 * t)), Some("speed"));
+        assert_eq!(run(&|t| Measured { torque_nm: Some(0.5 + t), ..at(0.5) }), Some("torque"));
+    }
+
+    #[test]
+    fn missed_cycles_are_allowed_for() {
+        let mut watch = Watch::new(LIMITS, 0.001);
+        assert_eq!(watch.step(&at(0.5)), None);
+        let late = Measured { periods: 3, torque_nm: Some(1.1), ..at(0.507) };
+        assert_eq!(watch.step(&late), None);
+    }
+}
