@@ -37,7 +37,7 @@ pub fn candidates_table(found: &Diagnosis) -> Option<Table> {
     table(
         "Best first. Each is fitted along with the model's own parameters, which move within their confidence, and scored on \
          held-out data: how far the gap above the floor shrinks, with a 95 % bootstrap interval. Where several were taken, they \
-         stand with all of them together, and anything else on top; `adds` is the share of the residual's mean square that each takes off. A rival does as well as what was taken, on these data.",
+         stand with all of them together, and anything else on top; \"adds\" is the share of the residual's mean square that each takes off. A rival does as well as what was taken, on these data.",
         &["cause", "verdict", "how", "adds", "gap shrinks by", "held-out RMSE"],
         found.candidates.iter().map(row).collect(),
     )
@@ -55,10 +55,10 @@ pub fn decisions_table(found: &Diagnosis) -> Option<Table> {
         ]
     };
     table(
-        "What a cause must reach to be named, what those that were named reach, and where the best of the others fall short. `share of the gap`, \
-         `floors` and `encoder` compare its gain in mean square, (N m)^2, with a share of the gap, of the floor, and with what \
-         the encoder's errors alone would let it gain; `standard errors` and `clusters that gain` ask whether it gains in most trials or cycles. \
-         `form`, `open` and `named` compare what is left, N m RMS above the floor.",
+        "What a cause must reach to be named, what those that were named reach, and where the best of the others fall short. The rules \
+         \"share of the gap\", \"floors\" and \"encoder\" compare its gain in mean square, (N m)^2, with a share of the gap, of the \
+         floor, and with what the encoder's errors alone would let it gain; \"standard errors\" and \"clusters that gain\" ask whether it \
+         gains in most trials or cycles; \"form\", \"open\" and \"named\" compare what is left, N m RMS above the floor.",
         &["of", "rule", "value", "limit", "outcome"],
         found.verdict.decisions.iter().map(row).collect(),
     )
