@@ -1,5 +1,6 @@
 //! What an explanation says in figures: gap, budget, places, candidates, contacts, series.
 
+use super::answer::Kind;
 use super::base::BaseModel;
 use super::bootstrap::{Resamples, above};
 use super::candidates::{Cause, FittedCause};
@@ -11,7 +12,7 @@ use super::locate::{self, Place};
 use super::mask::Mask;
 use super::parameters::{self, Fitted};
 use super::record::Record;
-use super::verdict::{Evidence, Kind, Verdict, signature};
+use super::verdict::{Evidence, Verdict, signature};
 use super::{Budget, Candidate, Contact, Gap, View};
 use std::ops::Range;
 
@@ -268,8 +269,7 @@ mod tests {
         // One of the two is predicted after all: it was set aside, and is no contact.
         let contact = events[..1].to_vec();
         let explanation = Explanation { events: contact, ..Explanation::of(&mask, &model, events, &rest_nm, &|| ()) };
-        let (rms_nm, quick_nm, encoder_nm) = (FLOOR_NM, FLOOR_NM, 0.0);
-        let floor = Floor { rms_nm, quick_nm, encoder_nm, source: FloorSource::Spectrum, relative_error: 0.1 };
+        let floor = Floor::of_noise(FLOOR_NM, FloorSource::Spectrum, 0.1);
         let resamples = Resamples::new(&data.folds, &floor);
         let account = Account::new(&base, &explanation, &resamples, &floor);
         let whole = |squares: &[f64]| squares.iter().sum::<f64>();

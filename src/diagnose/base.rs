@@ -2,11 +2,10 @@
 //! within their confidence.
 
 use super::data::DataSet;
-use super::fit::Fit;
 use super::gram::{Gram, Solution};
 use super::mask::Mask;
 use super::perturbation::Perturbation;
-use super::record::{Branches, Passages};
+use super::records::{Branches, Passages};
 use crate::effects::{Curve, Presliding};
 use crate::model::{Combination, Model};
 use rayon::prelude::*;
@@ -124,12 +123,12 @@ impl<'d> BaseModel<'d> {
         self.cost_beside(&columns, &predicted_nm)
     }
 
-    /// Mean square left in the rows that count, with all that `fit` changes free: its causes as a whole and each of their moves,
-    /// (N m)^2.
-    pub fn square_left(&self, fit: &Fit<'_>) -> f64 {
-        let passages = self.passages_of(&fit.model);
-        let predicted_nm = self.prediction_nm(&fit.model, &passages);
-        let mut columns = self.columns_of(&fit.model, &passages, &predicted_nm, &fit.moves);
+    /// Mean square left in the rows that count, with all free that makes `model` of this one's: its causes as a whole and each of their
+    /// `moves`, (N m)^2.
+    pub fn square_left(&self, model: &Model, moves: &[Perturbation]) -> f64 {
+        let passages = self.passages_of(model);
+        let predicted_nm = self.prediction_nm(model, &passages);
+        let mut columns = self.columns_of(model, &passages, &predicted_nm, moves);
         columns.push(predicted_nm.iter().zip(&self.predicted_nm).map(|(with, without)| with - without).collect());
         let (gram, deviations) = self.gram_beside(&columns, &self.predicted_nm);
         gram.solve(self.mask.prior(&deviations)).square / self.mask.rows().max(1) as f64

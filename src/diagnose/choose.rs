@@ -2,14 +2,16 @@
 
 use super::base::BaseModel;
 use super::candidates::{Cause, FittedCause, Hypothesis, Round, try_all, try_one};
-use super::criteria::{FLOOR_SHARE, Requirement, is_makeshift, is_tie, requirements, rivals, seconds, simplest};
+use super::criteria::{
+    Decision, FLOOR_SHARE, Requirement, is_makeshift, is_tie, requirements, rivals, seconds, simplest,
+};
 use super::fit::Fit;
 use super::mask::Mask;
 use super::pairs;
 use super::perturbation::{Perturbation, within_confidence};
-use super::verdict::Decision;
 use crate::effects::Extent;
 use crate::model::Model;
+use std::cell::OnceCell;
 use std::sync::Arc;
 
 /// Most causes that are looked for.
@@ -34,6 +36,17 @@ pub struct Choice<'d> {
     pub last: Fit<'d>,
     /// What each cause that was found reaches, and in what the best of those refused fall short.
     pub decisions: Vec<Decision>,
+    /// Where causes were given up because the gap is too weak: the share of the resamples that agreed on them.
+    pub given_up: Option<f64>,
+}
+
+impl Choice<'_> {
+    /// The same without its causes, on which the share `agreement` of the resamples agreed.
+    pub fn given_up(self, agreement: f64) -> Self {
+        let tried = self.found.into_iter().flat_map(|found| found.tried);
+        let refused = tried.chain(self.refused).collect();
+        Self { found: Vec::new(), last: self.rest.clone(), refused, given_up: Some(agreement), ..self }
+    }
 }
 
 /// One cause with its rivals.
@@ -58,8 +71,7 @@ pub fn choose<'d>(mask: &Arc<Mask<'d>>, model: &Model, progress: &(dyn Fn() + Sy
     let first = BaseModel::new(mask, model, within_confidence(model));
     let rest = first.alone();
     let start = rest.score();
-    let again = mask.again().map(|again| BaseModel::new(&again, model, within_confidence(model)));
-    let search = Search { first, again, start, progress };
+    let search = Search { first, again: OnceCell::new(), start, progress };
     let Forward { chosen, fit, opening, refused } = search.forward(&rest);
     let (steps, last) = match &chosen[..] {
         [] => (Vec::new(), fit),
@@ -76,7 +88,7 @@ pub fn choose<'d>(mask: &Arc<Mask<'d>>, model: &Model, progress: &(dyn Fn() + Sy
         tried: step.tried,
     };
     let found = steps.into_iter().map(of_step).collect();
-    Choice { found, base: search.first, rest, refused, last, decisions }
+    Choice { found, base: search.first, rest, refused, last, decisions, given_up: None }
 }
 
 /// A cause taken, with what it was chosen from.
@@ -102,8 +114,8 @@ struct Forward<'d> {
 /// What all rounds share.
 struct Search<'d, 's> {
     first: BaseModel<'d>,
-    /// The same over the motions as the encoder would have read them once more, of a joint like the model.
-    again: Option<BaseModel<'d>>,
+    /// The same over the motions as the encoder would have read them once more, of a joint like the model: made when it is first asked for.
+    again: OnceCell<Option<BaseModel<'d>>>,
     /// What the base alone leaves, (N m)^2.
     start: f64,
     progress: &'s (dyn Fn() + Sync),
@@ -217,7 +229,7 @@ impl<'d> Search<'d, '_> {
         let is_simple = own.count() <= best.count();
         let stays = is_simple && is_tie(&first.fit, &own.fit, self.start);
         let order = if stays { [own, best, first] } else { [best, own, first] };
-        let enough = |tried: &&FittedCause| self.is_material(&tried.fit, &step.without, false);
+        let enough = |tried: &&FittedCause<'d>| self.is_material(&tried.fit, &step.without, false);
         let taken = order.into_iter().find(enough).unwrap_or(best).clone();
         step.taken = taken;
         step
@@ -310,20 +322,16 @@ impl<'d> Search<'d, '_> {
         BaseModel::new(&self.first.mask, model, self.first.moves.iter().cloned().chain(free).collect())
     }
 
+    /// What each cause that was found reaches, and in what the best of those refused fall short.
     fn decisions(&self, steps: &[Step<'d>], last: &Fit<'d>, refused: &[FittedCause<'d>]) -> Vec<Decision> {
-        let of = |cause: Cause, all: Vec<Requirement>, outcome: &'static str| {
-            let subject = cause.name();
-            let decision =
-                move |r: Requirement| Decision { rule: r.rule, subject, value: r.value, limit: r.least, outcome };
-            all.into_iter().map(decision).collect::<Vec<Decision>>()
-        };
         let is_first = steps.len() < 2;
-        let named = steps
-            .iter()
-            .flat_map(|step| of(step.taken.cause, self.requirements(last, &step.without, is_first), "named"));
+        let named = steps.iter().flat_map(|step| {
+            let all = self.requirements(last, &step.without, is_first);
+            all.into_iter().map(|met| met.decision(step.taken.cause.name(), "named"))
+        });
         let in_vain = refused.iter().take(REFUSED_TOLD).flat_map(|tried| {
             let all = self.requirements(&tried.fit, last, steps.is_empty());
-            of(tried.cause, all.into_iter().filter(|r| !r.is_met()).collect(), "refused")
+            all.into_iter().filter(|r| !r.is_met()).map(|short| short.decision(tried.cause.name(), "refused"))
         });
         named.chain(in_vain).collect()
     }
@@ -338,7 +346,11 @@ impl<'d> Search<'d, '_> {
 
     fn requirements(&self, with: &Fit<'d>, without: &Fit<'d>, is_first: bool) -> Vec<Requirement> {
         let of_encoder = || {
-            let left = |fit: &Fit<'_>| self.again.as_ref().map_or(0.0, |again| again.square_left(fit));
+            let again = self.again.get_or_init(|| {
+                let base = &self.first;
+                base.mask.again().map(|mask| BaseModel::new(&mask, &base.model, base.moves.clone()))
+            });
+            let left = |fit: &Fit<'_>| again.as_ref().map_or(0.0, |base| base.square_left(&fit.model, &fit.moves));
             left(without) - left(with)
         };
         requirements(with, without, self.start, is_first, of_encoder)

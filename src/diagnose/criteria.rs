@@ -86,6 +86,21 @@ fn error_of_sum(values: &[f64]) -> f64 {
     if sd.is_finite() { sd * (values.len() as f64).sqrt() } else { 0.0 }
 }
 
+/// A rule that was applied to something.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Decision {
+    /// What is asked.
+    pub rule: &'static str,
+    /// Of what.
+    pub subject: &'static str,
+    /// What was found there.
+    pub value: f64,
+    /// What it was compared with.
+    pub limit: f64,
+    /// What followed.
+    pub outcome: &'static str,
+}
+
 /// What a cause must reach to be named.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Requirement {
@@ -102,6 +117,11 @@ impl Requirement {
     pub fn is_met(&self) -> bool {
         self.value >= self.least
     }
+
+    /// As a decision about `subject`.
+    pub fn decision(self, subject: &'static str, outcome: &'static str) -> Decision {
+        Decision { rule: self.rule, subject, value: self.value, limit: self.least, outcome }
+    }
 }
 
 /// What a fit with one cause more must reach for that to be named, up to the first that it does not; `of_encoder` is what the same would
@@ -117,7 +137,7 @@ pub fn requirements(
     let now = without.score();
     let value = now - with.score();
     let gap = (now - floor_square).max(0.0);
-    let whole = start - floor_square;
+    let whole = (start - floor_square).max(0.0);
     let least = match is_first {
         true => GAP_SHARE_FIRST * gap,
         false => {
@@ -129,7 +149,7 @@ pub fn requirements(
     let mut all = vec![Requirement { rule: "share of the gap", value, least }];
     let of_floor = || Requirement { rule: "floors", value, least: FLOOR_SHARE * FLOOR_SHARE * floor_square };
     let sure = || sureness(&with.mask.data.folds, &without.held_out, &with.held_out);
-    let beyond_encoder = || Requirement { rule: "encoder", value, least: ENCODER_GAINS * of_encoder() };
+    let beyond_encoder = || Requirement { rule: "encoder", value, least: ENCODER_GAINS * of_encoder().max(0.0) };
     let further: [Box<dyn FnOnce() -> Requirement>; 3] = [Box::new(of_floor), Box::new(sure), Box::new(beyond_encoder)];
     for requirement in further {
         if all.iter().all(Requirement::is_met) {

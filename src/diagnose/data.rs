@@ -1,9 +1,8 @@
 //! The recordings as models are compared with them: read once, never changed.
 
 use super::extent;
-use super::floor;
 use super::folds::Folds;
-use super::record::Records;
+use super::records::Records;
 use crate::effects::Extent;
 use crate::log::Campaign;
 use crate::model::{Combination, Model};
@@ -49,12 +48,6 @@ impl DataSet {
         let Some((smooth, again)) = &self.again else { return vec![0.0; self.measured_nm.len()] };
         let (true_nm, predicted_nm) = (smooth.predicted_by(model), again.records.predicted_by(model));
         true_nm.iter().zip(predicted_nm).map(|(y, p)| y - p).collect()
-    }
-
-    /// Mean square of that, as far as it is not in what repeats differ by but comes again with the motion, (N m)^2.
-    pub fn encoder_square(&self, model: &Model) -> f64 {
-        let records = self.again().map_or(&self.records, |again| &again.records);
-        floor::not_in_repeats(records, &self.encoder_nm(model), &self.scored(model))
     }
 
     /// The rows on which `model` can be scored: friction that jumps at a reversal is undetermined at rest.

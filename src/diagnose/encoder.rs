@@ -5,12 +5,10 @@
 //! make of a perfect model's residual then is what they may make of it by themselves. Errors in the regressors count along: a noisy
 //! acceleration alone makes an inertia look smaller than it is.
 
-use super::record::Record;
-use crate::log::{Campaign, Log};
-use crate::model::Model;
+use crate::log::Campaign;
 use crate::numerics::filter::LowPass;
-use crate::numerics::statistics::quantile;
-use crate::prepare::{Trial, prepare};
+use crate::numerics::statistics::{deviation_by_median, extent};
+use crate::prepare::{Trial, smallest_change_rad};
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
@@ -21,28 +19,16 @@ const OFFSET: f64 = 0.382;
 const SMOOTHING_ORDER: usize = 2;
 /// Variance of a reading that is uniform within a step, in squared steps.
 const STEP_VARIANCE: f64 = 1.0 / 12.0;
-/// Standard deviation of normal noise over the median of its size.
-const NORMAL_SD_OF_MEDIAN: f64 = 1.4826;
 /// Variance of the fourth difference of white noise of variance 1: 1 + 16 + 36 + 16 + 1.
 const FOURTH_DIFFERENCE_VARIANCE: f64 = 70.0;
 /// Changes of less than this share of the position's range are rounding of numbers, not steps.
 const ROUNDING: f64 = 1e-9;
 
-/// A trial without its encoder, and as the encoder would have read it once more.
-pub type ReadAgain = (Record, Record);
-
-/// `trial`, which is `record` thinned, without its encoder and read again; nothing where those motions cannot be prepared as the trial was.
-pub fn read_again(campaign: &Campaign, model: &Model, trial: &Trial, record: &Record) -> Option<ReadAgain> {
+/// The motion of `trial` without its encoder, and as the encoder would have read it once more, rad.
+pub fn motions_rad(campaign: &Campaign, trial: &Trial) -> [Vec<f64>; 2] {
     let smooth_rad = smooth_rad(campaign, trial);
     let again_rad = quantised(&trial.log.position_rad, &smooth_rad, trial.index as u64);
-    let recorded = |position_rad: Vec<f64>| {
-        let log = Log { position_rad, ..trial.log.clone() };
-        let trial = prepare(campaign, trial.index, log).ok()?;
-        let mut again = Record::new(campaign, model, &trial).ok()?;
-        again.rows.clone_from(&record.rows);
-        Some(again)
-    };
-    Some((recorded(smooth_rad)?, recorded(again_rad)?))
+    [smooth_rad, again_rad]
 }
 
 /// The motion without the encoder: what of it the torque's low-pass would pass.
@@ -55,16 +41,14 @@ fn smooth_rad(campaign: &Campaign, trial: &Trial) -> Vec<f64> {
 
 /// `smooth_rad` as the encoder that read `raw_rad` would read it.
 fn quantised(raw_rad: &[f64], smooth_rad: &[f64], seed: u64) -> Vec<f64> {
-    let (low, high) = crate::numerics::statistics::extent(raw_rad);
-    let changes = raw_rad.windows(2).map(|pair| (pair[1] - pair[0]).abs());
-    let step_rad = changes.filter(|change| *change > ROUNDING * (high - low)).fold(f64::INFINITY, f64::min);
-    let step_rad = if step_rad.is_finite() { step_rad } else { 0.0 };
+    let (low, high) = extent(raw_rad);
+    let step_rad = smallest_change_rad(raw_rad, ROUNDING * (high - low)).unwrap_or(0.0);
     // Motion beyond the low-pass is in the first, noise that is not white is missing in the second.
     let mut off: Vec<f64> = raw_rad.iter().zip(smooth_rad).step_by(7).map(|(r, s)| (r - s).abs()).collect();
-    let about_smooth_rad = NORMAL_SD_OF_MEDIAN * quantile(&mut off, 0.5);
+    let about_smooth_rad = deviation_by_median(&mut off);
     let fourth = |q: &[f64]| (q[4] - 4.0 * q[3] + 6.0 * q[2] - 4.0 * q[1] + q[0]).abs();
     let mut fourths: Vec<f64> = raw_rad.windows(5).map(fourth).collect();
-    let of_differences_rad = NORMAL_SD_OF_MEDIAN * quantile(&mut fourths, 0.5) / FOURTH_DIFFERENCE_VARIANCE.sqrt();
+    let of_differences_rad = deviation_by_median(&mut fourths) / FOURTH_DIFFERENCE_VARIANCE.sqrt();
     let sigma_rad = about_smooth_rad.min(of_differences_rad);
     let noise_rad = (sigma_rad * sigma_rad - STEP_VARIANCE * step_rad * step_rad).max(0.0).sqrt();
     let mut random = ChaCha8Rng::seed_from_u64(seed);

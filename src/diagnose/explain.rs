@@ -66,12 +66,22 @@ impl<'d> Explanation<'d> {
         rest_nm: &[f64],
         progress: &(dyn Fn() + Sync),
     ) -> Self {
-        let choice = choose(mask, model, progress);
-        let after = parameters::settled(&choice);
-        let after_nm = mask.data.records.predicted_by(&after);
-        let left_nm = mask.data.residual_nm(&after_nm);
-        contact_events::keep_unexplained(&choice.last.mask, &mut events, rest_nm, &left_nm);
-        Self { choice, after, after_nm, left_nm, events }
+        let found = Self::of_choice(choose(mask, model, progress));
+        contact_events::keep_unexplained(mask, &mut events, rest_nm, &found.left_nm);
+        Self { events, ..found }
+    }
+
+    /// By `choice`, without contact events.
+    fn of_choice(choice: Choice<'d>) -> Self {
+        let (after, data) = (parameters::settled(&choice), choice.last.mask.data);
+        let after_nm = data.records.predicted_by(&after);
+        let left_nm = data.residual_nm(&after_nm);
+        Self { choice, after, after_nm, left_nm, events: Vec::new() }
+    }
+
+    /// The same without its causes, on which the share `agreement` of the resamples agreed.
+    pub fn given_up(self, agreement: f64) -> Self {
+        Self { events: self.events, ..Self::of_choice(self.choice.given_up(agreement)) }
     }
 
     /// The floor now that the causes are known; `columns` are those of the flexible fit.

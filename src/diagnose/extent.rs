@@ -1,6 +1,6 @@
 //! Over what range a campaign moves.
 
-use super::record::Records;
+use super::records::Records;
 use crate::dynamics::JointKind;
 use crate::effects::Extent;
 use crate::model::{Combination, Model};

@@ -9,7 +9,7 @@ use super::folds::FOLDS;
 use super::gram::Gram;
 use super::mask::Mask;
 use super::perturbation::Perturbation;
-use super::record::Passages;
+use super::records::Passages;
 use crate::effects::Extent;
 use crate::model::Model;
 use crate::numerics::statistics::standard_deviation;

@@ -6,7 +6,8 @@
 //! Either way what the encoder's steps leave of a perfect model comes on top, as far as it comes again with the motion.
 
 use super::data::DataSet;
-use super::record::{Record, Records};
+use super::record::Record;
+use super::records::Records;
 use super::spectrum::SpectralFloor;
 use crate::model::Model;
 use crate::numerics::statistics::{extent, quantile};
@@ -33,6 +34,8 @@ const BLOCKS_MIN: usize = 8;
 /// However many blocks there are, the floor's square is not known better than this share of it: noise differs between trials, and
 /// what repeats differ by is not all noise (simulated campaigns scatter by 0.08 about what chance allows).
 const SYSTEMATIC: f64 = 0.06;
+/// The square of a floor from the spectrum is known within so much of it.
+const SPECTRUM_ERROR: f64 = 0.1;
 /// What the encoder leaves is simulated once: its mean square is known within so much of it.
 const ENCODER_ERROR: f64 = 0.3;
 
@@ -45,6 +48,8 @@ pub struct Floor {
     pub quick_nm: f64,
     /// What the encoder alone leaves of a perfect model again with every motion, N m; the RMS above holds it.
     pub encoder_nm: f64,
+    /// The same as simulated, N m: more where the model leaves less than that, which is then all that is counted.
+    pub encoder_simulated_nm: f64,
     /// Its source.
     pub source: FloorSource,
     /// Standard error of the floor's square as a share of it.
@@ -57,15 +62,22 @@ impl Floor {
         self.rms_nm * self.rms_nm * (1.0 + self.relative_error)
     }
 
+    /// A floor of noise alone.
+    pub(super) fn of_noise(rms_nm: f64, source: FloorSource, relative_error: f64) -> Self {
+        Self { rms_nm, quick_nm: rms_nm, encoder_nm: 0.0, encoder_simulated_nm: 0.0, source, relative_error }
+    }
+
     /// The floor of noise alone, its square raised by what the encoder leaves, (N m)^2, both to no more than `most_square`: a floor is not
     /// above what some fit leaves on held-out units.
     fn with_encoder(self, encoder_square: f64, most_square: f64) -> Self {
+        let encoder_simulated_nm = encoder_square.sqrt();
         let encoder_square = encoder_square.min((most_square - self.rms_nm.powi(2)).max(0.0));
         let with = |nm: f64| ((nm * nm).min(most_square) + encoder_square).sqrt();
         let rms_nm = with(self.rms_nm);
         let share = encoder_square / rms_nm.powi(2).max(f64::MIN_POSITIVE);
         let relative_error = ((1.0 - share) * self.relative_error).hypot(ENCODER_ERROR * share);
-        Self { rms_nm, quick_nm: with(self.quick_nm), relative_error, encoder_nm: encoder_square.sqrt(), ..self }
+        let (quick_nm, encoder_nm) = (with(self.quick_nm), encoder_square.sqrt());
+        Self { rms_nm, quick_nm, relative_error, encoder_nm, encoder_simulated_nm, ..self }
     }
 
     /// The same of its quick part.
@@ -101,7 +113,7 @@ pub fn of_noise(records: &Records, residual_nm: &[f64], most_square: f64) -> Flo
         let rms_nm = differing_square(&mut blocks).sqrt();
         let chance = (std::f64::consts::PI / (BLOCK * blocks.len() as f64)).sqrt();
         let relative_error = chance.hypot(SYSTEMATIC);
-        return Floor { rms_nm, quick_nm: rms_nm, encoder_nm: 0.0, source: FloorSource::Repeats, relative_error };
+        return Floor::of_noise(rms_nm, FloorSource::Repeats, relative_error);
     }
     let usual = |of: fn(&SpectralFloor) -> f64| {
         let floors = records.all.iter().map(|record| of(&record.spectral_floor)).filter(|floor| floor.is_finite());
@@ -109,14 +121,16 @@ pub fn of_noise(records: &Records, residual_nm: &[f64], most_square: f64) -> Flo
     };
     let (carried_nm, white_nm) = (usual(|floor| floor.carried_nm), usual(|floor| floor.white_nm));
     let rms_nm = if carried_nm * carried_nm > most_square { white_nm } else { carried_nm };
-    Floor { rms_nm, quick_nm: rms_nm, encoder_nm: 0.0, source: FloorSource::Spectrum, relative_error: 0.1 }
+    Floor::of_noise(rms_nm, FloorSource::Spectrum, SPECTRUM_ERROR)
 }
 
-/// Mean square of `encoder_nm`, what the encoder alone leaves at the rows of `records`, over those that are `scored`, less what repeats
-/// differ by in it, (N m)^2.
-pub fn not_in_repeats(records: &Records, encoder_nm: &[f64], scored: &[bool]) -> f64 {
-    let counted: Vec<f64> = encoder_nm.iter().zip(scored).filter(|(_, scored)| **scored).map(|(x, _)| *x).collect();
-    let mut blocks = repeats_blocks(records, encoder_nm, BLOCK, SLOW);
+/// Mean square of what the encoder alone leaves of a joint that is like `model` throughout, less what repeats differ by in it, (N m)^2: it
+/// comes again with the motion.
+fn of_encoder(data: &DataSet, model: &Model) -> f64 {
+    let Some(again) = data.again() else { return 0.0 };
+    let (encoder_nm, scored) = (data.encoder_nm(model), data.scored(model));
+    let counted: Vec<f64> = encoder_nm.iter().zip(scored).filter(|(_, scored)| *scored).map(|(x, _)| *x).collect();
+    let mut blocks = repeats_blocks(&again.records, &encoder_nm, BLOCK, SLOW);
     let in_repeats = if blocks.len() >= BLOCKS_MIN { differing_square(&mut blocks) } else { 0.0 };
     if counted.is_empty() { 0.0 } else { (mean_square(&counted) - in_repeats).max(0.0) }
 }
@@ -130,7 +144,7 @@ fn differing_square(blocks: &mut [f64]) -> f64 {
 /// nothing tells that from a cause but that no fit finds it again on held-out units: `unforeseen_square` is what a flexible one leaves
 /// there, (N m)^2. The model itself leaves `left_square`, which is where the encoder's part ends.
 pub fn settled(data: &DataSet, after: &Model, left_nm: &[f64], unforeseen_square: f64, left_square: f64) -> Floor {
-    let encoder_square = data.encoder_square(after);
+    let encoder_square = of_encoder(data, after);
     let fast = of_noise(&data.records, left_nm, left_square);
     let blocks = repeats_blocks(&data.records, left_nm, BLOCK_LATER, SLOW_LATER);
     let whole_square = match blocks.len() >= BLOCKS_MIN {

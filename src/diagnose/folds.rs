@@ -3,7 +3,8 @@
 //! Samples of a filtered signal are no independent observations, cycles nearly are. Whole trials are held out where there are
 //! enough of them, else cycles.
 
-use super::record::{Record, Records};
+use super::record::Record;
+use super::records::Records;
 use crate::numerics::statistics::extent;
 use std::ops::Range;
 

@@ -4,6 +4,7 @@
 //! base model inside its confidence and scored on held-out units; then the verdict.
 
 mod account;
+mod answer;
 mod base;
 mod bootstrap;
 mod candidates;
@@ -29,19 +30,21 @@ mod parameters;
 mod perturbation;
 mod probability;
 mod record;
+mod records;
 mod ripple;
 mod spectrum;
 mod verdict;
 
+pub use answer::{Answer, Form, Kind};
 pub use bootstrap::Shrink;
 pub use candidates::Cause;
+pub use criteria::Decision;
 pub use floor::{Floor, FloorSource};
 pub use locate::Place;
 pub use motion::{Follows, MotionGap, MotionPlace, MotionTrial, beside};
 pub use next::{BlindSpot, NextExperiment};
 pub use parameters::Fitted;
-pub use probability::Answer;
-pub use verdict::{Decision, Form, Kind, Verdict, signature};
+pub use verdict::{Verdict, signature};
 
 use crate::evaluate::fitted;
 use crate::log::Campaign;
@@ -172,6 +175,10 @@ pub struct View {
     pub clipped: Vec<bool>,
 }
 
+/// What is said where the motion of a trial cannot be read again.
+const ENCODER_UNKNOWN: &str = "what the encoder alone leaves of a perfect model is not known: its smoothed motion cannot be prepared as the \
+                               recorded one; a coarse encoder may be taken for a gap";
+
 /// Looks for what separates `model` from the recordings of `campaign`; `progress` hears of each trial read and each round of
 /// trying.
 ///
@@ -181,25 +188,36 @@ pub fn run(campaign: &Campaign, model: &Model, progress: &(dyn Fn() + Sync)) -> 
     let (model, mut warnings) = fitted(campaign, model)?;
     let data = DataSet::read(campaign, &model, progress)?;
     warnings.extend(data.records.all.iter().flat_map(|record| record.warnings.iter().cloned()));
+    if data.again().is_none() {
+        warnings.push(ENCODER_UNKNOWN.to_string());
+    }
     let mask = Mask::new(&data, data.scored(&model), 0.0);
     // Floor.
     let base = BaseModel::new(&mask, &model, within_confidence(&model));
     let base_nm = base.residual_nm();
-    let base = base.above(floor::of_noise(&data.records, &base_nm, f64::INFINITY).rms_nm);
+    let mut base = base.above(floor::of_noise(&data.records, &base_nm, f64::INFINITY).rms_nm);
     // Contacts.
     let rest_nm = base.residual_nm();
     let lines = [false, true].map(|by_direction| ripple::starts(&base, &rest_nm, by_direction));
     let columns = flexible::columns(&base, &lines.concat());
-    let (_, flexible) = contact_events::find(&base, &columns, &rest_nm);
+    let (mut events, mut flexible) = contact_events::find(&base, &columns, &rest_nm);
     let floor_nm = floor::of_noise(&data.records, &base_nm, flexible.held_out).rms_nm.min(flexible.held_out.sqrt());
-    let base = base.above(floor_nm);
-    let (events, flexible) = contact_events::find(&base, &columns, &rest_nm);
+    if floor_nm < base.mask.floor_nm {
+        base = base.above(floor_nm);
+        (events, flexible) = contact_events::find(&base, &columns, &rest_nm);
+    }
     progress();
     // Search.
-    let explanation = explain::explain(&base, events, &rest_nm, progress);
+    let mut explanation = explain::explain(&base, events, &rest_nm, progress);
     // Verdict.
-    let floor = explanation.floor(&columns);
-    let resamples = Resamples::new(&data.folds, &floor);
+    let mut floor = explanation.floor(&columns);
+    let mut resamples = Resamples::new(&data.folds, &floor);
+    let evidence = Account::new(&base, &explanation, &resamples, &floor).evidence;
+    if let Some(agreement) = verdict::too_weak(&explanation.choice, &evidence) {
+        explanation = explanation.given_up(agreement);
+        floor = explanation.floor(&columns);
+        resamples = Resamples::new(&data.folds, &floor);
+    }
     let account = Account::new(&base, &explanation, &resamples, &floor);
     let verdict = verdict::verdict(&explanation.choice, &account.evidence);
     // Advice.

@@ -1,8 +1,8 @@
 //! How probable each answer is: how often the resamples agree, and how often verdicts of the kind were right on joints whose answers were
 //! withheld.
 
+use super::answer::{Answer, Kind};
 use super::candidates::Cause;
-use super::verdict::Kind;
 
 /// How blind simulated joints turned out of which a verdict of one kind was given.
 #[derive(Debug, Clone, Copy)]
@@ -31,17 +31,6 @@ impl Kind {
         };
         Outcomes { right, none, outside, other }
     }
-}
-
-/// An answer that has a probability.
-#[derive(Debug, Clone, PartialEq)]
-pub enum Answer {
-    /// These causes; none of them where nothing is missing.
-    Causes(Vec<Cause>),
-    /// Something outside the library.
-    Outside,
-    /// Anything else.
-    Other,
 }
 
 /// The answers with their probabilities. What the resamples do not agree on is shared out as verdicts of this kind turned out when they

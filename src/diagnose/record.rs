@@ -1,17 +1,14 @@
-//! A campaign thinned to what its low-pass leaves, and what any model makes of it: the form in which hundreds of models are
-//! held against the same recordings.
+//! A trial thinned to what its low-pass leaves, and what any model makes of it.
 
-use super::encoder::{self, ReadAgain};
 use super::spectrum::{SpectralFloor, spectral};
 use crate::dynamics::{Both, Motion, RigidTorque};
 use crate::effects::{Added, Carried, Family, Sample};
-use crate::log::{Campaign, Fingerprint, clock_s, read_trial, refuse_copies, span_s};
+use crate::log::{Campaign, Log};
 use crate::model::{AT_REST_RAD_S, Asked, Model, Passage, combined, settle};
 use crate::numerics::filter::LowPass;
 use crate::predict::{forgotten, torque_nm};
 use crate::prepare::{Trial, prepare};
-use crate::problem::{Problem, Problems, Result};
-use rayon::prelude::*;
+use crate::problem::{Problem, Result};
 use std::ops::Range;
 
 /// Samples kept per period of the low-pass: the filter redesigned for the thinned rate then differs from the declared one by
@@ -51,8 +48,10 @@ pub struct Record {
     pub clip_levels_nm: Option<(f64, f64)>,
     /// Problems that do not stop us.
     pub warnings: Vec<String>,
-    began_s: f64,
-    others: Vec<Vec<Motion>>,
+    /// When it began, s since the campaign did.
+    pub began_s: f64,
+    /// Motion of each other joint.
+    pub others: Vec<Vec<Motion>>,
     load_nm: Vec<f64>,
     /// Gravity at each thinned sample as a share of the largest, and its slope, 1/rad: the position stays what it is, whatever
     /// the model.
@@ -64,148 +63,8 @@ pub struct Record {
     moving: Vec<i8>,
     /// Travel back below which nothing counts as a reversal, rad.
     pub deadband_rad: f64,
-    lowpass: LowPass,
-}
-
-/// Where friction stands at each thinned sample of each record.
-pub type Passages = Vec<Vec<f64>>;
-
-/// The unloaded friction of both branches at each thinned sample of each record, N m.
-pub type Branches = Vec<Vec<Both<f64>>>;
-
-/// All records, and how their rows lie one after the other.
-#[derive(Debug)]
-pub struct Records {
-    /// The trials, in the campaign's order.
-    pub all: Vec<Record>,
-    /// The rows of each record in the series over all.
-    pub ranges: Vec<Range<usize>>,
-    /// Compared samples per independent one: a low-pass at f leaves 2 f a second.
-    pub rows_per_independent: f64,
-    /// Cut-off of the low-pass, Hz.
-    pub lowpass_hz: f64,
-}
-
-/// A trial as it was read: thinned, without its encoder and read again, when it began and ended (s), its place in the list and its content.
-type Read = (Record, Option<ReadAgain>, (f64, f64), (usize, Fingerprint));
-
-impl Records {
-    /// Reads and thins the trials of `campaign` that a model without a person can be judged on; `progress` hears of each. Beside them the
-    /// same trials without their encoder, and as it would have read them once more; nothing where one of those cannot be prepared.
-    ///
-    /// Errors: all that is wrong with any trial; no sample is left to judge.
-    pub fn read(
-        campaign: &Campaign,
-        model: &Model,
-        progress: &(dyn Fn() + Sync),
-    ) -> Result<(Self, Option<(Self, Self)>)> {
-        let one = |index: usize| {
-            let mut trial = read_trial(campaign, index).and_then(|log| prepare(campaign, index, log))?;
-            let span = span_s(&trial.log);
-            progress();
-            let print = std::mem::take(&mut trial.log.fingerprint);
-            let record = Record::new(campaign, model, &trial)?;
-            let again = encoder::read_again(campaign, model, &trial, &record);
-            Ok((record, again, span, (index, print)))
-        };
-        let (mut all, mut again, mut problems) = (Vec::new(), Vec::new(), Vec::new());
-        let (mut spans, mut prints) = (Vec::new(), Vec::new());
-        let found: Vec<Result<Read>> = (0..campaign.trials.len()).into_par_iter().with_max_len(1).map(one).collect();
-        for result in found {
-            match result {
-                Ok((record, read_again, span, print)) => {
-                    all.push(record);
-                    again.push(read_again);
-                    spans.push(span);
-                    prints.push(print);
-                }
-                Err(Problems(found)) => problems.extend(found),
-            }
-        }
-        if !problems.is_empty() {
-            return Err(Problems(problems));
-        }
-        refuse_copies(campaign, &prints)?;
-        let again: Option<Vec<ReadAgain>> = again.into_iter().collect();
-        let (mut smooth, mut again): (Vec<Record>, Vec<Record>) = again.unwrap_or_default().into_iter().unzip();
-        for records in [&mut all, &mut smooth, &mut again] {
-            records.iter_mut().zip(clock_s(&spans)).for_each(|(record, began_s)| record.began_s = began_s);
-        }
-        let mut at = 0;
-        let mut range = |record: &Record| {
-            let range = at..at + record.rows.len();
-            at = range.end;
-            range
-        };
-        let ranges: Vec<Range<usize>> = all.iter().map(&mut range).collect();
-        if at == 0 {
-            let what = "no sample can be judged: the joint never moves through its clearance";
-            return Problem::error(&campaign.file, what, "record motion in both directions").alone();
-        }
-        let lowpass_hz = campaign.signal.lowpass_hz;
-        let row_s = |r: &Record| r.rows.get(1).map_or(0.0, |next| (next - r.rows[0]) as f64 / r.rate_hz);
-        let rows_per_independent = (1.0 / (2.0 * lowpass_hz * row_s(&all[0]).max(1e-9))).max(1.0);
-        let of = |all: Vec<Record>| Self { all, ranges: ranges.clone(), rows_per_independent, lowpass_hz };
-        let beside = (!again.is_empty()).then(|| (of(smooth), of(again)));
-        Ok((Self { all, ranges, rows_per_independent, lowpass_hz }, beside))
-    }
-
-    /// What `of` says of each row: of the record and the thinned sample.
-    pub fn rows<T: Send>(&self, of: impl Fn(&Record, usize) -> T + Sync) -> Vec<T> {
-        self.all.iter().flat_map(|record| record.rows.iter().map(|i| of(record, *i)).collect::<Vec<T>>()).collect()
-    }
-
-    /// Measured y at the rows, low-passed, N m.
-    pub fn measured_nm(&self) -> Vec<f64> {
-        self.rows(|record, i| record.torque_nm[i])
-    }
-
-    /// Where friction stands along every record under `model`.
-    pub fn passages(&self, model: &Model) -> Passages {
-        self.all.par_iter().with_max_len(1).map(|record| record.passage(model)).collect()
-    }
-
-    /// The unloaded friction of both branches along every record.
-    pub fn branches(&self, model: &Model) -> Branches {
-        self.all.par_iter().with_max_len(1).map(|record| record.branches(model)).collect()
-    }
-
-    /// Predicted y at the rows, low-passed, N m.
-    pub fn predicted_nm(&self, model: &Model, passages: &Passages, branches: &Branches) -> Vec<f64> {
-        let one = |((record, k_tilde), branches): ((&Record, &Vec<f64>), &Vec<Both<f64>>)| {
-            record.at_rows(&record.filtered_nm(model, k_tilde, branches))
-        };
-        let all = self.all.par_iter().zip(passages).zip(branches).with_max_len(1);
-        all.map(one).collect::<Vec<Vec<f64>>>().concat()
-    }
-
-    /// What `model` predicts at the rows, N m.
-    pub fn predicted_by(&self, model: &Model) -> Vec<f64> {
-        self.predicted_nm(model, &self.passages(model), &self.branches(model))
-    }
-
-    /// What an effect that only adds torque adds to y at the rows, low-passed, N m.
-    pub fn added_nm(&self, model: &Model, added: &Added, passages: &Passages, branches: &Branches) -> Vec<f64> {
-        let one = |((record, k_tilde), branches): ((&Record, &Vec<f64>), &Vec<Both<f64>>)| {
-            record.at_rows(&record.added_nm(model, added, k_tilde, branches))
-        };
-        self.all.par_iter().zip(passages).zip(branches).with_max_len(1).map(one).collect::<Vec<Vec<f64>>>().concat()
-    }
-
-    /// A signal given at every thinned sample, low-passed like the torque, at the rows.
-    /// `of` is told the record's place in the list, the record, and the sample.
-    pub fn low_passed(&self, of: impl Fn(usize, &Record, usize) -> f64 + Sync) -> Vec<f64> {
-        let one = |(at, record): (usize, &Record)| {
-            let signal: Vec<f64> = (0..record.own.len()).map(|i| of(at, record, i)).collect();
-            record.at_rows(&record.lowpass.zero_phase(&signal))
-        };
-        self.all.par_iter().enumerate().with_max_len(1).map(one).collect::<Vec<Vec<f64>>>().concat()
-    }
-
-    /// How many other joints are recorded.
-    pub fn others(&self) -> usize {
-        self.all.iter().map(|record| record.others.len()).max().unwrap_or(0)
-    }
+    /// The campaign's low-pass at the thinned rate.
+    pub lowpass: LowPass,
 }
 
 /// The sign of a speed; 0 at rest.
@@ -216,7 +75,23 @@ fn moving(velocity_rad_s: f64) -> i8 {
 
 impl Record {
     /// `trial` thinned. K_f is known from where `model` and any wider clearance would know it.
-    pub(super) fn new(campaign: &Campaign, model: &Model, trial: &Trial) -> Result<Self> {
+    ///
+    /// Errors: sampled too slowly for the campaign's low-pass.
+    pub fn new(campaign: &Campaign, model: &Model, trial: &Trial) -> Result<Self> {
+        let floor = spectral(trial, &torque_nm(model, trial).0, &campaign.signal);
+        Self::above(campaign, model, trial, floor)
+    }
+
+    /// `trial`, which this one is, with another motion at the same rows; nothing where that motion cannot be prepared as the trial was.
+    pub fn moved(&self, campaign: &Campaign, model: &Model, trial: &Trial, position_rad: Vec<f64>) -> Option<Self> {
+        let log = Log { position_rad, ..trial.log.clone() };
+        let trial = prepare(campaign, trial.index, log).ok()?;
+        let moved = Self::above(campaign, model, &trial, self.spectral_floor).ok()?;
+        Some(Self { rows: self.rows.clone(), ..moved })
+    }
+
+    /// `trial` thinned, its torque's noise known.
+    fn above(campaign: &Campaign, model: &Model, trial: &Trial, spectral_floor: SpectralFloor) -> Result<Self> {
         let (lowpass_hz, rate_hz) = (campaign.signal.lowpass_hz, trial.log.rate_hz);
         let step = ((rate_hz / (SAMPLES_PER_PERIOD * lowpass_hz)) as usize).max(1);
         let thinned_hz = rate_hz / step as f64;
@@ -244,7 +119,6 @@ impl Record {
         let in_range = trial.clear_of(&trial.log.clipped, lowpass_hz);
         let levels = |range: &Range<usize>| trial.log.torque_nm[range.start];
         let clips: Vec<f64> = trial.log.clipped.iter().map(levels).collect();
-        let spectral_floor = spectral(trial, &torque_nm(model, trial).0, &campaign.signal);
         Ok(Self {
             file: entry.file.clone(),
             repeats: named.then(|| format!("{:?} {:?}", entry.protocol, entry.trajectory)),
@@ -306,7 +180,7 @@ impl Record {
 
     /// K~ followed at the log's full rate and averaged over what each thinned sample stands for: a reversal between two of
     /// them then comes at its own time.
-    fn passage(&self, model: &Model) -> Vec<f64> {
+    pub fn passage(&self, model: &Model) -> Vec<f64> {
         let backlash_rad = model.backlash_m() / model.joint.pulley_radius_m;
         let (direction, _) = settle(&self.followed_rad, backlash_rad, self.deadband_rad);
         let start_rad = self.followed_rad.first().copied().unwrap_or(0.0);
@@ -325,11 +199,11 @@ impl Record {
     }
 
     /// The unloaded friction of both branches at each thinned sample.
-    fn branches(&self, model: &Model) -> Vec<Both<f64>> {
+    pub fn branches(&self, model: &Model) -> Vec<Both<f64>> {
         self.own.iter().map(|own| model.branches_nm(own.velocity)).collect()
     }
 
-    fn filtered_nm(&self, model: &Model, k_tilde: &[f64], branches: &[Both<f64>]) -> Vec<f64> {
+    pub fn filtered_nm(&self, model: &Model, k_tilde: &[f64], branches: &[Both<f64>]) -> Vec<f64> {
         let mut others = vec![Motion::default(); self.others.len()];
         let mut sampled = |i: usize, then: &mut dyn FnMut(&Sample<'_>) -> f64| {
             others.iter_mut().zip(&self.others).for_each(|(slot, other)| *slot = other[i]);
@@ -353,7 +227,7 @@ impl Record {
     }
 
     /// What an effect that only adds torque adds to y, low-passed, N m.
-    fn added_nm(&self, model: &Model, added: &Added, k_tilde: &[f64], branches: &[Both<f64>]) -> Vec<f64> {
+    pub fn added_nm(&self, model: &Model, added: &Added, k_tilde: &[f64], branches: &[Both<f64>]) -> Vec<f64> {
         let mut others = vec![Motion::default(); self.others.len()];
         let transmission = model.joint.transmission();
         let (effect, p) = (added.effect, &added.parameters[..]);
@@ -373,7 +247,7 @@ impl Record {
         self.lowpass.zero_phase(&torque_nm)
     }
 
-    fn at_rows(&self, series: &[f64]) -> Vec<f64> {
+    pub fn at_rows(&self, series: &[f64]) -> Vec<f64> {
         self.rows.iter().map(|i| series[*i]).collect()
     }
 }

@@ -1,10 +1,12 @@
 //! What is said in the end, and how sure that is.
 
+use super::answer::{Answer, Form, Kind};
 use super::bootstrap::{Numbers, Resamples, Shrink, above};
 use super::candidates::Cause;
 use super::choose::{Choice, Found};
+use super::criteria::Decision;
 use super::perturbation::{DOWN_ONLY, UP_ONLY};
-use super::probability::{Answer, probabilities, said};
+use super::probability::{probabilities, said};
 use crate::effects::Region;
 use crate::model::groups::LOAD_COEFFICIENT;
 
@@ -20,71 +22,6 @@ const UNNAMED_SHARE: f64 = 0.45;
 /// Where the base leaves less than so many floors a cause is named only if this share of the resamples agrees.
 const WEAK_FLOORS: f64 = 0.6;
 const WEAK_AGREEMENT: f64 = 0.5;
-
-/// What kind of answer it is.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Kind {
-    /// Nothing above the floor, beyond what the model's confidence allows.
-    None,
-    /// The model's own parameters, refitted, close the gap.
-    Stale,
-    /// One effect.
-    Effect,
-    /// Several causes.
-    Several,
-    /// Causes that these data cannot tell apart.
-    Ambiguous,
-    /// A gap that nothing in the library closes.
-    Unknown,
-}
-
-impl Kind {
-    /// The name used in files.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::None => "none",
-            Self::Stale => "stale_parameters",
-            Self::Effect => "effect",
-            Self::Several => "several",
-            Self::Ambiguous => "ambiguous",
-            Self::Unknown => "unknown",
-        }
-    }
-}
-
-/// Whether the formulas of the named causes fit.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Form {
-    /// They leave nothing material of what can be explained.
-    Fits,
-    /// The causes are named rightly as far as can be told; their formulas leave a material part.
-    Approximate,
-}
-
-impl Form {
-    /// The name used in files.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Fits => "fits",
-            Self::Approximate => "approximate",
-        }
-    }
-}
-
-/// A rule that was applied to something.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Decision {
-    /// What is asked.
-    pub rule: &'static str,
-    /// Of what.
-    pub subject: &'static str,
-    /// What was found there.
-    pub value: f64,
-    /// What it was compared with.
-    pub limit: f64,
-    /// What followed.
-    pub outcome: &'static str,
-}
 
 /// The answer.
 #[derive(Debug, Clone, PartialEq)]
@@ -134,6 +71,11 @@ pub struct Evidence<'e> {
 }
 
 impl Evidence<'_> {
+    /// Mean square over all rows of what has `squares` in each unit.
+    fn mean(&self, squares: &[f64]) -> f64 {
+        squares.iter().sum::<f64>() / self.rows.iter().sum::<f64>().max(1.0)
+    }
+
     /// Whether what the causes leave (`last`, of `rest` by the base; mean squares) is material, and by which rule.
     fn open(&self, rest: f64, last: f64) -> (bool, Vec<Decision>) {
         let exceeds = |rule: &'static str, floor_square: f64, floors: f64, share: f64| {
@@ -148,66 +90,82 @@ impl Evidence<'_> {
         (rules.iter().any(|rule| rule.value > rule.limit), rules)
     }
 
+    /// Whether causes that leave `last` of `rest` name the gap, however well their formulas fit.
+    fn naming(&self, rest: f64, last: f64) -> Decision {
+        let (value, limit) = (above(last, self.floor_square), UNNAMED_SHARE * above(rest, self.floor_square));
+        let outcome = if value > limit { "causes do not name the gap" } else { "causes named, form approximate" };
+        Decision { rule: "named", subject: "all causes", value, limit, outcome }
+    }
+
+    /// Whether something material is left that no cause names.
+    fn is_unknown(&self, rest: f64, last: f64, has_causes: bool) -> bool {
+        let naming = self.naming(rest, last);
+        self.open(rest, last).0 && (!has_causes || naming.value > naming.limit)
+    }
+
     /// How far the gap shrinks where `left` squares are left in each unit by a fit of so many `numbers`.
     pub fn shrink(&self, left: &[f64], numbers: Numbers) -> Shrink {
         self.resamples.shrink(&self.delivered, left, &self.rows, self.floor_square, numbers)
     }
 }
 
+/// The causes of `choice`, and contact where it is one.
+fn causes(choice: &Choice<'_>, evidence: &Evidence<'_>) -> Vec<Cause> {
+    let contact = evidence.contact.then_some(Cause::CONTACT);
+    choice.found.iter().map(|found| found.cause).chain(contact).collect()
+}
+
+/// The kind of answer, and the share of the resamples that come to the same.
+fn judged(choice: &Choice<'_>, evidence: &Evidence<'_>) -> (Kind, f64) {
+    let has_causes = !causes(choice, evidence).is_empty();
+    let is_unknown = evidence.is_unknown(evidence.mean(&evidence.rest), evidence.mean(&evidence.last), has_causes);
+    let kind = match (&choice.found[..], evidence.contact) {
+        _ if is_unknown => Kind::Unknown,
+        ([], false) => Kind::None,
+        ([], true) => Kind::Effect,
+        ([one], false) if !one.rivals.is_empty() => Kind::Ambiguous,
+        ([one], false) => kind_of(one.cause),
+        (all, false) if all.iter().all(|found| matches!(found.cause, Cause::Stale(_))) => Kind::Stale,
+        _ => Kind::Several,
+    };
+    let [rests, lasts] =
+        [&evidence.rest, &evidence.last].map(|squares| evidence.resamples.mean_squares(squares, &evidence.rows));
+    let unknown = evidence.resamples.share(|i| evidence.is_unknown(rests[i], lasts[i], has_causes));
+    let agreement = match kind {
+        Kind::Unknown => unknown,
+        Kind::None => 1.0 - unknown,
+        _ => stands(&choice.found, evidence).min(1.0 - unknown),
+    };
+    (kind, agreement)
+}
+
+/// The share of the resamples that agree on causes of a gap that is too weak for so few.
+pub fn too_weak(choice: &Choice<'_>, evidence: &Evidence<'_>) -> Option<f64> {
+    let (kind, agreement) = judged(choice, evidence);
+    let is_named = !matches!(kind, Kind::None | Kind::Unknown);
+    let is_weak =
+        above(evidence.mean(&evidence.rest), evidence.floor_square) < WEAK_FLOORS * evidence.floor_square.sqrt();
+    (is_named && is_weak && agreement < WEAK_AGREEMENT).then_some(agreement)
+}
+
 /// Resamples the verdict.
 pub fn verdict(choice: &Choice<'_>, evidence: &Evidence<'_>) -> Verdict {
     let floor_square = evidence.floor_square;
-    let rows: f64 = evidence.rows.iter().sum::<f64>().max(1.0);
-    let mean = |squares: &[f64]| squares.iter().sum::<f64>() / rows;
-    let mut effects: Vec<Cause> = choice.found.iter().map(|found| found.cause).collect();
-    if evidence.contact {
-        effects.push(Cause::CONTACT);
+    let [delivered, rest, last] = [&evidence.delivered, &evidence.rest, &evidence.last].map(|s| evidence.mean(s));
+    let mut effects = causes(choice, evidence);
+    let (kind, mut agreement) = judged(choice, evidence);
+    let (is_open, open) = evidence.open(rest, last);
+    let mut decisions = [choice.decisions.clone(), open].concat();
+    if is_open && !effects.is_empty() {
+        decisions.push(evidence.naming(rest, last));
     }
-    let names = !effects.is_empty();
-    let (rest, last) = (mean(&evidence.rest), mean(&evidence.last));
-    let (is_open, mut decisions) = evidence.open(rest, last);
-    let is_unnamed = |rest: f64, last: f64| {
-        let (is_open, _) = evidence.open(rest, last);
-        is_open && !(names && above(last, floor_square) <= UNNAMED_SHARE * above(rest, floor_square))
-    };
-    let is_unknown = is_unnamed(rest, last);
-    if is_open && names {
-        let (value, limit) = (above(last, floor_square), UNNAMED_SHARE * above(rest, floor_square));
-        let outcome = if is_unknown { "causes do not name the gap" } else { "causes named, form approximate" };
-        decisions.push(Decision { rule: "named", subject: "all causes", value, limit, outcome });
+    if let Some(value) = choice.given_up {
+        let outcome = "too weak to be named";
+        decisions.push(Decision { rule: "agreement", subject: "all causes", value, limit: WEAK_AGREEMENT, outcome });
+        agreement = agreement.min(1.0 - value);
     }
-    let mut kind = if is_unknown {
-        Kind::Unknown
-    } else {
-        match (&choice.found[..], evidence.contact) {
-            ([], false) => Kind::None,
-            ([], true) => Kind::Effect,
-            ([one], false) if !one.rivals.is_empty() => Kind::Ambiguous,
-            ([one], false) => kind_of(one.cause),
-            (all, false) if all.iter().all(|found| matches!(found.cause, Cause::Stale(_))) => Kind::Stale,
-            _ => Kind::Several,
-        }
-    };
-    let (rests, lasts) = (
-        evidence.resamples.mean_squares(&evidence.rest, &evidence.rows),
-        evidence.resamples.mean_squares(&evidence.last, &evidence.rows),
-    );
-    let unnamed = |i: usize| is_unnamed(rests[i], lasts[i]);
-    let mut agreement = match kind {
-        Kind::Unknown => evidence.resamples.share(unnamed),
-        Kind::None => evidence.resamples.share(|i| !unnamed(i)),
-        _ => stands(&choice.found, evidence).min(evidence.resamples.share(|i| !unnamed(i))),
-    };
-    let is_weak = above(rest, floor_square) < WEAK_FLOORS * floor_square.sqrt();
-    if is_weak && !matches!(kind, Kind::None | Kind::Unknown) && agreement < WEAK_AGREEMENT {
-        let (value, limit, outcome) = (agreement, WEAK_AGREEMENT, "too weak to be named");
-        decisions.push(Decision { rule: "agreement", subject: "all causes", value, limit, outcome });
-        (kind, agreement) = (Kind::None, 1.0 - agreement);
-    }
-    match kind {
-        Kind::None => effects.clear(),
-        Kind::Ambiguous => effects.extend(choice.found[0].rivals.iter().copied()),
-        _ => {}
+    if kind == Kind::Ambiguous {
+        effects.extend(choice.found[0].rivals.iter().copied());
     }
     let form = match kind {
         Kind::None | Kind::Unknown => None,
@@ -215,7 +173,6 @@ pub fn verdict(choice: &Choice<'_>, evidence: &Evidence<'_>) -> Verdict {
         _ => Some(Form::Fits),
     };
     let probabilities = probabilities(kind, agreement, &effects);
-    let delivered = mean(&evidence.delivered);
     Verdict {
         kind,
         effects,
@@ -223,7 +180,7 @@ pub fn verdict(choice: &Choice<'_>, evidence: &Evidence<'_>) -> Verdict {
         confidence: said(&probabilities, kind),
         probabilities,
         form,
-        decisions: choice.decisions.iter().cloned().chain(decisions).collect(),
+        decisions,
         gap_before_nm: above(delivered, floor_square),
         gap_after_nm: above(last, floor_square).max(evidence.numbers.square().sqrt()),
         shrink: evidence.shrink(&evidence.last, evidence.numbers),

@@ -2,7 +2,7 @@
 
 use super::contacts::contacts;
 use super::extract::Extracted;
-use crate::numerics::statistics::{poisson_bound, quantile, root_mean_square};
+use crate::numerics::statistics::{deviation_by_median, poisson_bound, quantile, root_mean_square};
 
 /// A contact is what exceeds all but this share of the quiet samples ...
 const BEYOND: f64 = 1e-3;
@@ -118,7 +118,7 @@ impl Quiet {
     fn from_touched(touched: &[Extracted], lowpass_hz: f64) -> Self {
         let thinned: Vec<Extracted> = touched.iter().map(|t| thinned(t, lowpass_hz)).collect();
         let mut all = samples(&thinned.iter().collect::<Vec<_>>(), |_| true);
-        let sigma_nm = 1.4826 * quantile(&mut all, 0.5);
+        let sigma_nm = deviation_by_median(&mut all);
         let (threshold_nm, within_nm) = (SIGMAS * sigma_nm, 2.0 * sigma_nm);
         let warning = "no quiet trial in which the joint moves: the threshold comes of the noise in the interaction trials themselves, and how often it \
                        gives a false alarm is not known; add cosine or free trials in which nobody touches the joint";

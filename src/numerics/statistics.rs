@@ -38,6 +38,14 @@ pub fn quantile(values: &mut [f64], share: f64) -> f64 {
     *values.select_nth_unstable_by(at, f64::total_cmp).1
 }
 
+/// Standard deviation of normal noise of which these are the `sizes`, from their median: a few that are far off do not matter; NaN of
+/// nothing. Reorders `sizes`.
+pub fn deviation_by_median(sizes: &mut [f64]) -> f64 {
+    /// Standard deviation of the normal distribution over the median of its size.
+    const OVER_MEDIAN: f64 = 1.4826;
+    OVER_MEDIAN * quantile(sizes, 0.5)
+}
+
 /// Half width of a two-sided `CONFIDENCE` interval in standard errors, by Student's t with `freedom` degrees; infinite
 /// without any.
 pub fn student_t(freedom: f64) -> f64 {

@@ -4,7 +4,7 @@
 //! still and jumps: with 4096 counts per turn a clearance of 20 mrad is 13 steps, and friction changes most in the first.
 //! Where it jumps, though, it tells the position exactly: half way between two counts.
 
-use crate::numerics::statistics::quantile;
+use crate::numerics::statistics::deviation_by_median;
 
 /// A reversal counts once the joint came back by this many standard deviations of the position's noise: two samples at
 /// rest, the extremes of hundreds, differ by 6.
@@ -35,7 +35,7 @@ impl Position {
     pub fn new(raw_rad: &[f64], filtered_rad: &[f64]) -> Self {
         // Every 7th sample is enough for a median and keeps it cheap.
         let mut taken: Vec<f64> = raw_rad.iter().zip(filtered_rad).step_by(7).map(|(r, f)| (r - f).abs()).collect();
-        let sigma_rad = 1.4826 * quantile(&mut taken, 0.5);
+        let sigma_rad = deviation_by_median(&mut taken);
         match encoder_step_rad(raw_rad) {
             Some(step_rad) if sigma_rad <= STEPS_ALONE * step_rad => Self {
                 between_jumps_rad: Some(between_jumps(raw_rad, step_rad)),
@@ -51,10 +51,20 @@ impl Position {
     }
 }
 
+/// Changes from sample to sample of more than `above_rad`, rad.
+fn changes_rad(raw_rad: &[f64], above_rad: f64) -> impl Iterator<Item = f64> {
+    raw_rad.windows(2).map(|pair| (pair[1] - pair[0]).abs()).filter(move |change| *change > above_rad)
+}
+
+/// The smallest change from sample to sample of more than `above_rad`, rad: of a coarse encoder its step.
+pub fn smallest_change_rad(raw_rad: &[f64], above_rad: f64) -> Option<f64> {
+    changes_rad(raw_rad, above_rad).min_by(f64::total_cmp)
+}
+
 /// The step of the encoder, rad; `None` where the position does not move in steps, or so fast that they do not matter.
 fn encoder_step_rad(raw_rad: &[f64]) -> Option<f64> {
-    let changes = || raw_rad.windows(2).map(|pair| (pair[1] - pair[0]).abs()).filter(|change| *change > 0.0);
-    let step_rad = changes().min_by(f64::total_cmp)?;
+    let changes = || changes_rad(raw_rad, 0.0);
+    let step_rad = smallest_change_rad(raw_rad, 0.0)?;
     let is_lone = |four: &&[f64]| {
         let change_rad = (four[2] - four[1]).abs();
         let beside_rest = four[0] == four[1] || four[2] == four[3];

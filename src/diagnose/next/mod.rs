@@ -7,10 +7,11 @@ mod words;
 
 pub use blind::BlindSpot;
 
+use super::answer::Kind;
 use super::base::BaseModel;
 use super::candidates::Cause;
 use super::choose::Found;
-use super::verdict::{Kind, Verdict};
+use super::verdict::Verdict;
 use crate::log::Campaign;
 use crate::numerics::filter::LowPass;
 use crate::numerics::statistics::mean;

@@ -1,6 +1,6 @@
 //! What causes and regions are called in a sentence.
 
-use crate::diagnose::{Candidate, Cause, Diagnosis, FloorSource};
+use crate::diagnose::{Candidate, Cause, Diagnosis, Floor, FloorSource};
 use crate::effects::{Family, Region, find};
 
 /// What `cause` means, in a few words without its name.
@@ -52,10 +52,14 @@ pub fn place(region: Region) -> &'static str {
 }
 
 /// Where a floor comes from.
-pub fn floor_source(source: FloorSource) -> &'static str {
-    match source {
+pub fn floor_source(floor: &Floor) -> String {
+    let noise = match floor.source {
         FloorSource::Repeats => "from repeats of one motion",
         FloorSource::Spectrum => "from the torque's noise beyond the low-pass, because no motion was repeated",
+    };
+    match floor.encoder_nm.powi(2) > floor.rms_nm.powi(2) / 2.0 {
+        true => format!("mostly what the encoder alone leaves, simulated; the rest {noise}"),
+        false => noise.to_string(),
     }
 }
 

@@ -58,7 +58,7 @@ fn gap(out: &mut impl Write, found: &Diagnosis) -> io::Result<()> {
     if verdict.kind != Kind::None {
         row("recoverable", gap.recoverable_nm, most)?;
     }
-    row("floor", gap.floor.rms_nm, floor_source(gap.floor.source).to_string())?;
+    row("floor", gap.floor.rms_nm, floor_source(&gap.floor))?;
     writeln!(out, "  {:<24} {:>12}  {DIM}probability that it is right{DIM:#}", "verdict", percent(verdict.confidence))
 }
 

@@ -2,7 +2,7 @@
 
 use super::names::{claim, family, floor_source, means, place};
 use super::parameters::shown;
-use crate::diagnose::{Answer, Candidate, Cause, Diagnosis, Form, Kind, Shrink};
+use crate::diagnose::{Answer, Candidate, Cause, Diagnosis, Floor, Form, Kind, Shrink};
 use crate::effects::Family;
 use crate::report::number::{counted, significant};
 use crate::report::wording::Units;
@@ -11,6 +11,8 @@ use crate::report::wording::Units;
 const FOLLOWS: f64 = 0.5;
 /// More than this share of the gap's square within the model's own confidence is worth a sentence.
 const MUCH: f64 = 0.1;
+/// What is simulated of the encoder beyond this multiple of what is counted is told.
+const MORE_THAN_COUNTED: f64 = 1.05;
 
 /// The verdict in a sentence or three.
 pub fn verdict(found: &Diagnosis) -> String {
@@ -75,17 +77,12 @@ pub fn grounds(found: &Diagnosis) -> Vec<String> {
          a flexible fit to the recorded motion recovers {} on held-out {}.",
         units.torque(gap.rmse_nm),
         units.torque(gap.floor.rms_nm),
-        floor_source(gap.floor.source),
+        floor_source(&gap.floor),
         units.torque(gap.explainable_nm),
         units.torque(gap.recoverable_nm),
         found.held_out,
     )];
-    if gap.floor.encoder_nm > 0.0 {
-        all.push(format!(
-            "Of the floor, {} are what the encoder's steps and noise alone leave of a perfect model: simulated on the recorded motion.",
-            units.torque(gap.floor.encoder_nm)
-        ));
-    }
+    all.extend(encoder_part(&gap.floor, units));
     all.extend(own_confidence(found));
     if found.verdict.kind != Kind::None {
         all.extend(found.places.first().map(|_| format!("The gap lies {}.", location(found))));
@@ -110,6 +107,24 @@ fn probabilities(found: &Diagnosis) -> String {
     };
     let one = |(answer, probability): &(Answer, f64)| format!("{} {}", name(answer), percent(*probability));
     found.verdict.probabilities.iter().map(one).collect::<Vec<_>>().join("; ")
+}
+
+/// What of a floor is the encoder's, and whether more was simulated than can be counted.
+fn encoder_part(floor: &Floor, units: Units) -> Option<String> {
+    let most = match floor.encoder_simulated_nm > MORE_THAN_COUNTED * floor.encoder_nm {
+        true => format!(
+            " Simulated it is {}, more than the noise leaves room for in what the model does not explain: only that much is counted, \
+             and what remains above the floor is a lower bound.",
+            units.torque(floor.encoder_simulated_nm)
+        ),
+        false => String::new(),
+    };
+    (floor.encoder_nm > 0.0).then(|| {
+        format!(
+            "Of the floor, {} are what the encoder's steps and noise alone leave of a perfect model: simulated on the recorded motion.{most}",
+            units.torque(floor.encoder_nm)
+        )
+    })
 }
 
 /// How much of the gap goes while the model stays what it is, where that is much.
