@@ -10,7 +10,8 @@ B: each leg's B +- its own standard error, that of A and that of the zero. Also:
 parameter's interval, those called pinned, by name, and p of the change-over.
 --random: every campaign is of a joint of its own, its parameters 0.7 to 1.4 times the elbow's, with 6 to 20 speeds, one or two
 repeats (three of the full protocol), an encoder of 4096 or 524288 counts, and what real ones have: white noise, noise with a memory of 0.3 s,
-a motion that strays by 3 mrad, or a ripple of the torque of 5 mN m (WHAT: only white, coloured, tracking or ripple). There A
+a motion that strays by 3 mrad, or a ripple of the torque of 5 mN m, of 1 to 6 periods per rad (WHAT: only white, coloured, tracking or ripple).
+The zero of the position of each is off by what a campaign that declares nothing of it claims: 5 deg is its 95 % interval. There A
 and B(v) are those of `functions`, and every parameter is told by its status, each also by design, with the root mean square of its
 errors over what its interval claims (1: as claimed). Seeds begin at --first; --rows appends each error to FILE, a JSON line each.
 Ends with status 1 when A, B, mu_c or the pinned parameters are held less or more often than `--within`. (Standard library only.)
@@ -30,6 +31,7 @@ import sys
 import tempfile
 
 TRUTH = pathlib.Path("data/elbow/truth/model.json")
+ZERO_DEG = 5.0  # Of a campaign that declares no uncertainty of it
 T_18 = 2.101  # Student's t at 97.5 %, 20 blocks less two parameters
 JUDGED_AT_RANDOM = ("A", "B(v)", "pinned", "trade_off")
 JUDGED = ("A up", "A down", "B up", "B down", "mu_c", "pinned friction parameter")
@@ -135,8 +137,10 @@ def drawn(a, seed):
     speeds = rng.choice((6, 8, 12, 16, 20))
     repeats = 3 if speeds == 20 else rng.choice((1, 2))
     what = DISTURBED[seed % len(DISTURBED)] if a.random == "all" else a.random
-    more = {"tracking": ["--tracking-error-rad", "0.003"], "ripple": ["--effect", "torque_ripple:periods_per_rad=3,sin_1_nm=0.005"]}.get(what, [])
     encoder = rng.choice((4096, 524288))
+    zero_deg, phase = rng.gauss(0, ZERO_DEG / 1.96), rng.uniform(0, 2 * math.pi)
+    ripple = f"periods_per_rad={rng.uniform(1, 6)},sin_1_nm={0.005 * math.sin(phase)},cos_1_nm={0.005 * math.cos(phase)}"
+    more = {"tracking": ["--tracking-error-rad", "0.003"], "ripple": ["--effect", f"torque_ripple:{ripple}"]}.get(what, [])
     with tempfile.TemporaryDirectory() as scratch:
         scratch = pathlib.Path(scratch)
         (scratch / "truth.json").write_text(json.dumps(model))
@@ -145,6 +149,7 @@ def drawn(a, seed):
                         "--encoder-counts", str(encoder), "--quiet", *more], check=True)
         if what == "coloured":
             coloured(scratch / "c", rng, a.noise_nm)
+        shift(scratch / "c", zero_deg)
         subprocess.run([a.binary, "identify", scratch / "c", "-o", scratch / "o", "--quiet"], check=True, stdout=subprocess.DEVNULL)
         found = json.load(open(scratch / "o" / "model.json"))
     design = [what, "full protocol" if speeds == 20 else f"{repeats} of each of {'6 to 8' if speeds < 10 else '12 to 16'} speeds", f"encoder of {encoder}"]
@@ -155,7 +160,7 @@ def drawn(a, seed):
     zero = found["confidence"].get("dynamics.position_zero_rad")
     if zero and None not in (zero["low"], zero["high"]):
         half = (zero["high"] - zero["low"]) / 2
-        add("zero of the position", abs(zero["low"] + half) / half, half)
+        add("zero of the position", abs(zero["low"] + half - math.radians(zero_deg)) / half, half)
     for direction, of in found["functions"].items():
         a_true, _ = true_values(model, direction, 1.0)
         add("A", abs(of["a_nm"] - a_true) / of["a_half_width_nm"], of["a_half_width_nm"])

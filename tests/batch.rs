@@ -335,6 +335,7 @@ fn what_retensioning_changed_is_told() {
     assert_eq!(joint["retensionings"][0]["what_changed"][0]["what"], "coulomb_friction", "{joint}");
     assert_eq!(joint["retensionings"][0]["what_changed"][0]["direction"], "up");
     assert_eq!(joint["what_changed"], Value::Array(Vec::new()), "nothing changed since");
+    assert_eq!(joint["changed"], false, "nothing changed since");
 }
 
 /// Four runs: nothing moves but Coulomb friction up, which follows a named payload.

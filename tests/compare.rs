@@ -94,6 +94,24 @@ fn each_change_is_named() {
     assert_eq!(changed(|m| m.dynamics.gravity_nm *= 1.05), [(CauseKind::Gravity, None)]);
 }
 
+/// The load coefficient of each direction by itself, not a gain that one direction makes up for: a gain is their rival.
+#[test]
+fn load_coefficients_of_both_directions_are_told_apart_from_a_gain() {
+    let mut after = truth();
+    (after.friction.up.mu_c, after.friction.down.mu_c) = (1.3 * after.friction.up.mu_c, 1.3 * after.friction.down.mu_c);
+    let found = compare(&with_functions(truth()), &with_functions(after.clone())).unwrap();
+    let mut causes = found.attribution.causes.clone();
+    causes.sort_by_key(|cause| cause.direction != Some(Direction::Up));
+    for (cause, direction) in causes.iter().zip(Direction::BOTH) {
+        assert_eq!((cause.kind, cause.direction), (CauseKind::LoadCoefficient, Some(direction)));
+        assert_eq!(cause.rivals, [(CauseKind::Gain, None)]);
+        let mu_c = |model: &Model| model.friction.of(direction).mu_c;
+        let expected = (1.0 - mu_c(&truth())) / (1.0 - mu_c(&after)) - 1.0;
+        assert!((cause.change - expected).abs() < 2e-3, "{cause:?}");
+    }
+    assert_eq!(causes.len(), 2);
+}
+
 #[test]
 fn a_cause_comes_with_its_size() {
     let mut after = truth();

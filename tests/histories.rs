@@ -103,6 +103,15 @@ fn a_history_in_which_nothing_happened_says_so() {
     let scatter = of["session_scatter"].as_f64().unwrap();
     assert!((0.006..0.012).contains(&scatter), "1 % of 0.8 N m, found {scatter}");
     assert_eq!((&joint["drifted"], &joint["what_changed"]), (&Value::Array(vec![]), &Value::Array(vec![])));
+    assert_eq!(joint["changed"], false, "{joint}");
+}
+
+#[test]
+fn one_campaign_since_retensioning_shows_no_drift() {
+    let sessions = every_month(2, |_| 1.0);
+    let joint = history(&sessions, &format!("[[retensioned]]\njoint = \"elbow\"\ndate = {}\n", sessions[1].0));
+    assert_eq!(joint["retensionings"].as_array().unwrap().len(), 1);
+    assert_eq!(joint["changed"], false, "{joint}");
 }
 
 #[test]

@@ -2,7 +2,7 @@
 
 use super::calendar::day;
 use super::events::{Drift, Event, differences, events};
-use super::life::{Alike, Forecast, Life, Limit, Refusal, Scatters, Sessions};
+use super::life::{Forecast, Life, Limit, Refusal, Scatters, Sessions};
 use super::manifest::Batch;
 use super::outliers::{Outlier, outliers};
 use super::quantities::{self, Quantity};
@@ -91,13 +91,17 @@ impl Fleet {
             of_joint.into_iter().map(|(name, of)| History::new(batch, &rows, name, of)).collect();
         let compared = histories.iter().flat_map(|history| &history.quantities).filter(|q| is_followed(q)).count();
         let count = histories.len();
-        let alone: Vec<Vec<Life>> = histories.par_iter().map(|history| history.lives(compared, &|_, _| None)).collect();
+        let alone: Vec<Vec<Life>> = histories.par_iter().map(|history| history.lives(compared)).collect();
         let scatters = Scatters::new(&alone);
-        let joint = |(at, history): (usize, History)| {
-            let lives = history.lives(compared, &|name, typical| scatters.of_others(at, name, typical));
+        let joint = |(at, (history, alone)): (usize, (History, Vec<Life>))| {
+            let informed = |life: Life| {
+                let alike = scatters.of_others(at, &life);
+                life.informed(alike, &history.sessions, compared)
+            };
+            let lives = alone.into_iter().map(informed).collect();
             history.joint(&rows, lives, [compared, count])
         };
-        let joints: Vec<Joint> = histories.into_par_iter().enumerate().map(joint).collect();
+        let joints: Vec<Joint> = histories.into_par_iter().zip(alone).enumerate().map(joint).collect();
         let (outliers, warnings) = (outliers(&rows), unused(batch, &rows, &joints));
         Self { rows, joints, outliers, compared, warnings }
     }
@@ -159,10 +163,9 @@ impl History {
         Self { name, of, dates, sessions, quantities, limits }
     }
 
-    /// What happened to each quantity, one of `compared` in the fleet; `of_others` says what other joints say of its scatter.
-    fn lives(&self, compared: usize, of_others: &dyn Fn(&str, f64) -> Option<Alike>) -> Vec<Life> {
-        let life = |q: &Quantity| Life::new(q.clone(), &self.sessions, compared, of_others);
-        self.quantities.iter().filter_map(life).collect()
+    /// What happened to each quantity by what this joint alone tells, one of `compared` in the fleet.
+    fn lives(&self, compared: usize) -> Vec<Life> {
+        self.quantities.iter().filter_map(|q| Life::new(q, &self.sessions, compared)).collect()
     }
 
     /// One joint of `joints` with its `lives`, among `compared` quantities of the fleet.

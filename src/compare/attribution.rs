@@ -47,7 +47,7 @@ impl Attribution {
 
     /// Whether they differ by more than chance would have it.
     pub fn differs(&self) -> bool {
-        !self.causes.is_empty() || self.chance < DIFFER
+        self.is_known() && (!self.causes.is_empty() || self.chance < DIFFER)
     }
 }
 

@@ -26,6 +26,11 @@ pub struct Cause {
 pub enum Measure {
     /// A share of what was, dimensionless.
     Share,
+    /// A share of A and B(v), which both go as 1 / (1 - mu_c) (18), (19).
+    Load {
+        /// mu_c before, dimensionless.
+        mu_c: f64,
+    },
     /// Torque at the sensor, N m, beside the largest friction before, N m.
     Torque {
         /// That friction.

@@ -169,6 +169,7 @@ impl Observed {
             here = left;
         }
         self.settle(&mut taken, &mut rivals, explains);
+        self.by_direction(&mut taken, &mut rivals);
         let Some((_, coefficients, covariance)) = self.left(&taken) else { return Vec::new() };
         let cause = |(at, i): (usize, &usize)| {
             let column = &self.columns[*i];
@@ -184,6 +185,19 @@ impl Observed {
             }
         };
         taken.iter().enumerate().map(cause).collect()
+    }
+
+    /// A gain with the load coefficient of one direction is the load coefficient of both, each by itself: two changes of one kind
+    /// rather than of two. What they amount to is the same, so the gain stays their rival.
+    fn by_direction(&self, taken: &mut [usize], rivals: &mut [Vec<usize>]) {
+        let place = |kind| taken.iter().position(|i| self.columns[*i].kind == kind);
+        let Some((gain, load)) = place(CauseKind::Gain).zip(place(CauseKind::LoadCoefficient)) else { return };
+        let is_other = |i: &usize| self.columns[*i].kind == CauseKind::LoadCoefficient && !taken.contains(i);
+        let Some(other) = (0..self.columns.len()).find(is_other) else { return };
+        for at in [gain, load] {
+            rivals[at] = vec![taken[gain]];
+        }
+        taken[gain] = other;
     }
 
     /// Drops causes that those taken after them made needless; a rival that was taken itself is none.
@@ -238,7 +252,7 @@ fn columns(rows: &[Rows], place: &Both<usize>, count: usize, before: &Model) -> 
             scaled[first] = 1.0;
             gravity[first] = 1.0;
             gain += &scaled;
-            add(CauseKind::LoadCoefficient, scaled, Measure::Share);
+            add(CauseKind::LoadCoefficient, scaled, Measure::Load { mu_c: before.friction.of(of.direction).mu_c });
         }
     }
     if rows.iter().filter(|of| of.relative_a.is_some()).count() == 2 {

@@ -6,7 +6,7 @@ use super::plots;
 use super::terminal::{BOLD, DIM, heading, table, wrapped};
 use super::wording::{Units, moving};
 use crate::compare::{Cause, CauseKind, Change, Comparison, FunctionChange, FunctionKind, Level, Measure, Verdict};
-use crate::model::Direction;
+use crate::model::{Direction, loss};
 use serde_json::{Value, json};
 use std::io::{self, Write};
 
@@ -88,7 +88,7 @@ fn verdict_word(verdict: Verdict) -> &'static str {
 fn relative(cause: &Cause) -> Option<[f64; 3]> {
     let ends = [cause.change, cause.low, cause.high];
     match cause.measure {
-        Measure::Share => Some(ends),
+        Measure::Share | Measure::Load { .. } => Some(ends),
         Measure::Torque { before_nm } => (before_nm > 0.0).then(|| ends.map(|end| end / before_nm)),
         Measure::Angle => None,
     }
@@ -114,20 +114,28 @@ pub(super) fn told_cause(cause: &Cause, units: &Units) -> String {
         CauseKind::Stribeck => " at the slowest speed",
         _ => "",
     };
+    // Friction opposes the motion: moving down it is negative at the sensor.
+    let sign = cause.direction.filter(|_| in_torque(cause)).map_or(1.0, Direction::sign);
     let size = match (cause.measure, relative(cause)) {
         (Measure::Angle, _) => {
             let [change, low, high] = [cause.change, cause.low, cause.high].map(f64::to_degrees);
             format!("{change:+.2} deg [{low:.2}, {high:.2}]")
         }
         (Measure::Share, Some(ends)) => percent(ends),
+        (Measure::Load { mu_c }, Some(ends)) => {
+            let [after, low, high] = ends.map(|share| significant(1.0 - loss(mu_c) / (1.0 + share), 3));
+            format!(
+                "{} of A and B(v), as from mu_c = {} to {after} [{low}, {high}]",
+                percent(ends),
+                significant(mu_c, 3)
+            )
+        }
         (_, ends) => {
-            // Friction opposes the motion: moving down it is negative at the sensor.
-            let sign = cause.direction.map_or(1.0, Direction::sign);
             let share = ends.map_or(String::new(), |[change, low, high]| {
                 let (low, high) = if sign < 0.0 { (-high, -low) } else { (low, high) };
                 format!(", {} of the friction before", percent([sign * change, low, high]))
             });
-            format!("{}{speed}{share}", units.torque(cause.change))
+            format!("{}{speed}{share}", units.torque(cause.change.abs()))
         }
     };
     let rivals: Vec<String> = cause.rivals.iter().map(|(kind, direction)| of_what(*kind, *direction)).collect();
@@ -135,7 +143,12 @@ pub(super) fn told_cause(cause: &Cause, units: &Units) -> String {
         true => String::new(),
         false => format!(" (these data cannot tell it from {})", rivals.join(" or ")),
     };
-    format!("{} changed by {size}{or}", of_what(cause.kind, cause.direction))
+    let changed = match (in_torque(cause), sign * cause.change > 0.0) {
+        (false, _) => "changed",
+        (true, true) => "rose",
+        (true, false) => "fell",
+    };
+    format!("{} {changed} by {size}{or}", of_what(cause.kind, cause.direction))
 }
 
 /// What changed, decided on A and B(v) where both models have them.

@@ -28,6 +28,7 @@ pub fn to_json(fleet: &Fleet) -> Value {
             "campaigns": j.rows.iter().map(|at| name(*at)).collect::<Vec<_>>(),
             "retensioned": j.retensioned,
             "since": name(j.since),
+            "changed": j.drifted(),
             "what_changed": causes(&j.changed),
             "retensionings": life::events_json(fleet, j, true),
             "events": life::events_json(fleet, j, false),

@@ -56,6 +56,8 @@ pub struct FleetJoint {
     pub retensioned: Option<Value>,
     /// The campaign that the last one is compared with: the named reference, or the first since retensioning.
     pub since: String,
+    /// Whether anything changed since.
+    pub changed: bool,
     /// What changed since.
     pub what_changed: Vec<ChangeCause>,
     /// What each retensioning did.

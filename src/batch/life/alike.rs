@@ -52,9 +52,9 @@ impl Scatters {
         Self(all)
     }
 
-    /// What joints other than `joint` say of the quantity called `name`, of size `typical`.
-    pub fn of_others(&self, joint: usize, name: &str, typical: f64) -> Option<Alike> {
-        let others: Vec<&Told> = self.0.get(&kind(name))?.iter().filter(|told| told.joint != joint).collect();
+    /// What joints other than `joint` say of the scatter of its quantity `life`.
+    pub fn of_others(&self, joint: usize, life: &Life) -> Option<Alike> {
+        let others: Vec<&Told> = self.0.get(&kind(&life.name))?.iter().filter(|told| told.joint != joint).collect();
         if others.len() < JOINTS_MIN {
             return None;
         }
@@ -65,6 +65,6 @@ impl Scatters {
         let by_chance = mean(&others.iter().map(|told| 2.0 / told.freedom).collect::<Vec<f64>>());
         let excess = (standard_deviation(&logs).powi(2) - by_chance).max(0.0);
         let alike = if excess > 0.0 { 2.0 / excess } else { f64::INFINITY };
-        Some(Alike { variance: relative * typical.powi(2), freedom: freedom.min(alike).min(MOST) })
+        Some(Alike { variance: relative * life.typical().powi(2), freedom: freedom.min(alike).min(MOST) })
     }
 }

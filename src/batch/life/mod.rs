@@ -85,14 +85,8 @@ pub struct Change {
 }
 
 impl Life {
-    /// Of `quantity` over `sessions`, one of `compared` of the fleet; `of_others` says by name and size what other joints say of its
-    /// scatter. `None` where too few sessions show it.
-    pub(super) fn new(
-        quantity: Quantity,
-        sessions: &Sessions,
-        compared: usize,
-        of_others: &dyn Fn(&str, f64) -> Option<Alike>,
-    ) -> Option<Self> {
+    /// Of `quantity` over `sessions`, one of `compared` of the fleet; `None` where too few sessions show it.
+    pub(super) fn new(quantity: &Quantity, sessions: &Sessions, compared: usize) -> Option<Self> {
         let shown: Vec<usize> = (0..quantity.values.len()).filter(|i| quantity.values[*i].is_some()).collect();
         let known = || quantity.values.iter().flatten();
         // Of what claims no interval nothing is known until its scatter is.
@@ -100,14 +94,36 @@ impl Life {
         if shown.len() < if is_claimed { 2 } else { SCATTER_KNOWN_FROM } {
             return None;
         }
-        let typical = quantile(&mut known().map(|value| value.0.abs()).collect::<Vec<f64>>(), 0.5);
+        let values: Vec<f64> = known().map(|value| value.0).collect();
+        let immaterial = IMMATERIAL * typical(&values);
         let course = Course {
             days: shown.iter().map(|i| sessions.days[*i]).collect(),
-            values: known().map(|value| value.0).collect(),
-            variances: known().map(|value| value.1.powi(2) + (IMMATERIAL * typical).powi(2)).collect(),
+            variances: known().map(|value| value.1.powi(2) + immaterial.powi(2)).collect(),
             temperatures: sessions.temperatures(&shown),
-            alike: of_others(&quantity.name, typical),
+            alike: None,
+            values,
         };
+        Self::found(quantity.name.clone(), quantity.unit, shown, course, sessions, compared)
+    }
+
+    /// The same where other joints say `alike` of its scatter.
+    pub(super) fn informed(self, alike: Option<Alike>, sessions: &Sessions, compared: usize) -> Self {
+        if alike.is_none() {
+            return self;
+        }
+        let (shown, course) = (self.sessions.clone(), Course { alike, ..self.course.clone() });
+        Self::found(self.name.clone(), self.unit, shown, course, sessions, compared).unwrap_or(self)
+    }
+
+    /// What happened along `course`, of the sessions `shown`; `None` where they cannot tell.
+    fn found(
+        name: String,
+        unit: &'static str,
+        shown: Vec<usize>,
+        course: Course,
+        sessions: &Sessions,
+        compared: usize,
+    ) -> Option<Self> {
         // Before the first session that shows it nothing changed.
         let mut retensioned: Vec<usize> = sessions.retensioned.iter().map(|at| after(&shown, *at)).collect();
         retensioned.retain(|at| (1..shown.len()).contains(at));
@@ -132,8 +148,8 @@ impl Life {
         let without_temperature = without.filter(|(a, b)| others(a) != others(b)).map(|(_, plain)| plain);
         let fit = warm.unwrap_or(plain);
         Some(Self {
-            name: quantity.name,
-            unit: quantity.unit,
+            name,
+            unit,
             parts: happened(&fit),
             scatter: fit.scatter,
             without_temperature,
@@ -169,10 +185,15 @@ impl Life {
         self.course.values.iter().copied().zip(self.course.variances.iter().map(half))
     }
 
+    /// Its usual size.
+    pub(super) fn typical(&self) -> f64 {
+        typical(&self.course.values)
+    }
+
     /// Its scatter between sessions as a variance over the square of its size, what the sessions claim, likewise, and the degrees of
     /// freedom; `None` where that is not known.
     pub(super) fn told_scatter(&self) -> Option<[f64; 3]> {
-        let typical = quantile(&mut self.course.values.iter().map(|value| value.abs()).collect::<Vec<f64>>(), 0.5);
+        let typical = self.typical();
         let claimed = self.course.variances.iter().sum::<f64>() / self.course.len() as f64;
         let known = self.scatter.is_finite() && typical > 0.0 && self.fit.freedom >= 1.0;
         known.then(|| [(self.scatter / typical).powi(2), claimed / typical.powi(2), self.fit.freedom])
@@ -193,6 +214,11 @@ impl Sessions {
         let spread = known.iter().fold(0.0, |most: f64, t| most.max((t - mean).abs()));
         (spread > STEADY_K / 2.0).then(|| known.iter().map(|t| t - mean).collect())
     }
+}
+
+/// The median size of `values`.
+fn typical(values: &[f64]) -> f64 {
+    quantile(&mut values.iter().map(|value| value.abs()).collect::<Vec<f64>>(), 0.5)
 }
 
 /// The place in `shown` of the first session from `session` on.
