@@ -13,7 +13,7 @@ repeats (three of the full protocol), an encoder of 4096 or 524288 counts, and w
 a motion that strays by 3 mrad, or a ripple of the torque of 5 mN m, of 1 to 6 periods per rad (WHAT: only white, coloured, tracking or ripple).
 The zero of the position of each is off by what a campaign that declares nothing of it claims: 5 deg is its 95 % interval. There A
 and B(v) are those of `functions`, and every parameter is told by its status, each also by design, with the root mean square of its
-errors over what its interval claims (1: as claimed). Seeds begin at --first; --rows appends each error to FILE, a JSON line each.
+errors over what its interval claims (1: as claimed). Campaigns that `identify` refuses are told. Seeds begin at --first; --rows appends each error to FILE, a JSON line each.
 Ends with status 1 when A, B, mu_c or the pinned parameters are held less or more often than `--within`. (Standard library only.)
 """
 import argparse
@@ -150,7 +150,9 @@ def drawn(a, seed):
         if what == "coloured":
             coloured(scratch / "c", rng, a.noise_nm)
         shift(scratch / "c", zero_deg)
-        subprocess.run([a.binary, "identify", scratch / "c", "-o", scratch / "o", "--quiet"], check=True, stdout=subprocess.DEVNULL)
+        done = subprocess.run([a.binary, "identify", scratch / "c", "-o", scratch / "o", "--quiet"], capture_output=True, text=True)
+        if done.returncode:
+            return [{"seed": seed, "of": [], "off": None, "refused": done.stderr.strip()}]
         found = json.load(open(scratch / "o" / "model.json"))
     design = [what, "full protocol" if speeds == 20 else f"{repeats} of each of {'6 to 8' if speeds < 10 else '12 to 16'} speeds", f"encoder of {encoder}"]
     rows = []
@@ -199,6 +201,9 @@ def told(rows, within):
     pinned = [row["pinned"] for row in rows if "pinned" in row]
     if pinned:
         print(f"pinned with the full protocol: {statistics.mean(pinned):.2f} of 14 friction parameters, {len(pinned)} joints")
+    for row in rows:
+        if "refused" in row:
+            print(f"refused: joint {row['seed']}: {row['refused']}")
     total = collections.defaultdict(list)
     for row in rows:
         for name in row["of"]:
