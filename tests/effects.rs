@@ -280,6 +280,7 @@ fn numbers_that_contradict_the_name_are_told() {
         speed_rad_s: (0.02, 2.0),
         trial_s: 20.0,
         campaign_s: 40.0,
+        one_recording: false,
         torque_nm: (-0.1, 1.0),
         others: 1,
         gravity_nm: 1.0,

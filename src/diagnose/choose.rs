@@ -3,21 +3,20 @@
 use super::base::BaseModel;
 use super::candidates::{Cause, FittedCause, Hypothesis, Round, try_all, try_one};
 use super::criteria::{
-    Decision, FLOOR_SHARE, Requirement, is_makeshift, is_tie, requirements, rivals, seconds, simplest,
+    DISTINCT, Decision, FLOOR_SHARE, Requirement, Share, is_makeshift, is_tie, requirements, rivals, seconds, simplest,
 };
 use super::fit::Fit;
 use super::mask::Mask;
 use super::pairs;
 use super::perturbation::{Perturbation, within_confidence};
+use super::settle::{Step, all_but};
 use crate::effects::Extent;
 use crate::model::Model;
 use std::cell::OnceCell;
 use std::sync::Arc;
 
 /// Most causes that are looked for.
-const CAUSES_MAX: usize = 3;
-/// Rounds over the causes found in which each is tried again.
-const SWEEPS: usize = 2;
+const CAUSES_MAX: usize = 6;
 /// Of causes that were refused last so many are told.
 const REFUSED_TOLD: usize = 5;
 
@@ -56,6 +55,8 @@ pub struct Found<'d> {
     pub cause: Cause,
     /// In which way.
     pub how: &'static str,
+    /// How far it is ahead of every other cause, as a share of its gain.
+    pub distinctness: f64,
     /// Score without it, the others in, (N m)^2.
     pub without: f64,
     /// Everything tried in its place, best first.
@@ -84,20 +85,12 @@ pub fn choose<'d>(mask: &Arc<Mask<'d>>, model: &Model, progress: &(dyn Fn() + Sy
         how: step.taken.how,
         rivals: rivals(&step.taken, &step.tried, start),
         seconds: seconds(&step.taken, &step.tried, start),
+        distinctness: step.distinctness(),
         without: step.without.score(),
         tried: step.tried,
     };
     let found = steps.into_iter().map(of_step).collect();
     Choice { found, base: search.first, rest, refused, last, decisions, given_up: None }
-}
-
-/// A cause taken, with what it was chosen from.
-struct Step<'d> {
-    taken: FittedCause<'d>,
-    /// Everything tried in its place, best first.
-    tried: Vec<FittedCause<'d>>,
-    /// The fit of the others alone.
-    without: Fit<'d>,
 }
 
 /// What the way forward found.
@@ -112,12 +105,12 @@ struct Forward<'d> {
 }
 
 /// What all rounds share.
-struct Search<'d, 's> {
+pub(super) struct Search<'d, 's> {
     first: BaseModel<'d>,
     /// The same over the motions as the encoder would have read them once more, of a joint like the model: made when it is first asked for.
     again: OnceCell<Option<BaseModel<'d>>>,
     /// What the base alone leaves, (N m)^2.
-    start: f64,
+    pub(super) start: f64,
     progress: &'s (dyn Fn() + Sync),
 }
 
@@ -150,7 +143,8 @@ impl<'d> Search<'d, '_> {
     fn one_more(&self, way: &Forward<'d>, tried: &[FittedCause<'d>]) -> Option<(Vec<Hypothesis>, Fit<'d>)> {
         let best = simplest(tried, self.start)?;
         // The simplest that does as well may be too little to be named where the best is not.
-        let enough = |at: &usize| self.is_material(&tried[*at].fit, &way.fit, way.chosen.is_empty());
+        let share = |cause: Cause| if way.chosen.is_empty() { Share::First } else { Share::of(cause, 1.0) };
+        let enough = |at: &usize| self.is_material(&tried[*at].fit, &way.fit, share(tried[*at].cause));
         let at = [best, 0].into_iter().find(enough)?;
         let chosen: Vec<Hypothesis> = way.chosen.iter().cloned().chain(tried[at].hypothesis()).collect();
         Some(self.together(&chosen))
@@ -167,7 +161,7 @@ impl<'d> Search<'d, '_> {
         let fitted = likely
             .into_iter()
             .map(|pair| self.refined(self.together(&pair)))
-            .filter(|(_, fit)| fit.is_sound(self.extent()) && self.is_material(fit, &way.fit, false));
+            .filter(|(_, fit)| fit.is_sound(self.extent()) && self.is_material(fit, &way.fit, Share::Further));
         let all: Vec<(Vec<Hypothesis>, Fit<'d>)> = fitted.chain(next).collect();
         let best = all.iter().min_by(|a, b| a.1.score().total_cmp(&b.1.score()))?.1.clone();
         let equals = all.into_iter().filter(|(_, fit)| is_tie(&best, fit, self.start));
@@ -195,87 +189,7 @@ impl<'d> Search<'d, '_> {
         pair
     }
 
-    /// Tries each cause again with the others in, until all stay: an early compromise gives way to what it stood for. Leaves out
-    /// what the others explain as well without it. Returns the causes, and the fit of all.
-    fn settle(&self, mut chosen: Vec<Hypothesis>) -> (Vec<Step<'d>>, Fit<'d>) {
-        let mut steps: Vec<Step<'d>> = Vec::new();
-        for _ in 0..SWEEPS {
-            let before: Vec<Cause> = chosen.iter().map(|hypothesis| hypothesis.cause).collect();
-            steps.clear();
-            for at in 0..chosen.len() {
-                let step = self.again(&chosen, at);
-                if let Some(hypothesis) = step.taken.hypothesis() {
-                    chosen[at] = hypothesis;
-                }
-                steps.push(step);
-            }
-            if chosen.iter().map(|hypothesis| hypothesis.cause).eq(before) {
-                break;
-            }
-        }
-        self.without_idle(chosen, steps)
-    }
-
-    /// The best in the place of number `at`. What stands there stays unless something does better, or as well by fewer numbers
-    /// and still enough to be named.
-    fn again(&self, chosen: &[Hypothesis], at: usize) -> Step<'d> {
-        let others = all_but(chosen, at);
-        let (others, without) = self.together(&others);
-        let base = self.base_of(&without);
-        let round = self.round(&base, &others);
-        let mut step = self.place(&chosen[at], round.tried, without, &self.base_beside(&all_but(chosen, at)));
-        let Some(best) = simplest(&step.tried, self.start) else { return step };
-        let (own, best, first) = (&step.taken, &step.tried[best], &step.tried[0]);
-        let is_simple = own.count() <= best.count();
-        let stays = is_simple && is_tie(&first.fit, &own.fit, self.start);
-        let order = if stays { [own, best, first] } else { [best, own, first] };
-        let enough = |tried: &&FittedCause<'d>| self.is_material(&tried.fit, &step.without, false);
-        let taken = order.into_iter().find(enough).unwrap_or(best).clone();
-        step.taken = taken;
-        step
-    }
-
-    /// `hypothesis` as one of `tried`, or fitted on `base` from where it stands, whichever does better: the others alone may have
-    /// moved to where it is of no use.
-    fn place(
-        &self,
-        hypothesis: &Hypothesis,
-        mut tried: Vec<FittedCause<'d>>,
-        without: Fit<'d>,
-        base: &BaseModel<'d>,
-    ) -> Step<'d> {
-        let mut model = base.model.clone();
-        let moves = hypothesis.put(&mut model, self.extent());
-        let own = FittedCause { cause: hypothesis.cause, how: hypothesis.how, fit: base.fit(model, moves) };
-        let is_own = |t: &FittedCause| (t.cause, t.how) == (hypothesis.cause, hypothesis.how);
-        let better = |t: &&FittedCause| t.score() <= own.score();
-        let taken = tried.iter().find(|t| is_own(t)).filter(better).cloned().unwrap_or_else(|| {
-            tried.retain(|t| !is_own(t));
-            let behind = tried.partition_point(|t| t.score() < own.score());
-            tried.insert(behind, own.clone());
-            own.clone()
-        });
-        Step { taken, tried, without }
-    }
-
-    fn without_idle(&self, mut chosen: Vec<Hypothesis>, mut steps: Vec<Step<'d>>) -> (Vec<Step<'d>>, Fit<'d>) {
-        loop {
-            let (_, all) = self.together(&chosen);
-            let idle = (0..chosen.len()).find(|at| {
-                steps[*at].without = self.together(&all_but(&chosen, *at)).1;
-                !self.is_material(&all, &steps[*at].without, false)
-            });
-            match idle {
-                Some(at) if chosen.len() > 1 => {
-                    chosen.remove(at);
-                    steps.remove(at);
-                }
-                _ => return (steps, all),
-            }
-        }
-    }
-
-    fn round(&self, base: &BaseModel<'d>, known: &[Hypothesis]) -> Round<'d> {
+    pub(super) fn round(&self, base: &BaseModel<'d>, known: &[Hypothesis]) -> Round<'d> {
         let known: Vec<Cause> = known.iter().map(|hypothesis| hypothesis.cause).collect();
         let round = try_all(base, &known);
         (self.progress)();
@@ -283,7 +197,7 @@ impl<'d> Search<'d, '_> {
     }
 
     /// `chosen` fitted together on the first base's model, and as they stand there.
-    fn together(&self, chosen: &[Hypothesis]) -> (Vec<Hypothesis>, Fit<'d>) {
+    pub(super) fn together(&self, chosen: &[Hypothesis]) -> (Vec<Hypothesis>, Fit<'d>) {
         let mut model = self.first.model.clone();
         let moves: Vec<Perturbation> =
             chosen.iter().flat_map(|hypothesis| hypothesis.put(&mut model, self.extent())).collect();
@@ -302,7 +216,7 @@ impl<'d> Search<'d, '_> {
     }
 
     /// The base that a fit makes for further causes: its own free within their strides.
-    fn base_of(&self, fit: &Fit<'d>) -> BaseModel<'d> {
+    pub(super) fn base_of(&self, fit: &Fit<'d>) -> BaseModel<'d> {
         if fit.moves.is_empty() {
             return self.first.clone();
         }
@@ -310,7 +224,7 @@ impl<'d> Search<'d, '_> {
     }
 
     /// The base that `others` make as they stand, free within their strides.
-    fn base_beside(&self, others: &[Hypothesis]) -> BaseModel<'d> {
+    pub(super) fn base_beside(&self, others: &[Hypothesis]) -> BaseModel<'d> {
         let mut model = self.first.model.clone();
         let moves: Vec<Perturbation> =
             others.iter().flat_map(|hypothesis| hypothesis.put(&mut model, self.extent())).collect();
@@ -324,27 +238,32 @@ impl<'d> Search<'d, '_> {
 
     /// What each cause that was found reaches, and in what the best of those refused fall short.
     fn decisions(&self, steps: &[Step<'d>], last: &Fit<'d>, refused: &[FittedCause<'d>]) -> Vec<Decision> {
-        let is_first = steps.len() < 2;
         let named = steps.iter().flat_map(|step| {
-            let all = self.requirements(last, &step.without, is_first);
-            all.into_iter().map(|met| met.decision(step.taken.cause.name(), "named"))
+            let distinctness = step.distinctness();
+            let share = if steps.len() < 2 { Share::First } else { step.share() };
+            let all = self.requirements(last, &step.without, share);
+            let outcome = if distinctness >= DISTINCT { "distinct" } else { "others explain nearly as much" };
+            let subject = step.taken.cause.name();
+            let beside = Decision { rule: "distinct", subject, value: distinctness, limit: DISTINCT, outcome };
+            all.into_iter().map(move |met| met.decision(subject, "named")).chain([beside])
         });
         let in_vain = refused.iter().take(REFUSED_TOLD).flat_map(|tried| {
-            let all = self.requirements(&tried.fit, last, steps.is_empty());
+            let share = if steps.is_empty() { Share::First } else { Share::of(tried.cause, 1.0) };
+            let all = self.requirements(&tried.fit, last, share);
             all.into_iter().filter(|r| !r.is_met()).map(|short| short.decision(tried.cause.name(), "refused"))
         });
         named.chain(in_vain).collect()
     }
 
-    fn extent(&self) -> &Extent {
+    pub(super) fn extent(&self) -> &Extent {
         &self.first.data().extent
     }
 
-    fn is_material(&self, with: &Fit<'d>, without: &Fit<'d>, is_first: bool) -> bool {
-        self.requirements(with, without, is_first).iter().all(Requirement::is_met)
+    pub(super) fn is_material(&self, with: &Fit<'d>, without: &Fit<'d>, share: Share) -> bool {
+        self.requirements(with, without, share).iter().all(Requirement::is_met)
     }
 
-    fn requirements(&self, with: &Fit<'d>, without: &Fit<'d>, is_first: bool) -> Vec<Requirement> {
+    fn requirements(&self, with: &Fit<'d>, without: &Fit<'d>, share: Share) -> Vec<Requirement> {
         let of_encoder = || {
             let again = self.again.get_or_init(|| {
                 let base = &self.first;
@@ -353,15 +272,10 @@ impl<'d> Search<'d, '_> {
             let left = |fit: &Fit<'_>| again.as_ref().map_or(0.0, |base| base.square_left(&fit.model, &fit.moves));
             left(without) - left(with)
         };
-        requirements(with, without, self.start, is_first, of_encoder)
+        requirements(with, without, self.start, share, of_encoder)
     }
 }
 
 fn makeshifts(chosen: &[Hypothesis]) -> usize {
     chosen.iter().filter(|hypothesis| is_makeshift((hypothesis.cause, hypothesis.how))).count()
-}
-
-/// All that were chosen but number `at`.
-fn all_but(chosen: &[Hypothesis], at: usize) -> Vec<Hypothesis> {
-    chosen.iter().enumerate().filter(|(i, _)| *i != at).map(|(_, hypothesis)| hypothesis.clone()).collect()
 }

@@ -21,6 +21,11 @@ const GAP_SHARE_NEARLY: f64 = 0.6;
 const WHOLE_SHARE_NEARLY: f64 = 0.01;
 /// ... or by so much of the whole: of a gap with many small causes even a large one is no great share of what is left.
 const WHOLE_SHARE_ALONE: f64 = 0.12;
+/// A further cause of which so much of the gain falls to no other is distinct: then less of what is left is enough ...
+pub const DISTINCT: f64 = 0.3;
+/// ... this share, and this of the whole.
+const GAP_SHARE_DISTINCT: f64 = 0.1;
+const WHOLE_SHARE_DISTINCT: f64 = 0.02;
 /// Its gain must exceed so many standard errors over clusters.
 const ERRORS: f64 = 2.0;
 /// It must exceed so many times what the encoder's errors alone, drawn once, would let it gain.
@@ -101,6 +106,46 @@ pub struct Decision {
     pub outcome: &'static str,
 }
 
+/// Which share of the gap a cause must explain.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Share {
+    /// That of the first.
+    First,
+    /// That of a further one.
+    Further,
+    /// That of a further one whose gain falls to no other cause, or has yet to show whether it does.
+    Distinct,
+}
+
+impl Share {
+    /// The least that counts of a gap of which `gap` is left of `whole`, above a floor of `floor_square`, (N m)^2.
+    fn least(self, gap: f64, whole: f64, floor_square: f64) -> f64 {
+        let nearly = (GAP_SHARE_NEARLY * gap).max(WHOLE_SHARE_NEARLY * whole).max(floor_square);
+        let much = (GAP_SHARE_MORE * gap).max(WHOLE_SHARE_MORE * whole);
+        let further = nearly.min(much).min(WHOLE_SHARE_ALONE * whole);
+        match self {
+            Self::First => GAP_SHARE_FIRST * gap,
+            Self::Further => further,
+            Self::Distinct => further.min((GAP_SHARE_DISTINCT * gap).max(WHOLE_SHARE_DISTINCT * whole)),
+        }
+    }
+
+    /// That of a further `cause`, if none falls short of its gain by less than this share of it. A function of time can be anything: it
+    /// is not distinct.
+    pub fn of(cause: Cause, distinctness: f64) -> Self {
+        let of_time = cause.effect().is_some_and(|effect| effect.about().of_time);
+        if !of_time && distinctness >= DISTINCT { Self::Distinct } else { Self::Further }
+    }
+}
+
+/// The share of the gain of `taken` on what is left `without` it, (N m)^2, in which it is ahead of every other cause of `tried`, other forms
+/// of the same aside.
+pub fn distinctness(taken: &FittedCause, tried: &[FittedCause], without: f64) -> f64 {
+    let is_other = |other: &&FittedCause| other.cause != taken.cause && !is_alike(taken.cause, other.cause);
+    let second = tried.iter().filter(is_other).map(FittedCause::score).fold(without, f64::min);
+    (second - taken.score()) / (without - taken.score()).max(f64::MIN_POSITIVE)
+}
+
 /// What a cause must reach to be named.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Requirement {
@@ -130,7 +175,7 @@ pub fn requirements(
     with: &Fit,
     without: &Fit,
     start: f64,
-    is_first: bool,
+    share: Share,
     of_encoder: impl FnOnce() -> f64,
 ) -> Vec<Requirement> {
     let floor_square = with.mask.floor_square();
@@ -138,14 +183,7 @@ pub fn requirements(
     let value = now - with.score();
     let gap = (now - floor_square).max(0.0);
     let whole = (start - floor_square).max(0.0);
-    let least = match is_first {
-        true => GAP_SHARE_FIRST * gap,
-        false => {
-            let nearly = (GAP_SHARE_NEARLY * gap).max(WHOLE_SHARE_NEARLY * whole).max(floor_square);
-            let much = (GAP_SHARE_MORE * gap).max(WHOLE_SHARE_MORE * whole);
-            nearly.min(much).min(WHOLE_SHARE_ALONE * whole)
-        }
-    };
+    let least = share.least(gap, whole, floor_square);
     let mut all = vec![Requirement { rule: "share of the gap", value, least }];
     let of_floor = || Requirement { rule: "floors", value, least: FLOOR_SHARE * FLOOR_SHARE * floor_square };
     let sure = || sureness(&with.mask.data.folds, &without.held_out, &with.held_out);
@@ -194,9 +232,13 @@ pub fn rivals(taken: &FittedCause, tried: &[FittedCause], start: f64) -> Vec<Cau
 
 /// Whether `other` is the same thing in another form, and does as well but for what no form is known better than.
 fn is_other_form(taken: &FittedCause, other: &FittedCause, start: f64) -> bool {
-    let alike = taken.cause.effect().is_some_and(|effect| effect.about().alike.contains(&other.cause.name()));
     let floor_square = taken.fit.mask.floor_square();
-    alike && other.score() - taken.score() <= FORM_SHARE * (start - floor_square).max(0.0)
+    is_alike(taken.cause, other.cause) && other.score() - taken.score() <= FORM_SHARE * (start - floor_square).max(0.0)
+}
+
+/// Whether `other` is another form of `cause`.
+fn is_alike(cause: Cause, other: Cause) -> bool {
+    cause.effect().is_some_and(|effect| effect.about().alike.contains(&other.name()))
 }
 
 /// Causes that `taken` is known to be mistaken for and that do as well: only their numbers speak against them.

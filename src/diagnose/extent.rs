@@ -26,6 +26,7 @@ pub fn of(records: &Records, model: &Model) -> Extent {
         speed_rad_s: (slow, fastest),
         trial_s: end(&|record, i| record.time_s[i]),
         campaign_s: end(&|record, i| record.elapsed_s(i)),
+        one_recording: records.one_recording,
         torque_nm: extent(&records.measured_nm()),
         others: records.others(),
         gravity_nm: model.dynamics.gravity_nm,

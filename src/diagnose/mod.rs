@@ -32,6 +32,7 @@ mod probability;
 mod record;
 mod records;
 mod ripple;
+mod settle;
 mod spectrum;
 mod verdict;
 

@@ -20,23 +20,26 @@ struct Outcomes {
 impl Kind {
     /// What became of verdicts of this kind on simulated joints whose answers were withheld: counts that `scripts/blind/score.py` prints
     /// ("verdict said") for 84 cases of the generator `formula` (seeds 71, 501 and 601) and 143 of `physical` (seeds 1001, 2002 and 3003).
-    fn outcomes(self) -> Outcomes {
-        let (right, none, outside, other) = match self {
-            Self::None => (25.0, 0.0, 3.0, 5.0),
-            Self::Stale => (23.0, 0.0, 1.0, 2.0),
-            Self::Effect => (89.0, 2.0, 3.0, 2.0),
-            Self::Several => (19.0, 0.0, 2.0, 11.0),
-            Self::Ambiguous => (18.0, 0.0, 0.0, 1.0),
-            Self::Unknown => (15.0, 0.0, 0.0, 6.0),
+    /// Of a single cause by whether it was distinct.
+    fn outcomes(self, is_distinct: bool) -> Outcomes {
+        let (right, none, outside, other) = match (self, is_distinct) {
+            (Self::None, _) => (25.0, 0.0, 3.0, 5.0),
+            (Self::Stale, true) => (6.0, 0.0, 0.0, 0.0),
+            (Self::Stale, false) => (16.0, 0.0, 0.0, 3.0),
+            (Self::Effect, true) => (50.0, 0.0, 1.0, 0.0),
+            (Self::Effect, false) => (39.0, 1.0, 1.0, 1.0),
+            (Self::Several, _) => (19.0, 1.0, 5.0, 13.0),
+            (Self::Ambiguous, _) => (18.0, 0.0, 0.0, 1.0),
+            (Self::Unknown, _) => (14.0, 0.0, 0.0, 5.0),
         };
         Outcomes { right, none, outside, other }
     }
 }
 
-/// The answers with their probabilities. What the resamples do not agree on is shared out as verdicts of this kind turned out when they
+/// The answers with their probabilities; `is_distinct` says whether no cause that was found has another close behind it. What the resamples do not agree on is shared out as verdicts of this kind turned out when they
 /// were wrong; Laplace's rule adds one to each count.
-pub fn probabilities(kind: Kind, agreement: f64, effects: &[Cause]) -> Vec<(Answer, f64)> {
-    let Outcomes { right, none, outside, other } = kind.outcomes();
+pub fn probabilities(kind: Kind, agreement: f64, effects: &[Cause], is_distinct: bool) -> Vec<(Answer, f64)> {
+    let Outcomes { right, none, outside, other } = kind.outcomes(is_distinct);
     let said = agreement * (right + 1.0) / (right + none + outside + other + 2.0);
     let wrong = none + outside + other + 3.0;
     let share = |count: f64| (1.0 - said) * (count + 1.0) / wrong;

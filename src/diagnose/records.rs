@@ -5,7 +5,7 @@ use super::encoder;
 use super::record::Record;
 use crate::dynamics::Both;
 use crate::effects::Added;
-use crate::log::{Campaign, Fingerprint, clock_s, read_trial, refuse_copies, span_s};
+use crate::log::{Campaign, Fingerprint, clock_s, is_one_recording, read_trial, refuse_copies, span_s};
 use crate::model::Model;
 use crate::prepare::prepare;
 use crate::problem::{Problem, Problems, Result};
@@ -29,6 +29,8 @@ pub struct Records {
     pub rows_per_independent: f64,
     /// Cut-off of the low-pass, Hz.
     pub lowpass_hz: f64,
+    /// Whether the trials are pieces of one recording, cut.
+    pub one_recording: bool,
 }
 
 /// A trial without its encoder, and as the encoder would have read it once more.
@@ -95,9 +97,11 @@ impl Records {
         let lowpass_hz = campaign.signal.lowpass_hz;
         let row_s = |r: &Record| r.rows.get(1).map_or(0.0, |next| (next - r.rows[0]) as f64 / r.rate_hz);
         let rows_per_independent = (1.0 / (2.0 * lowpass_hz * row_s(&all[0]).max(1e-9))).max(1.0);
-        let of = |all: Vec<Record>| Self { all, ranges: ranges.clone(), rows_per_independent, lowpass_hz };
+        let one_recording = is_one_recording(&spans);
+        let of =
+            |all: Vec<Record>| Self { all, ranges: ranges.clone(), rows_per_independent, lowpass_hz, one_recording };
         let beside = (!again.is_empty()).then(|| (of(smooth), of(again)));
-        Ok((Self { all, ranges, rows_per_independent, lowpass_hz }, beside))
+        Ok((Self { all, ranges, rows_per_independent, lowpass_hz, one_recording }, beside))
     }
 
     /// What `of` says of each row: of the record and the thinned sample.

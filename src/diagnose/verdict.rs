@@ -4,7 +4,7 @@ use super::answer::{Answer, Form, Kind};
 use super::bootstrap::{Numbers, Resamples, Shrink, above};
 use super::candidates::Cause;
 use super::choose::{Choice, Found};
-use super::criteria::Decision;
+use super::criteria::{DISTINCT, Decision};
 use super::perturbation::{DOWN_ONLY, UP_ONLY};
 use super::probability::{probabilities, said};
 use crate::effects::Region;
@@ -172,7 +172,8 @@ pub fn verdict(choice: &Choice<'_>, evidence: &Evidence<'_>) -> Verdict {
         _ if is_open => Some(Form::Approximate),
         _ => Some(Form::Fits),
     };
-    let probabilities = probabilities(kind, agreement, &effects);
+    let is_distinct = choice.found.iter().all(|found| found.distinctness >= DISTINCT);
+    let probabilities = probabilities(kind, agreement, &effects, is_distinct);
     Verdict {
         kind,
         effects,

@@ -38,6 +38,8 @@ pub struct Extent {
     pub trial_s: f64,
     /// The whole campaign, s.
     pub campaign_s: f64,
+    /// Whether the trials are pieces of one recording: nothing starts anew with any of them.
+    pub one_recording: bool,
     /// Lowest and highest reading of the torque, N m.
     pub torque_nm: (f64, f64),
     /// How many other joints are recorded moving.
@@ -54,4 +56,12 @@ pub struct Extent {
     pub pulley_radius_m: f64,
     /// Whether the joint turns rather than slides.
     pub turns: bool,
+}
+
+impl Extent {
+    /// Clocks on which a law of time may run, as its choice `restarts` (1 if it starts anew with every trial) and how long it runs, s.
+    pub fn clocks(&self) -> impl Iterator<Item = (f64, f64)> {
+        let of_trials = (!self.one_recording).then_some((1.0, self.trial_s));
+        of_trials.into_iter().chain([(0.0, self.campaign_s)])
+    }
 }

@@ -56,14 +56,13 @@ impl Effect for SensorDrift {
     }
 
     fn starts(&self, extent: &Extent) -> Vec<Vec<f64>> {
-        let clocks = [(1.0, extent.trial_s), (0.0, extent.campaign_s)];
         let of = |waves: f64| {
-            clocks.map(|(restarts, horizon_s)| {
+            extent.clocks().map(move |(restarts, horizon_s)| {
                 let shapes = [restarts, horizon_s, waves, horizon_s / 8.0];
                 shapes.into_iter().chain([0.0; 2 + WAVES]).collect()
             })
         };
-        [of(0.0), of(WAVES as f64)].concat()
+        of(0.0).chain(of(WAVES as f64)).collect()
     }
 
     fn uses(&self, p: &[f64], at: usize) -> bool {

@@ -7,7 +7,7 @@ static ABOUT: About = About {
     id: "time_delay",
     family: Family::Fault,
     acts_on: ActsOn::Sensor,
-    means: "torque is recorded late against position",
+    means: "torque is recorded late or early against position",
     formula: "reading(t) = y(t - delay_s); if first_order: delay_s d(reading)/dt = y - reading",
     source: "transport on the bus, an analog filter",
     signature: Region::Acceleration,

@@ -58,14 +58,13 @@ impl Effect for WarmUp {
     }
 
     fn starts(&self, extent: &Extent) -> Vec<Vec<f64>> {
-        let clocks = [(1.0, extent.trial_s), (0.0, extent.campaign_s)];
         let of = |(restarts, horizon_s): (f64, f64)| {
             spaced(horizon_s / 20.0, horizon_s * 1.5, 4).flat_map(move |constant_s| {
                 [(0.9, 0.0), (1.0, 1.0)]
                     .map(|(exponent, long_tail)| vec![restarts, 0.0, 0.0, 0.0, constant_s, exponent, long_tail])
             })
         };
-        clocks.into_iter().flat_map(of).collect()
+        extent.clocks().flat_map(of).collect()
     }
 
     /// Friction that is less when cold is another thing; where only a part of it warms up the share may come out a little below zero.

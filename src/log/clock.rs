@@ -27,6 +27,18 @@ pub fn span_s(log: &Log) -> (f64, f64) {
     (log.time_s.first().copied().unwrap_or(0.0), log.time_s.last().copied().unwrap_or(0.0))
 }
 
+/// A trial that begins within this share of the length of the one before after its end goes on with it.
+const PAUSE: f64 = 0.02;
+
+/// Whether trials with these first and last time stamps are pieces of one recording, cut.
+pub fn is_one_recording(spans_s: &[(f64, f64)]) -> bool {
+    let goes_on = |pair: &[(f64, f64)]| {
+        let pause_s = pair[1].0 - pair[0].1;
+        pause_s >= 0.0 && pause_s <= PAUSE * (pair[0].1 - pair[0].0)
+    };
+    spans_s.windows(2).all(goes_on)
+}
+
 /// When trials with these first and last time stamps began, s: by the stamps where each trial follows on the one before, else
 /// as if they had been recorded one right after the other.
 pub fn clock_s(spans_s: &[(f64, f64)]) -> Vec<f64> {

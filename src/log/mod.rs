@@ -33,7 +33,7 @@ pub use arm::{Arm, Place};
 pub use campaign::{Campaign, Part, Signal, Survey, TrialEntry};
 pub use captured::Captured;
 pub use checks::longest_gap_s;
-pub use clock::{clock_s, span_s};
+pub use clock::{clock_s, is_one_recording, span_s};
 pub use columns::{Column, Columns, FromCurrent, OtherColumn, ReferenceColumn, TorqueFrom};
 pub use controller::{Controller, Damped};
 pub use files::Files;

@@ -1,0 +1,120 @@
+//! Causes that were found one after the other, each tried again with the others in.
+
+use super::base::BaseModel;
+use super::candidates::{Cause, FittedCause, Hypothesis};
+use super::choose::Search;
+use super::criteria::{Share, distinctness, is_tie, simplest};
+use super::fit::Fit;
+
+/// Rounds over the causes found in which each is tried again.
+const SWEEPS: usize = 2;
+
+/// A cause taken, with what it was chosen from.
+pub struct Step<'d> {
+    /// The cause.
+    pub taken: FittedCause<'d>,
+    /// Everything tried in its place, best first.
+    pub tried: Vec<FittedCause<'d>>,
+    /// The fit of the others alone.
+    pub without: Fit<'d>,
+}
+
+impl Step<'_> {
+    /// The share of the gap that its cause must explain.
+    pub fn share(&self) -> Share {
+        Share::of(self.taken.cause, self.distinctness())
+    }
+
+    /// How far its cause is ahead of every other in its place, as a share of its gain.
+    pub fn distinctness(&self) -> f64 {
+        distinctness(&self.taken, &self.tried, self.without.score())
+    }
+}
+
+impl<'d> Search<'d, '_> {
+    /// Tries each cause again with the others in, until all stay: an early compromise gives way to what it stood for. Leaves out
+    /// what the others explain as well without it. Returns the causes, and the fit of all.
+    pub fn settle(&self, mut chosen: Vec<Hypothesis>) -> (Vec<Step<'d>>, Fit<'d>) {
+        let mut steps: Vec<Step<'d>> = Vec::new();
+        for _ in 0..SWEEPS {
+            let before: Vec<Cause> = chosen.iter().map(|hypothesis| hypothesis.cause).collect();
+            steps.clear();
+            for at in 0..chosen.len() {
+                let step = self.again(&chosen, at);
+                if let Some(hypothesis) = step.taken.hypothesis() {
+                    chosen[at] = hypothesis;
+                }
+                steps.push(step);
+            }
+            if chosen.iter().map(|hypothesis| hypothesis.cause).eq(before) {
+                break;
+            }
+        }
+        self.without_idle(chosen, steps)
+    }
+
+    /// The best in the place of number `at`. What stands there stays unless something does better, or as well by fewer numbers
+    /// and still enough to be named.
+    fn again(&self, chosen: &[Hypothesis], at: usize) -> Step<'d> {
+        let others = all_but(chosen, at);
+        let (others, without) = self.together(&others);
+        let base = self.base_of(&without);
+        let round = self.round(&base, &others);
+        let mut step = self.place(&chosen[at], round.tried, without, &self.base_beside(&all_but(chosen, at)));
+        let Some(best) = simplest(&step.tried, self.start) else { return step };
+        let (own, best, first) = (&step.taken, &step.tried[best], &step.tried[0]);
+        let is_simple = own.count() <= best.count();
+        let stays = is_simple && is_tie(&first.fit, &own.fit, self.start);
+        let order = if stays { [own, best, first] } else { [best, own, first] };
+        let enough =
+            |tried: &&FittedCause<'d>| self.is_material(&tried.fit, &step.without, Share::of(tried.cause, 1.0));
+        let taken = order.into_iter().find(enough).unwrap_or(best).clone();
+        step.taken = taken;
+        step
+    }
+
+    /// `hypothesis` as one of `tried`, or fitted on `base` from where it stands, whichever does better: the others alone may have
+    /// moved to where it is of no use.
+    pub fn place(
+        &self,
+        hypothesis: &Hypothesis,
+        mut tried: Vec<FittedCause<'d>>,
+        without: Fit<'d>,
+        base: &BaseModel<'d>,
+    ) -> Step<'d> {
+        let mut model = base.model.clone();
+        let moves = hypothesis.put(&mut model, self.extent());
+        let own = FittedCause { cause: hypothesis.cause, how: hypothesis.how, fit: base.fit(model, moves) };
+        let is_own = |t: &FittedCause| (t.cause, t.how) == (hypothesis.cause, hypothesis.how);
+        let better = |t: &&FittedCause| t.score() <= own.score();
+        let taken = tried.iter().find(|t| is_own(t)).filter(better).cloned().unwrap_or_else(|| {
+            tried.retain(|t| !is_own(t));
+            let behind = tried.partition_point(|t| t.score() < own.score());
+            tried.insert(behind, own.clone());
+            own.clone()
+        });
+        Step { taken, tried, without }
+    }
+
+    fn without_idle(&self, mut chosen: Vec<Hypothesis>, mut steps: Vec<Step<'d>>) -> (Vec<Step<'d>>, Fit<'d>) {
+        loop {
+            let (_, all) = self.together(&chosen);
+            let idle = (0..chosen.len()).find(|at| {
+                steps[*at].without = self.together(&all_but(&chosen, *at)).1;
+                !self.is_material(&all, &steps[*at].without, steps[*at].share())
+            });
+            match idle {
+                Some(at) if chosen.len() > 1 => {
+                    chosen.remove(at);
+                    steps.remove(at);
+                }
+                _ => return (steps, all),
+            }
+        }
+    }
+}
+
+/// All that were chosen but number `at`.
+pub fn all_but(chosen: &[Hypothesis], at: usize) -> Vec<Hypothesis> {
+    chosen.iter().enumerate().filter(|(i, _)| *i != at).map(|(_, hypothesis)| hypothesis.clone()).collect()
+}
