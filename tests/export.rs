@@ -11,7 +11,7 @@ use tautline::export::{
     Language, Likeness, Settings, controller, csv, latex, markdown, mujoco_xml, plain_name, urdf_xml,
 };
 use tautline::log::{Campaign, read_trial};
-use tautline::model::{Combination, Model, settle};
+use tautline::model::{BranchFunctions, Combination, Confidence, Level, Model, Status, settle};
 use tautline::predict::Prediction;
 use tautline::prepare::{Trial, prepare};
 use tautline::simulate::Plan;
@@ -346,6 +346,24 @@ fn simulators_and_tables_say_what_they_lack() {
     let sprung = csv(&Model { effects: vec![spring], ..model.clone() });
     assert!(sprung.contains("effects.elastic_spring.stiffness_nm_rad,N m/rad,0.25"), "{sprung}");
     assert!(latex(&model).contains("friction.up.mu\\_c") && markdown(&model).contains("| `friction.up.mu_c` |"));
+}
+
+/// An end at which the search for a rate stopped is no knowledge: the terminal says so, and so do the tables.
+#[test]
+fn tables_tell_where_a_search_ended() {
+    let mut model = model("data/elbow/truth/model.json");
+    let levels = [0.02, 0.4].map(|speed_rad_s| Level { speed_rad_s, b_nm: 0.8, se_nm: 0.001 }).to_vec();
+    let up = BranchFunctions { a_nm: 0.35, a_se_nm: 0.001, levels, common_se_nm: 0.001 };
+    model.functions.branches.up = Some(up);
+    // The slowest rate that sweeps up to 0.4 rad/s show.
+    let known = Confidence { low: 0.2 / 0.4, high: 12.2, cv: 0.3, status: Status::TradeOff };
+    model.confidence.insert("friction.up.c_j".to_string(), known);
+    for table in [markdown(&model), latex(&model)] {
+        assert!(table.contains("search limit to 12.2"), "{table}");
+    }
+    let row = csv(&model).lines().find(|line| line.starts_with("friction.up.c_j")).unwrap().to_string();
+    let cells: Vec<&str> = row.split(',').collect();
+    assert_eq!((cells[3], cells[4]), ("", "12.2"), "{row}");
 }
 
 #[test]

@@ -54,6 +54,22 @@ fn the_full_protocol_takes_the_papers_seven_parameters() {
     }
 }
 
+/// A sweep of which only the top is left, where the load hardly changes: it says nothing of A, and the others are enough.
+#[test]
+fn a_leg_that_says_nothing_of_a_is_left_out() {
+    let folder = campaign(8, 1, 3);
+    let whole = identified(folder.path(), Settings::default());
+    let file = folder.path().join(&whole.legs[0].file);
+    let log = std::fs::read_to_string(&file).unwrap();
+    let (head, rows) = log.split_once('\n').unwrap();
+    let at_top = |row: &&str| row.split(',').nth(1).unwrap().parse::<f64>().unwrap() > 80.0;
+    let top: Vec<&str> = std::iter::once(head).chain(rows.lines().filter(at_top)).collect();
+    std::fs::write(&file, top.join("\n") + "\n").unwrap();
+    let found = identified(folder.path(), Settings::default());
+    assert_eq!(found.legs.len(), whole.legs.len() - 2);
+    assert!(found.warnings.iter().any(|told| told.contains("left out 2 legs")), "{:?}", found.warnings);
+}
+
 #[test]
 fn a_form_cut_for_want_of_speeds_says_so_and_pins_nothing_but_mu_c() {
     let found = identified(campaign(6, 1, 1).path(), Settings::default());

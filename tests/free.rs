@@ -6,7 +6,7 @@ use tautline::dynamics::Dynamics;
 use tautline::identify::combination::{JudgedOn, Settings as CombinationSettings};
 use tautline::identify::{Identification, Route, Settings, run};
 use tautline::log::{Campaign, Protocol, TrialEntry};
-use tautline::model::{Combination, Direction, Model, Term};
+use tautline::model::{Combination, Direction, Model, Status, Term};
 use tautline::problem::Result;
 use tautline::simulate::{Course, Sensors, record};
 use tautline::trajectory::{Path as Motion, Segment};
@@ -142,4 +142,19 @@ fn without_a_load_no_load_coefficient_is_fitted() {
     // B(v) is known even so.
     let up = found.model.functions.branches.up.as_ref().unwrap();
     assert!(up.levels.iter().all(|level| level.se_nm.hypot(up.common_se_nm) < 0.05 * level.b_nm.abs()), "{up:?}");
+}
+
+/// One Stribeck term stands for two: its parameters are not those of (15), nor are a_j and d beside it.
+#[test]
+fn one_stribeck_term_is_merged_from_two() {
+    let folder = cosines(&truth(), &PERIODS_S, 2, Protocol::Cosine);
+    let found = tried(folder.path(), CombinationSettings::default()).unwrap();
+    for direction in Direction::BOTH {
+        let branch = found.model.friction.of(direction);
+        assert!(branch.b_c == 0.0 && branch.b_j != 0.0, "{branch:?}");
+        for term in [Term::Coulomb, Term::JointStribeck, Term::JointDecay, Term::Viscous] {
+            let known = found.model.confidence[&term.dotted(direction)];
+            assert!(matches!(known.status, Status::Merged | Status::Flat), "{term:?}: {known:?}");
+        }
+    }
 }

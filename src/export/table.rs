@@ -18,15 +18,24 @@ struct Row {
     unit: String,
     value: f64,
     confidence: Option<Confidence>,
+    /// Its interval in words.
+    interval: String,
+    /// Whether the data set the interval's lower and upper end, rather than the limit of the search.
+    told: [bool; 2],
 }
 
 fn rows(model: &Model) -> Vec<Row> {
-    let of = |name: &str, meaning: &str, unit: &str, value: f64| Row {
-        name: name.to_string(),
-        meaning: meaning.to_string(),
-        unit: unit.to_string(),
-        value,
-        confidence: model.confidence.get(name).copied(),
+    let of = |name: &str, meaning: &str, unit: &str, value: f64| {
+        let confidence = model.confidence.get(name).copied();
+        Row {
+            name: name.to_string(),
+            meaning: meaning.to_string(),
+            unit: unit.to_string(),
+            value,
+            confidence,
+            interval: confidence.map_or_else(String::new, |c| interval(value, c.low, c.high)),
+            told: [true; 2],
+        }
     };
     let units = Units::of(&model.joint);
     let joint = &model.joint;
@@ -49,6 +58,8 @@ fn rows(model: &Model) -> Vec<Row> {
         unit: p.unit.to_string(),
         value: p.value,
         confidence: p.confidence,
+        interval: p.interval(),
+        told: p.searched.map(|searched| !searched && !p.is_open),
     }));
     for effect in &model.effects {
         rows.extend(effect.named().map(|(parameter, value)| {
@@ -63,12 +74,13 @@ fn rows(model: &Model) -> Vec<Row> {
 pub fn csv(model: &Model) -> String {
     let mut text = "name,unit,value,low,high,cv,status,meaning\n".to_string();
     for row in rows(model) {
-        let known = |of: fn(&Confidence) -> f64| {
-            let value = row.confidence.as_ref().map(of).filter(|x| x.is_finite());
+        let known = |of: fn(&Confidence) -> f64, is_told: bool| {
+            let value = row.confidence.as_ref().map(of).filter(|x| is_told && x.is_finite());
             value.map_or_else(String::new, |x| format!("{x:?}"))
         };
         let status = row.confidence.map_or("", |c| c.status.name());
-        let (low, high, cv) = (known(|c| c.low), known(|c| c.high), known(|c| c.cv));
+        let [low, high] = [known(|c| c.low, row.told[0]), known(|c| c.high, row.told[1])];
+        let cv = known(|c| c.cv, true);
         let meaning = row.meaning.replace('"', "\"\"");
         text += &format!("{},{},{:?},{low},{high},{cv},{status},\"{meaning}\"\n", row.name, row.unit, row.value);
     }
@@ -76,11 +88,8 @@ pub fn csv(model: &Model) -> String {
 }
 
 fn told(row: &Row) -> [String; 3] {
-    let (interval, status) = match row.confidence {
-        Some(c) => (interval(row.value, c.low, c.high), status_word(c.status).to_string()),
-        None => (String::new(), String::new()),
-    };
-    [significant(row.value, DIGITS), interval, status]
+    let status = row.confidence.map_or_else(String::new, |c| status_word(c.status).to_string());
+    [significant(row.value, DIGITS), row.interval.clone(), status]
 }
 
 /// What Markdown takes for more than text: links, HTML, emphasis, code, cells, addresses.

@@ -1,8 +1,9 @@
 //! The route on free motion, where no leg holds one speed: friction and combination together on whole series.
 
+use super::confidence::merged;
 use super::{Identification, Reading, Route, Settings, Trials, blank_model, free, functions, learn, rests_on, zero};
 use crate::log::Campaign;
-use crate::model::{Confidence, Direction, Status, Term};
+use crate::model::{Confidence, Direction, Model, Status, Term};
 use crate::problem::Result;
 
 /// Identifies the joint of `campaign` from free motion alone.
@@ -29,6 +30,7 @@ pub(super) fn from_free_motion(
         }
     }
     learn(&mut model, &fit.fit.confidence);
+    merge(&mut model);
     let checks = fit.combination.checks.clone();
     checks.iter().for_each(|check| check.demote(&mut model));
     if settings.refine {
@@ -42,4 +44,16 @@ pub(super) fn from_free_motion(
     let combination = Some(fit.combination.clone());
     let found = trials.identified(model, Route::Free(Box::new(fit)));
     Ok(Identification { combination, checks, rests_on, ..found })
+}
+
+/// The one Stribeck term of free motion stands for the two of (15), and a_j and d are what it leaves: none of them is the paper's alone.
+fn merge(model: &mut Model) {
+    for direction in Direction::BOTH {
+        let branch = *model.friction.of(direction);
+        if branch.lacks(Term::CableStribeck) && !branch.lacks(Term::JointStribeck) {
+            for term in [Term::Coulomb, Term::JointStribeck, Term::JointDecay, Term::Viscous] {
+                model.confidence.entry(term.dotted(direction)).and_modify(|known| *known = merged(*known));
+            }
+        }
+    }
 }

@@ -144,6 +144,19 @@ pub fn fit_legs(sums: &[LegSums], declared_rad: f64) -> (Zero, Vec<LegFit>) {
     (zero, legs)
 }
 
+/// Leaves out those of `sums`, and of what stands beside them, along which the load hardly changes: they say nothing of A. Kept is a
+/// direction in which it changes along none. How many were left out.
+pub fn keep_telling<T>(sums: &mut Vec<LegSums>, beside: &mut Vec<T>, declared_rad: f64) -> usize {
+    let (_, legs) = fit_legs(sums, declared_rad);
+    let tells = |leg: &LegFit| leg.a_nm.is_finite();
+    let any = Both::make(|direction| legs.iter().any(|leg| leg.direction == direction && tells(leg)));
+    let keep: Vec<bool> = legs.iter().map(|leg| tells(leg) || !any.of(leg.direction)).collect();
+    let (mut of_sums, mut of_beside) = (keep.iter(), keep.iter());
+    sums.retain(|_| of_sums.next() == Some(&true));
+    beside.retain(|_| of_beside.next() == Some(&true));
+    keep.iter().filter(|kept| !**kept).count()
+}
+
 /// Standard error of the mean A of `direction` from errors that repeat at the same place in every leg, N m.
 fn position_se_nm(sums: &[LegSums], direction: Direction, zero_rad: f64) -> f64 {
     let mine: Vec<&LegSums> = sums.iter().filter(|leg| leg.direction == direction).collect();
@@ -154,9 +167,12 @@ fn position_se_nm(sums: &[LegSums], direction: Direction, zero_rad: f64) -> f64 
     if variance.is_finite() { variance.sqrt() } else { 0.0 }
 }
 
-/// Step 3: A of `direction`, the mean over its legs; `None` without legs in that direction.
+/// Step 3: A of `direction`, the mean over its legs that tell it, NaN where none does; `None` without legs in that direction.
 pub fn amplitude<'l>(legs: impl IntoIterator<Item = &'l LegFit>, direction: Direction) -> Option<Amplitude> {
-    let mine: Vec<&LegFit> = legs.into_iter().filter(|leg| leg.direction == direction).collect();
+    let mut mine: Vec<&LegFit> = legs.into_iter().filter(|leg| leg.direction == direction).collect();
+    if mine.iter().any(|leg| leg.a_nm.is_finite()) {
+        mine.retain(|leg| leg.a_nm.is_finite());
+    }
     let values: Vec<f64> = mine.iter().map(|leg| leg.a_nm).collect();
     let n = values.len();
     let sd_nm = standard_deviation(&values);

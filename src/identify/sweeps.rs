@@ -18,10 +18,12 @@ pub(super) fn from_sweeps(
     mut readings: Vec<Reading>,
     settings: Settings,
 ) -> Result<Identification> {
-    let sums: Vec<LegSums> = readings.iter_mut().flat_map(|r| std::mem::take(&mut r.legs)).collect();
-    let (zero, mut legs) = legs::fit_legs(&sums, settings.zero_within_rad(campaign));
+    let mut sums: Vec<LegSums> = readings.iter_mut().flat_map(|r| std::mem::take(&mut r.legs)).collect();
+    let mut times: Vec<LegTime> = readings.iter_mut().flat_map(|r| std::mem::take(&mut r.times)).collect();
+    let within_rad = settings.zero_within_rad(campaign);
+    let left_out = legs::keep_telling(&mut sums, &mut times, within_rad);
+    let (zero, mut legs) = legs::fit_legs(&sums, within_rad);
     let load_nm = legs::load_of_a_nm(campaign);
-    let times: Vec<LegTime> = readings.iter_mut().flat_map(|r| std::mem::take(&mut r.times)).collect();
     let drift = Drift::of(&legs.iter().collect::<Vec<_>>(), &times);
     let a = legs::amplitudes(&legs, load_nm, &campaign.file)?;
     legs::fix_a(&mut legs, &a);
@@ -29,6 +31,7 @@ pub(super) fn from_sweeps(
     let mut trials = Trials::new(readings);
     let fits = fit_friction(campaign, &trials, settings, &zero, &legs, &a)?;
     trials.warnings.splice(0..0, zero::warning(&zero));
+    trials.warnings.extend((left_out > 0).then(|| untold(left_out)));
     trials.warnings.extend([&fits.up, &fits.down].into_iter().flat_map(friction::warnings));
     let mut model = with_friction(at_zero(blank_model(campaign), &zero), &fits);
     let combination = combine(campaign, &mut trials, settings, &legs, &mut model);
@@ -46,6 +49,14 @@ pub(super) fn from_sweeps(
     let mut found = trials.identified(model, Route::Sweeps(Box::new(fits)));
     found.warnings.extend(doubts::extrapolation_warning(&found.residuals, fastest_rad_s, settings.refine));
     Ok(Identification { legs, combination, refinement, trace, checks, rests_on, ..found })
+}
+
+/// A word on legs that were left out.
+fn untold(legs: usize) -> String {
+    let (noun, them) = if legs == 1 { ("leg", "it") } else { ("legs", "them") };
+    format!(
+        "left out {legs} {noun}: along {them} the load changes by less than 1 %, so A cannot be identified from {them}"
+    )
 }
 
 /// The friction of both directions, in the form that the data support.
