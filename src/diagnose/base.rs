@@ -8,6 +8,7 @@ use super::perturbation::Perturbation;
 use super::records::{Branches, Passages};
 use crate::effects::{Curve, Presliding};
 use crate::model::{Combination, Model};
+use crate::numerics::dual::VARIABLES;
 use rayon::prelude::*;
 use std::sync::Arc;
 
@@ -82,10 +83,7 @@ impl<'d> BaseModel<'d> {
         moves: &[Perturbation],
     ) -> Vec<Vec<f64>> {
         let records = &self.mask.data.records;
-        let column = |way: &Perturbation| {
-            if let Some(added) = way.added(model) {
-                return records.added_nm(model, &added, passages, &self.branches);
-            }
+        let quotient = |way: &Perturbation| {
             let mut moved = model.clone();
             way.apply(&mut moved, way.probe);
             let ahead = match way.changes_passage(model) {
@@ -94,7 +92,21 @@ impl<'d> BaseModel<'d> {
             };
             ahead.iter().zip(predicted_nm).map(|(a, p)| (a - p) / way.probe).collect()
         };
-        moves.par_iter().map(column).collect()
+        // Strengths of one effect stand side by side, and their columns come in one pass.
+        let effect = |way: &Perturbation| way.strength(model).map(|(at, ..)| at);
+        let together = |group: &[Perturbation]| match effect(&group[0]) {
+            None => group.iter().map(quotient).collect(),
+            Some(at) => {
+                let strengths =
+                    group.iter().filter_map(|way| way.strength(model)).map(|(_, index, unit)| (index, unit));
+                let added = model.effects[at].per_unit(strengths);
+                let columns = records.added_nm(model, &added, passages, &self.branches);
+                columns.into_iter().take(group.len()).collect::<Vec<Vec<f64>>>()
+            }
+        };
+        let of_one = |a: &Perturbation, b: &Perturbation| effect(a).is_some() && effect(a) == effect(b);
+        let groups: Vec<&[Perturbation]> = moves.chunk_by(of_one).flat_map(|group| group.chunks(VARIABLES)).collect();
+        groups.into_par_iter().flat_map(together).collect()
     }
 
     /// What the base leaves at every row, its moves at their best on the rows that count, N m.

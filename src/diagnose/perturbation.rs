@@ -127,20 +127,11 @@ impl Perturbation {
         self.parameters().all(|parameter| !matches!(parameter, ParameterRef::Effect(..)))
     }
 
-    /// What it adds per unit, where that is one strength of an effect that only adds torque: the effect with that strength alone.
-    pub fn added(&self, model: &Model) -> Option<Added> {
+    /// The strength that it is per unit, where it is one of an effect that only adds torque: the effect's number, the parameter's and
+    /// the unit.
+    pub fn strength(&self, model: &Model) -> Option<(usize, usize, f64)> {
         let [(ParameterRef::Effect(at, index), Mode::Add(unit))] = self.turns[..] else { return None };
-        let Added { effect, parameters } = &model.effects[at];
-        if !self.is_linear || !effect.only_adds() {
-            return None;
-        }
-        let alone = |(i, (x, parameter)): (usize, (&f64, &Parameter))| match parameter.role {
-            Role::Strength if i == index => unit,
-            Role::Strength => 0.0,
-            _ => *x,
-        };
-        let parameters = parameters.iter().zip(effect.about().parameters).enumerate().map(alone).collect();
-        Some(Added { effect: *effect, parameters })
+        (self.is_linear && model.effects[at].effect.only_adds()).then_some((at, index, unit))
     }
 
     /// Whether it changes where friction stands between its branches.

@@ -4,7 +4,8 @@ use super::spectrum::{SpectralFloor, spectral};
 use crate::dynamics::{Both, Motion, RigidTorque};
 use crate::effects::{Added, Carried, Family, Sample};
 use crate::log::{Campaign, Log};
-use crate::model::{AT_REST_RAD_S, Asked, Model, Passage, combined, settle};
+use crate::model::{Asked, Model, Strokes, combined, settle};
+use crate::numerics::dual::{Dual, VARIABLES};
 use crate::numerics::filter::LowPass;
 use crate::predict::{forgotten, torque_nm};
 use crate::prepare::{Trial, prepare};
@@ -58,19 +59,12 @@ pub struct Record {
     gravity_shares: Vec<(f64, f64)>,
     chain: Option<Vec<(RigidTorque, f64)>>,
     step: usize,
-    followed_rad: Vec<f64>,
-    /// Sign of the speed at the log's full rate; 0 at rest.
-    moving: Vec<i8>,
+    /// The motion at the log's full rate.
+    strokes: Strokes,
     /// Travel back below which nothing counts as a reversal, rad.
     pub deadband_rad: f64,
     /// The campaign's low-pass at the thinned rate.
     pub lowpass: LowPass,
-}
-
-/// The sign of a speed; 0 at rest.
-fn moving(velocity_rad_s: f64) -> i8 {
-    let moves = velocity_rad_s.abs() >= AT_REST_RAD_S;
-    i8::from(moves && velocity_rad_s > 0.0) - i8::from(moves && velocity_rad_s < 0.0)
 }
 
 impl Record {
@@ -138,8 +132,7 @@ impl Record {
             gravity_shares: at.iter().map(|i| model.joint.kind.gravity_share(trial.position_rad[*i])).collect(),
             chain: trial.chain.as_ref().map(|chain| at.iter().map(|i| chain[*i]).collect()),
             step,
-            followed_rad: trial.followed_rad().to_vec(),
-            moving: (0..n).map(|i| moving(trial.velocity_rad_s(i))).collect(),
+            strokes: Strokes::new(trial.followed_rad(), (0..n).map(|i| trial.velocity_rad_s(i)), trial.deadband_rad),
             deadband_rad: trial.deadband_rad,
             lowpass,
         })
@@ -181,20 +174,21 @@ impl Record {
     /// K~ followed at the log's full rate and averaged over what each thinned sample stands for: a reversal between two of
     /// them then comes at its own time.
     pub fn passage(&self, model: &Model) -> Vec<f64> {
-        let backlash_rad = model.backlash_m() / model.joint.pulley_radius_m;
-        let (direction, _) = settle(&self.followed_rad, backlash_rad, self.deadband_rad);
-        let start_rad = self.followed_rad.first().copied().unwrap_or(0.0);
-        let mut state = Passage::after(model, direction, start_rad, self.deadband_rad);
         let (mut sums, mut weights) = (vec![0.0; self.own.len()], vec![0.0_f64; self.own.len()]);
-        let last = self.own.len() - 1;
-        for (i, (x, moving)) in self.followed_rad.iter().zip(&self.moving).enumerate() {
-            let k_tilde = state.step(*x, f64::from(*moving));
+        let (last, step) = (self.own.len() - 1, self.step);
+        model.k_tilde_along(&self.strokes, |samples, k_tilde| {
             // What lies midway between two thinned samples belongs to both: the average would else come half a sample early.
-            for at in [(i + (self.step - 1) / 2) / self.step, (i + self.step / 2) / self.step] {
-                sums[at.min(last)] += k_tilde;
-                weights[at.min(last)] += 1.0;
+            for early in [(step - 1) / 2, step / 2] {
+                let (mut from, end) = (samples.start + early, samples.end + early);
+                while from < end {
+                    let at = from / step;
+                    let to = ((at + 1) * step).min(end);
+                    sums[at.min(last)] += k_tilde * (to - from) as f64;
+                    weights[at.min(last)] += (to - from) as f64;
+                    from = to;
+                }
             }
-        }
+        });
         sums.iter().zip(weights).map(|(sum, weight)| sum / weight.max(1.0)).collect()
     }
 
@@ -226,25 +220,37 @@ impl Record {
         self.lowpass.zero_phase(&torque_nm)
     }
 
-    /// What an effect that only adds torque adds to y, low-passed, N m.
-    pub fn added_nm(&self, model: &Model, added: &Added, k_tilde: &[f64], branches: &[Both<f64>]) -> Vec<f64> {
-        let mut others = vec![Motion::default(); self.others.len()];
+    /// What each of some strengths of an effect that only adds torque adds to y per unit at the rows, low-passed, N m: the
+    /// slopes of `added`.
+    pub fn added_nm(
+        &self,
+        model: &Model,
+        added: &Added<Dual>,
+        k_tilde: &[f64],
+        branches: &[Both<f64>],
+    ) -> [Vec<f64>; VARIABLES] {
+        let over = model.over::<Dual>();
+        let mut others = vec![Motion::default().over::<Dual>(); self.others.len()];
         let transmission = model.joint.transmission();
-        let (effect, p) = (added.effect, &added.parameters[..]);
-        let torque_nm: Vec<f64> = (0..self.own.len())
+        let (hooks, p) = (added.hooks(), &added.parameters[..]);
+        let mut slopes_nm: Vec<[f64; VARIABLES]> = (0..self.own.len())
             .map(|i| {
-                others.iter_mut().zip(&self.others).for_each(|(slot, other)| *slot = other[i]);
-                let (time_s, elapsed_s) = (self.time_s[i], self.elapsed_s(i));
-                let sample = Sample { time_s, elapsed_s, own: self.own[i], others: &others };
-                let load_nm = transmission * self.asked(i, model).torque_nm;
-                let carried = Carried { load_nm, friction_nm: branches[i] };
-                let friction_nm = combined(effect.friction_nm(p, &sample, carried), k_tilde[i]);
-                let at_joint_nm = transmission * effect.joint_torque_nm(p, &sample);
-                let beside_nm = effect.winch_torque_nm(p, &sample, load_nm) + effect.reading_nm(p, &sample, 0.0);
-                model.balance_nm(at_joint_nm, friction_nm, k_tilde[i]) + beside_nm
+                others.iter_mut().zip(&self.others).for_each(|(slot, other)| *slot = other[i].over());
+                let (time_s, elapsed_s) = (Dual::from(self.time_s[i]), Dual::from(self.elapsed_s(i)));
+                let sample = Sample { time_s, elapsed_s, own: self.own[i].over(), others: &others };
+                let load_nm = Dual::from(transmission * self.asked(i, model).torque_nm);
+                let friction_nm = Both { up: Dual::from(branches[i].up), down: Dual::from(branches[i].down) };
+                let carried = Carried { load_nm, friction_nm };
+                let k_tilde = Dual::from(k_tilde[i]);
+                let friction_nm = combined(hooks.friction_nm(p, &sample, carried), k_tilde);
+                let at_joint_nm = hooks.joint_torque_nm(p, &sample) * transmission;
+                let beside_nm =
+                    hooks.winch_torque_nm(p, &sample, load_nm) + hooks.reading_nm(p, &sample, Dual::from(0.0));
+                (over.balance_nm(at_joint_nm, friction_nm, k_tilde) + beside_nm).slopes
             })
             .collect();
-        self.lowpass.zero_phase(&torque_nm)
+        self.lowpass.zero_phase_together(&mut slopes_nm);
+        std::array::from_fn(|at| self.rows.iter().map(|i| slopes_nm[*i][at]).collect())
     }
 
     pub fn at_rows(&self, series: &[f64]) -> Vec<f64> {

@@ -7,6 +7,7 @@ use crate::dynamics::Both;
 use crate::effects::Added;
 use crate::log::{Campaign, Fingerprint, clock_s, is_one_recording, read_trial, refuse_copies, span_s};
 use crate::model::Model;
+use crate::numerics::dual::{Dual, VARIABLES};
 use crate::prepare::prepare;
 use crate::problem::{Problem, Problems, Result};
 use rayon::prelude::*;
@@ -138,12 +139,21 @@ impl Records {
         self.predicted_nm(model, &self.passages(model), &self.branches(model))
     }
 
-    /// What an effect that only adds torque adds to y at the rows, low-passed, N m.
-    pub fn added_nm(&self, model: &Model, added: &Added, passages: &Passages, branches: &Branches) -> Vec<f64> {
+    /// What each of some strengths of an effect that only adds torque adds to y per unit at the rows, low-passed, N m: the
+    /// slopes of `added`.
+    pub fn added_nm(
+        &self,
+        model: &Model,
+        added: &Added<Dual>,
+        passages: &Passages,
+        branches: &Branches,
+    ) -> [Vec<f64>; VARIABLES] {
         let one = |((record, k_tilde), branches): ((&Record, &Vec<f64>), &Vec<Both<f64>>)| {
-            record.at_rows(&record.added_nm(model, added, k_tilde, branches))
+            record.added_nm(model, added, k_tilde, branches)
         };
-        self.all.par_iter().zip(passages).zip(branches).with_max_len(1).map(one).collect::<Vec<Vec<f64>>>().concat()
+        let all = self.all.par_iter().zip(passages).zip(branches).with_max_len(1);
+        let all: Vec<[Vec<f64>; VARIABLES]> = all.map(one).collect();
+        std::array::from_fn(|at| all.iter().flat_map(|columns| columns[at].iter().copied()).collect())
     }
 
     /// A signal given at every thinned sample, low-passed like the torque, at the rows.

@@ -1,6 +1,7 @@
 //! An effect that a model has, with its parameters; effects by their names.
 
-use super::{Effect, Evaluated, Hooks, LIBRARY, Parameter, contact, elastic_spring};
+use super::{Effect, Evaluated, Hooks, LIBRARY, Parameter, Role, contact, elastic_spring};
+use crate::numerics::dual::Dual;
 
 /// The effect called `id`.
 pub fn find(id: &str) -> Option<&'static dyn Effect> {
@@ -48,6 +49,17 @@ impl<S: Evaluated> Added<S> {
 }
 
 impl Added {
+    /// The same with all its strengths at 0, differentiated by those that are named, each per unit of its own.
+    pub fn per_unit(&self, strengths: impl Iterator<Item = (usize, f64)>) -> Added<Dual> {
+        let of = |(x, parameter): (&f64, &Parameter)| match parameter.role {
+            Role::Strength => Dual::from(0.0),
+            _ => Dual::from(*x),
+        };
+        let mut parameters: Vec<Dual> = self.parameters.iter().zip(self.effect.about().parameters).map(of).collect();
+        strengths.enumerate().for_each(|(at, (index, unit))| parameters[index] = Dual::variable(0.0, at) * unit);
+        Added { effect: self.effect, parameters }
+    }
+
     /// Parameters with their names.
     pub fn named(&self) -> impl Iterator<Item = (&'static Parameter, f64)> {
         self.effect.about().parameters.iter().zip(self.parameters.iter().copied())

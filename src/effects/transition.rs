@@ -17,22 +17,39 @@ pub struct Presliding<S = f64> {
 }
 
 impl<S: Scalar> Presliding<S> {
-    /// What is left of a distance `left` in [0, 1] to the branch after `travel_rad` more: the equation integrated,
-    /// (left^p - p s)^(1/p) with p = 1 - exponent and s = travel over the bristle's. Near p = 0 it is
-    /// left exp(-s + p s (2 ln left - s) / 2) to the first order in p.
+    /// What is left of a distance `left` in [0, 1] to the branch after `travel_rad` more.
     pub fn left(&self, left: S, travel_rad: S) -> S {
-        let share = travel_rad / self.travel_rad;
+        if Self::has_arrived(left) { S::from(0.0) } else { self.relaxing(left)(travel_rad) }
+    }
+
+    /// Whether a distance to the branch is none.
+    pub fn has_arrived(left: S) -> bool {
+        left.value() < ARRIVED
+    }
+
+    /// What is left of a distance `left` in [0, 1] to the branch after any travel more: the equation integrated,
+    /// (left^p - p s)^(1/p) with p = 1 - exponent and s = travel over the bristle's. Near p = 0 it is
+    /// left exp(-s + p s (2 ln left - s) / 2) to the first order in p. What depends on `left` alone is evaluated once.
+    pub fn relaxing(&self, left: S) -> impl Fn(S) -> S {
+        let bristle_rad = self.travel_rad;
         let power = S::from(1.0) - self.exponent;
-        if left.value() < ARRIVED {
-            return S::from(0.0);
+        let is_exponential = power.is_zero();
+        let is_nearly = power.value().abs() < NEARLY_EXPONENTIAL;
+        let start = match (is_exponential, is_nearly) {
+            (true, _) => S::from(0.0),
+            (_, true) => left.ln(),
+            _ => left.powf(power),
+        };
+        move |travel_rad| {
+            let share = travel_rad / bristle_rad;
+            if is_exponential {
+                return left * (-share).exp();
+            }
+            if is_nearly {
+                return left * (power * share * (start - share / 2.0) - share).exp();
+            }
+            (start - power * share).max(S::from(0.0)).powf(S::from(1.0) / power)
         }
-        if power.is_zero() {
-            return left * (-share).exp();
-        }
-        if power.value().abs() < NEARLY_EXPONENTIAL {
-            return left * (power * share * (left.ln() - share / 2.0) - share).exp();
-        }
-        (left.powf(power) - power * share).max(S::from(0.0)).powf(S::from(1.0) / power)
     }
 }
 

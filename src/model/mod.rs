@@ -9,6 +9,7 @@ pub mod groups;
 mod joint;
 mod passage;
 mod predict;
+mod strokes;
 
 pub use crate::dynamics::{Both, Direction};
 pub use combination::{Combination, STABLE_K_F, Transition, moved, on_the_way, scale_of_arctan, settle};
@@ -19,6 +20,7 @@ pub use groups::Group;
 pub use joint::{Drive, Joint};
 pub use passage::{AT_REST_RAD_S, Passage};
 pub use predict::{Asked, Components};
+pub use strokes::Strokes;
 
 use crate::dynamics::Dynamics;
 use crate::effects::Added;

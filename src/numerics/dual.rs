@@ -186,7 +186,10 @@ impl Scalar for Dual {
 
     fn powf(self, exponent: Self) -> Self {
         let value = self.value.powf(exponent.value);
-        let by_base = or_zero(exponent.value * self.value.powf(exponent.value - 1.0));
+        let by_base = match self.value == 0.0 {
+            true => or_zero(exponent.value * self.value.powf(exponent.value - 1.0)),
+            false => exponent.value * value / self.value,
+        };
         self.join(exponent, value, by_base, or_zero(value * self.value.ln()))
     }
 

@@ -99,15 +99,21 @@ struct Section<const L: usize> {
 
 /// Replaces each of `samples` by what comes out of `sections` for it.
 fn run<'s, const L: usize>(sections: &mut [Section<L>], samples: impl Iterator<Item = &'s mut [f64; L]>) {
-    // Nearly all filters have two sections; of a known number they stay in registers.
-    match <&mut [Section<L>; 2]>::try_from(&mut *sections) {
-        Ok(two) => {
-            let mut kept = *two;
-            samples.for_each(|x| *x = step(&mut kept, *x));
-            *two = kept;
-        }
-        Err(_) => samples.for_each(|x| *x = step(sections, *x)),
+    match sections.len() {
+        1 => run_in_registers::<1, L>(sections, samples),
+        2 => run_in_registers::<2, L>(sections, samples),
+        _ => samples.for_each(|x| *x = step(sections, *x)),
     }
+}
+
+/// The same of nearly all filters, which have one section or two: of a known number they stay in registers.
+fn run_in_registers<'s, const N: usize, const L: usize>(
+    sections: &mut [Section<L>],
+    samples: impl Iterator<Item = &'s mut [f64; L]>,
+) {
+    let mut kept: [Section<L>; N] = from_fn(|at| sections[at]);
+    samples.for_each(|x| *x = step(&mut kept, *x));
+    sections.copy_from_slice(&kept);
 }
 
 /// One sample through `sections` in transposed direct form II: y = b0 x + z0, z0 = b1 x - a1 y + z1, z1 = b2 x - a2 y.

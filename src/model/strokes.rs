@@ -1,0 +1,287 @@
+//! K~ along a whole recorded motion: what depends on the motion alone is worked out once, then any model's K~ follows stroke by
+//! stroke. Beyond the end of a transition nothing is evaluated, and within it only as often as its curve bends.
+
+use super::{AT_REST_RAD_S, Combination, Direction, Model, on_the_way};
+use crate::effects::{Evaluated, Presliding};
+use crate::numerics::scalar::Scalar;
+use std::ops::Range;
+
+/// Samples over which a transition is first taken as two straight lines ...
+const SPAN: usize = 16;
+/// ... if it is as near to them as this, as a share of the way between both branches; else it is looked at more closely. Friction is
+/// known to 1e-3 of itself at best.
+const STRAIGHT: f64 = 2e-5;
+/// See [`between`], as shares of the travel.
+const MIDWAY: std::ops::RangeInclusive<f64> = 0.2..=0.8;
+
+/// A recorded motion cut at its reversals.
+#[derive(Debug, Clone)]
+pub struct Strokes {
+    strokes: Vec<Stroke>,
+    /// The furthest position of the stroke so far, at each sample, rad: moving back within the deadband does not count.
+    reached_rad: Vec<f64>,
+    /// Travel up to each sample, forth and back, rad.
+    travel_rad: Vec<f64>,
+    /// Sign of the speed; 0 at rest.
+    moving: Vec<i8>,
+}
+
+/// Motion in one direction.
+#[derive(Debug, Clone)]
+struct Stroke {
+    rows: Range<usize>,
+    direction: Direction,
+    /// Where the joint turned, rad.
+    from_rad: f64,
+}
+
+impl Strokes {
+    /// Of `positions_rad`, of which the speeds are given; travel back of less than `deadband_rad` is no reversal.
+    pub fn new(positions_rad: &[f64], velocity_rad_s: impl Iterator<Item = f64>, deadband_rad: f64) -> Self {
+        let first_rad = positions_rad.first().copied().unwrap_or(0.0);
+        let sets_out = positions_rad.iter().map(|x| x - first_rad).find(|away| away.abs() > deadband_rad);
+        let direction = if sets_out.is_some_and(|away| away < 0.0) { Direction::Down } else { Direction::Up };
+        let mut stroke = Stroke { rows: 0..0, direction, from_rad: first_rad };
+        let (mut strokes, mut at_rad, mut before_rad, mut sum_rad) = (Vec::new(), first_rad, first_rad, 0.0);
+        let (mut reached_rad, mut travel_rad) = (Vec::new(), Vec::new());
+        for (i, x) in positions_rad.iter().enumerate() {
+            let onward_rad = (x - at_rad) * stroke.direction.sign();
+            if onward_rad < -deadband_rad {
+                let direction = if *x > at_rad { Direction::Up } else { Direction::Down };
+                let next = Stroke { rows: i..i, direction, from_rad: at_rad };
+                strokes.push(std::mem::replace(&mut stroke, next));
+                at_rad = *x;
+            } else if onward_rad > 0.0 {
+                at_rad = *x;
+            }
+            stroke.rows.end = i + 1;
+            sum_rad += (x - before_rad).abs();
+            before_rad = *x;
+            reached_rad.push(at_rad);
+            travel_rad.push(sum_rad);
+        }
+        strokes.push(stroke);
+        let moving = |v: f64| i8::from(v >= AT_REST_RAD_S) - i8::from(v <= -AT_REST_RAD_S);
+        Self { strokes, reached_rad, travel_rad, moving: velocity_rad_s.map(moving).collect() }
+    }
+
+    /// The direction in which K_f first saturates, from where its start no longer matters; `Up` if it never does.
+    fn settled(&self, backlash_rad: f64) -> Direction {
+        let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
+        let crosses = |stroke: &&Stroke| {
+            let ends = [stroke.from_rad, self.reached_rad[stroke.rows.end - 1]];
+            low = ends.iter().copied().fold(low, f64::min);
+            high = ends.iter().copied().fold(high, f64::max);
+            high - low >= backlash_rad
+        };
+        let mut moved = self.strokes.iter().filter(|stroke| !stroke.rows.is_empty());
+        moved.find(crosses).map_or(Direction::Up, |stroke| stroke.direction)
+    }
+
+    /// Tells `then` what `of` the travel comes to at each of `rows`, along which it is smooth.
+    fn along<S: Scalar>(
+        way_rad: &[f64],
+        rows: Range<usize>,
+        of: &impl Fn(f64) -> S,
+        then: &mut impl FnMut(Range<usize>, S),
+    ) {
+        let Some(last) = rows.end.checked_sub(1).filter(|last| *last >= rows.start) else { return };
+        let mut from = (rows.start, of(way_rad[rows.start]));
+        then(rows.start..rows.start + 1, from.1);
+        while from.0 < last {
+            let to = (from.0 + SPAN).min(last);
+            let to = (to, of(way_rad[to]));
+            between(way_rad, from, to, of, then);
+            from = to;
+        }
+    }
+}
+
+/// The samples after `from` up to `to`, where the values are known.
+fn between<S: Scalar>(
+    way_rad: &[f64],
+    from: (usize, S),
+    to: (usize, S),
+    of: &impl Fn(f64) -> S,
+    then: &mut impl FnMut(Range<usize>, S),
+) {
+    let middle = (from.0 + to.0) / 2;
+    if middle == from.0 {
+        return then(to.0..to.0 + 1, to.1);
+    }
+    let share = |from: usize, to: usize, at: usize| {
+        let whole_rad = way_rad[to] - way_rad[from];
+        if whole_rad == 0.0 { 0.0 } else { (way_rad[at] - way_rad[from]) / whole_rad }
+    };
+    let chord = |from: (usize, S), to: (usize, S), at: usize| from.1 + (to.1 - from.1) * share(from.0, to.0, at);
+    let seen = (middle, of(way_rad[middle]));
+    // Midway in time must be about midway in travel, or it tells nothing of the longer part.
+    let is_told = way_rad[from.0] == way_rad[to.0] || MIDWAY.contains(&share(from.0, to.0, middle));
+    if !is_told || (seen.1 - chord(from, to, middle)).value().abs() > STRAIGHT {
+        between(way_rad, from, seen, of, then);
+        return between(way_rad, seen, to, of, then);
+    }
+    for (from, to) in [(from, seen), (seen, to)] {
+        (from.0 + 1..=to.0).for_each(|at| then(at..at + 1, chord(from, to, at)));
+    }
+}
+
+impl<S: Evaluated> Model<S> {
+    /// K~ along `motion`: tells `then` of all samples in order, many at once where it stays what it is. It is what
+    /// [`super::Passage`] makes of one sample after the other, to within 1e-4.
+    pub fn k_tilde_along(&self, motion: &Strokes, mut then: impl FnMut(Range<usize>, S)) {
+        let backlash_rad = self.backlash_m() / self.joint.pulley_radius_m;
+        let (added, presliding) = (self.added_curve(), self.presliding());
+        let jumps = added.is_none() && matches!(self.combination, Combination::Sign);
+        let share = |u: S| added.map_or_else(|| self.combination.share(u), |curve| curve.share(u));
+        let mut k_f = S::from(motion.settled(backlash_rad.value()).sign());
+        let mut k_tilde = (k_f + 1.0) / 2.0;
+        let mut bent = Bent { k_tilde, at_rad: 0.0 };
+        for Stroke { rows, direction, from_rad } in &motion.strokes {
+            let (start, sign) = ((k_f, k_tilde), direction.sign());
+            let end = S::from(sign);
+            let arrived = (end + 1.0) / 2.0;
+            let whole = (end - start.0).abs();
+            let crossed_rad = backlash_rad * whole / 2.0;
+            let passed = |reached_rad: &f64| (reached_rad - from_rad) * sign < crossed_rad.value();
+            let passes = if jumps { 0 } else { motion.reached_rad[rows.clone()].partition_point(passed) };
+            let passing = rows.start..rows.start + passes;
+            let done = |reached_rad: f64| S::from((reached_rad - from_rad) * sign) / crossed_rad;
+            let on_curve = |reached_rad: f64| on_the_way(start.1, share(done(reached_rad)), end);
+            let settled = passing.end..rows.end;
+            match &presliding {
+                None => {
+                    Strokes::along(&motion.reached_rad, passing.clone(), &on_curve, &mut then);
+                    match jumps {
+                        true => motion.by_speed(settled.clone(), arrived, &mut then),
+                        false if !settled.is_empty() => then(settled.clone(), arrived),
+                        false => (),
+                    }
+                }
+                Some(presliding) => {
+                    for at in passing.clone() {
+                        bent.follow(presliding, on_curve(motion.reached_rad[at]), motion.travel_rad[at]);
+                        then(at..at + 1, bent.k_tilde);
+                    }
+                    bent.settle(presliding, arrived, motion, settled.clone(), &mut then);
+                }
+            }
+            (k_f, k_tilde) = match (settled.is_empty(), rows.end.checked_sub(1)) {
+                (true, Some(last)) => {
+                    let reached_rad = motion.reached_rad[last];
+                    (start.0 + end * whole * done(reached_rad), on_curve(reached_rad))
+                }
+                _ => (end, arrived),
+            };
+        }
+    }
+}
+
+impl Strokes {
+    /// K~ that follows the sign of the speed alone, as (20) has it; at rest the last motion's, `arrived`.
+    fn by_speed<S: Scalar>(&self, rows: Range<usize>, arrived: S, then: &mut impl FnMut(Range<usize>, S)) {
+        for at in rows {
+            let k_tilde =
+                if self.moving[at] == 0 { arrived } else { S::from(f64::from(u8::from(self.moving[at] > 0))) };
+            then(at..at + 1, k_tilde);
+        }
+    }
+}
+
+/// Friction that follows its branch elastically.
+struct Bent<S> {
+    k_tilde: S,
+    /// Travel so far, rad.
+    at_rad: f64,
+}
+
+impl<S: Scalar> Bent<S> {
+    /// On to a travel of `to_rad`, the branch at `target` there.
+    fn follow(&mut self, presliding: &Presliding<S>, target: S, to_rad: f64) {
+        let behind = self.k_tilde - target;
+        let left = presliding.left(behind.abs(), S::from(to_rad - self.at_rad));
+        *self = Self { k_tilde: if behind.value() < 0.0 { target - left } else { target + left }, at_rad: to_rad };
+    }
+
+    /// On through `rows`, over which the branch stays at `target`.
+    fn settle(
+        &mut self,
+        presliding: &Presliding<S>,
+        target: S,
+        motion: &Strokes,
+        rows: Range<usize>,
+        then: &mut impl FnMut(Range<usize>, S),
+    ) {
+        let Some(last) = rows.end.checked_sub(1).filter(|_| !rows.is_empty()) else { return };
+        let (behind, from_rad) = (self.k_tilde - target, self.at_rad);
+        let left = presliding.relaxing(behind.abs());
+        let k_tilde = |travel_rad: f64| {
+            let left = left(S::from(travel_rad - from_rad));
+            if behind.value() < 0.0 { target - left } else { target + left }
+        };
+        let is_behind = |travel_rad: &f64| !Presliding::has_arrived(left(S::from(travel_rad - from_rad)));
+        let bending = rows.start..rows.start + motion.travel_rad[rows.clone()].partition_point(is_behind);
+        Strokes::along(&motion.travel_rad, bending.clone(), &k_tilde, then);
+        if bending.end < rows.end {
+            then(bending.end..rows.end, target);
+        }
+        let k_tilde = if bending.end < rows.end { target } else { k_tilde(motion.travel_rad[last]) };
+        *self = Self { k_tilde, at_rad: motion.travel_rad[last] };
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Strokes;
+    use crate::effects::Added;
+    use crate::model::{Combination, Model, Passage, settle};
+
+    /// Back and forth in strokes of several lengths, read by an encoder with steps and a little noise.
+    fn motion_rad() -> Vec<f64> {
+        let position = |i: i32| {
+            let t = f64::from(i) * 2e-3;
+            let noise = 2e-4 * (f64::from(i) * 12.9898).sin();
+            (((0.7 * t).sin() + 0.06 * (5.3 * t).sin() + noise) / 1e-3).round() * 1e-3
+        };
+        (0..20_000).map(position).collect()
+    }
+
+    fn speeds(positions_rad: &[f64]) -> impl Iterator<Item = f64> {
+        (0..positions_rad.len()).map(|i| positions_rad[i] - positions_rad[i.saturating_sub(1)])
+    }
+
+    #[test]
+    fn k_tilde_stroke_by_stroke_is_that_of_one_sample_after_the_other() {
+        let positions_rad = motion_rad();
+        let deadband_rad = 1.5e-3;
+        let motion = Strokes::new(&positions_rad, speeds(&positions_rad), deadband_rad);
+        let (n, p) = (1.7, 3.0);
+        let curves = [Combination::Sign, Combination::Linear, Combination::arctan(p), Combination::Power { n }];
+        let effects = ["", "reversal_transition:backlash_m=0.002,p=0.4,n=0.6", "presliding:travel_rad=0.02,exponent=1"];
+        let more = ["presliding:travel_rad=0.02,exponent=0.8", "presliding:travel_rad=0.02,exponent=1.4"];
+        for curve in curves {
+            for effect in effects.into_iter().chain(more) {
+                for backlash_m in [0.0, 1e-3, 4e-2] {
+                    let mut model = Model::read(std::path::Path::new("data/davinci_l4/base_model.json")).unwrap();
+                    (model.combination, model.joint.backlash_m) = (curve, backlash_m);
+                    model.effects.extend((!effect.is_empty()).then(|| Added::parse(effect).unwrap()));
+                    let backlash_rad = model.backlash_m() / model.joint.pulley_radius_m;
+                    let (direction, known_from) = settle(&positions_rad, backlash_rad, deadband_rad);
+                    let mut state = Passage::after(&model, direction, positions_rad[0], deadband_rad);
+                    let one_by_one: Vec<f64> =
+                        positions_rad.iter().zip(speeds(&positions_rad)).map(|(x, v)| state.step(*x, v)).collect();
+                    let mut along = Vec::new();
+                    model.k_tilde_along(&motion, |rows, k_tilde| {
+                        assert_eq!(rows.start, along.len());
+                        along.resize(rows.end, k_tilde);
+                    });
+                    assert_eq!(along.len(), positions_rad.len());
+                    let after = known_from + 200;
+                    for (i, (a, b)) in along.iter().zip(&one_by_one).enumerate().skip(after) {
+                        assert!((a - b).abs() < 1e-4, "{curve:?} {effect} {backlash_m}: row {i}: {a}, {b}");
+                    }
+                }
+            }
+        }
+    }
+}
