@@ -183,7 +183,7 @@ impl Record {
                 while from < end {
                     let at = from / step;
                     let to = ((at + 1) * step).min(end);
-                    sums[at.min(last)] += k_tilde * (to - from) as f64;
+                    sums[at.min(last)] += (to - from) as f64 * k_tilde;
                     weights[at.min(last)] += (to - from) as f64;
                     from = to;
                 }
