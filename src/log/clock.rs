@@ -54,3 +54,18 @@ pub fn clock_s(spans_s: &[(f64, f64)]) -> Vec<f64> {
         })
         .collect()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::is_one_recording;
+
+    #[test]
+    fn a_recording_cut_in_pieces_is_told_from_trials_of_their_own() {
+        assert!(is_one_recording(&[(0.21, 6.449), (6.45, 12.689), (12.69, 18.9)]));
+        // A pause, a clock that starts anew, a trial before the one before.
+        assert!(!is_one_recording(&[(0.0, 6.0), (7.0, 13.0)]));
+        assert!(!is_one_recording(&[(0.0, 6.0), (0.0, 6.0)]));
+        assert!(!is_one_recording(&[(6.0, 12.0), (0.0, 5.99)]));
+        assert!(is_one_recording(&[(0.0, 6.0)]));
+    }
+}
