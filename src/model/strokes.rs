@@ -18,10 +18,11 @@ const MIDWAY: std::ops::RangeInclusive<f64> = 0.2..=0.8;
 #[derive(Debug, Clone)]
 pub struct Strokes {
     strokes: Vec<Stroke>,
-    /// The furthest position of the stroke so far, at each sample, rad: moving back within the deadband does not count.
-    reached_rad: Vec<f64>,
-    /// Travel up to each sample, forth and back, rad.
-    travel_rad: Vec<f64>,
+    /// How far the stroke has come at each sample since the joint turned, rad: moving back within the deadband does not count. Near the
+    /// turn, where it matters, 24 bits are far below any encoder's step.
+    onward_rad: Vec<f32>,
+    /// Travel since the stroke before, forth and back, rad.
+    travel_rad: Vec<f32>,
     /// Sign of the speed; 0 at rest.
     moving: Vec<i8>,
 }
@@ -43,33 +44,34 @@ impl Strokes {
         let direction = if sets_out.is_some_and(|away| away < 0.0) { Direction::Down } else { Direction::Up };
         let mut stroke = Stroke { rows: 0..0, direction, from_rad: first_rad };
         let (mut strokes, mut at_rad, mut before_rad, mut sum_rad) = (Vec::new(), first_rad, first_rad, 0.0);
-        let (mut reached_rad, mut travel_rad) = (Vec::new(), Vec::new());
+        let [mut onward_rad, mut travel_rad] = [(); 2].map(|()| Vec::with_capacity(positions_rad.len()));
         for (i, x) in positions_rad.iter().enumerate() {
-            let onward_rad = (x - at_rad) * stroke.direction.sign();
-            if onward_rad < -deadband_rad {
+            let further_rad = (x - at_rad) * stroke.direction.sign();
+            if further_rad < -deadband_rad {
                 let direction = if *x > at_rad { Direction::Up } else { Direction::Down };
                 let next = Stroke { rows: i..i, direction, from_rad: at_rad };
                 strokes.push(std::mem::replace(&mut stroke, next));
-                at_rad = *x;
-            } else if onward_rad > 0.0 {
+                (at_rad, sum_rad) = (*x, 0.0);
+            } else if further_rad > 0.0 {
                 at_rad = *x;
             }
             stroke.rows.end = i + 1;
             sum_rad += (x - before_rad).abs();
             before_rad = *x;
-            reached_rad.push(at_rad);
-            travel_rad.push(sum_rad);
+            onward_rad.push(((at_rad - stroke.from_rad) * stroke.direction.sign()) as f32);
+            travel_rad.push(sum_rad as f32);
         }
         strokes.push(stroke);
         let moving = |v: f64| i8::from(v >= AT_REST_RAD_S) - i8::from(v <= -AT_REST_RAD_S);
-        Self { strokes, reached_rad, travel_rad, moving: velocity_rad_s.map(moving).collect() }
+        Self { strokes, onward_rad, travel_rad, moving: velocity_rad_s.map(moving).collect() }
     }
 
     /// The direction in which K_f first saturates, from where its start no longer matters; `Up` if it never does.
     fn settled(&self, backlash_rad: f64) -> Direction {
         let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
         let crosses = |stroke: &&Stroke| {
-            let ends = [stroke.from_rad, self.reached_rad[stroke.rows.end - 1]];
+            let onward_rad = f64::from(self.onward_rad[stroke.rows.end - 1]);
+            let ends = [stroke.from_rad, stroke.from_rad + onward_rad * stroke.direction.sign()];
             low = ends.iter().copied().fold(low, f64::min);
             high = ends.iter().copied().fold(high, f64::max);
             high - low >= backlash_rad
@@ -80,17 +82,17 @@ impl Strokes {
 
     /// Tells `then` what `of` the travel comes to at each of `rows`, along which it is smooth.
     fn along<S: Scalar>(
-        way_rad: &[f64],
+        way_rad: &[f32],
         rows: Range<usize>,
         of: &impl Fn(f64) -> S,
         then: &mut impl FnMut(Range<usize>, S),
     ) {
         let Some(last) = rows.end.checked_sub(1).filter(|last| *last >= rows.start) else { return };
-        let mut from = (rows.start, of(way_rad[rows.start]));
+        let mut from = (rows.start, of(f64::from(way_rad[rows.start])));
         then(rows.start..rows.start + 1, from.1);
         while from.0 < last {
             let to = (from.0 + SPAN).min(last);
-            let to = (to, of(way_rad[to]));
+            let to = (to, of(f64::from(way_rad[to])));
             between(way_rad, from, to, of, then);
             from = to;
         }
@@ -99,7 +101,7 @@ impl Strokes {
 
 /// The samples after `from` up to `to`, where the values are known.
 fn between<S: Scalar>(
-    way_rad: &[f64],
+    way_rad: &[f32],
     from: (usize, S),
     to: (usize, S),
     of: &impl Fn(f64) -> S,
@@ -110,11 +112,11 @@ fn between<S: Scalar>(
         return then(to.0..to.0 + 1, to.1);
     }
     let share = |from: usize, to: usize, at: usize| {
-        let whole_rad = way_rad[to] - way_rad[from];
-        if whole_rad == 0.0 { 0.0 } else { (way_rad[at] - way_rad[from]) / whole_rad }
+        let [from_rad, to_rad, at_rad] = [from, to, at].map(|i| f64::from(way_rad[i]));
+        if to_rad == from_rad { 0.0 } else { (at_rad - from_rad) / (to_rad - from_rad) }
     };
     let chord = |from: (usize, S), to: (usize, S), at: usize| from.1 + (to.1 - from.1) * share(from.0, to.0, at);
-    let seen = (middle, of(way_rad[middle]));
+    let seen = (middle, of(f64::from(way_rad[middle])));
     // Midway in time must be about midway in travel, or it tells nothing of the longer part.
     let is_told = way_rad[from.0] == way_rad[to.0] || MIDWAY.contains(&share(from.0, to.0, middle));
     if !is_told || (seen.1 - chord(from, to, middle)).value().abs() > STRAIGHT {
@@ -137,21 +139,21 @@ impl<S: Evaluated> Model<S> {
         let mut k_f = S::from(motion.settled(backlash_rad.value()).sign());
         let mut k_tilde = (k_f + 1.0) / 2.0;
         let mut bent = Bent { k_tilde, at_rad: 0.0 };
-        for Stroke { rows, direction, from_rad } in &motion.strokes {
+        for Stroke { rows, direction, .. } in &motion.strokes {
             let (start, sign) = ((k_f, k_tilde), direction.sign());
             let end = S::from(sign);
             let arrived = (end + 1.0) / 2.0;
             let whole = (end - start.0).abs();
             let crossed_rad = backlash_rad * whole / 2.0;
-            let passed = |reached_rad: &f64| (reached_rad - from_rad) * sign < crossed_rad.value();
-            let passes = if jumps { 0 } else { motion.reached_rad[rows.clone()].partition_point(passed) };
+            let passed = |onward_rad: &f32| f64::from(*onward_rad) < crossed_rad.value();
+            let passes = if jumps { 0 } else { motion.onward_rad[rows.clone()].partition_point(passed) };
             let passing = rows.start..rows.start + passes;
-            let done = |reached_rad: f64| S::from((reached_rad - from_rad) * sign) / crossed_rad;
-            let on_curve = |reached_rad: f64| on_the_way(start.1, share(done(reached_rad)), end);
+            let done = |onward_rad: f64| S::from(onward_rad) / crossed_rad;
+            let on_curve = |onward_rad: f64| on_the_way(start.1, share(done(onward_rad)), end);
             let settled = passing.end..rows.end;
             match &presliding {
                 None => {
-                    Strokes::along(&motion.reached_rad, passing.clone(), &on_curve, &mut then);
+                    Strokes::along(&motion.onward_rad, passing.clone(), &on_curve, &mut then);
                     match jumps {
                         true => motion.by_speed(settled.clone(), arrived, &mut then),
                         false if !settled.is_empty() => then(settled.clone(), arrived),
@@ -159,8 +161,10 @@ impl<S: Evaluated> Model<S> {
                     }
                 }
                 Some(presliding) => {
+                    bent.at_rad = 0.0;
                     for at in passing.clone() {
-                        bent.follow(presliding, on_curve(motion.reached_rad[at]), motion.travel_rad[at]);
+                        let [onward_rad, to_rad] = [&motion.onward_rad, &motion.travel_rad].map(|of| f64::from(of[at]));
+                        bent.follow(presliding, on_curve(onward_rad), to_rad);
                         then(at..at + 1, bent.k_tilde);
                     }
                     bent.settle(presliding, arrived, motion, settled.clone(), &mut then);
@@ -168,8 +172,8 @@ impl<S: Evaluated> Model<S> {
             }
             (k_f, k_tilde) = match (settled.is_empty(), rows.end.checked_sub(1)) {
                 (true, Some(last)) => {
-                    let reached_rad = motion.reached_rad[last];
-                    (start.0 + end * whole * done(reached_rad), on_curve(reached_rad))
+                    let onward_rad = f64::from(motion.onward_rad[last]);
+                    (start.0 + end * whole * done(onward_rad), on_curve(onward_rad))
                 }
                 _ => (end, arrived),
             };
@@ -191,7 +195,7 @@ impl Strokes {
 /// Friction that follows its branch elastically.
 struct Bent<S> {
     k_tilde: S,
-    /// Travel so far, rad.
+    /// Travel in the stroke so far, rad.
     at_rad: f64,
 }
 
@@ -219,14 +223,14 @@ impl<S: Scalar> Bent<S> {
             let left = left(S::from(travel_rad - from_rad));
             if behind.value() < 0.0 { target - left } else { target + left }
         };
-        let is_behind = |travel_rad: &f64| !Presliding::has_arrived(left(S::from(travel_rad - from_rad)));
+        let is_behind = |travel_rad: &f32| !Presliding::has_arrived(left(S::from(f64::from(*travel_rad) - from_rad)));
         let bending = rows.start..rows.start + motion.travel_rad[rows.clone()].partition_point(is_behind);
         Strokes::along(&motion.travel_rad, bending.clone(), &k_tilde, then);
         if bending.end < rows.end {
             then(bending.end..rows.end, target);
         }
-        let k_tilde = if bending.end < rows.end { target } else { k_tilde(motion.travel_rad[last]) };
-        *self = Self { k_tilde, at_rad: motion.travel_rad[last] };
+        let at_rad = f64::from(motion.travel_rad[last]);
+        *self = Self { k_tilde: if bending.end < rows.end { target } else { k_tilde(at_rad) }, at_rad };
     }
 }
 
