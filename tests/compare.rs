@@ -94,7 +94,7 @@ fn each_change_is_named() {
     assert_eq!(changed(|m| m.dynamics.gravity_nm *= 1.05), [(CauseKind::Gravity, None)]);
 }
 
-/// The load coefficient of each direction by itself, not a gain that one direction makes up for: a gain is their rival.
+/// The load coefficient of each direction by itself, not a gain that one direction compensates for: a gain is their rival.
 #[test]
 fn load_coefficients_of_both_directions_are_told_apart_from_a_gain() {
     let mut after = truth();

@@ -272,9 +272,8 @@ fn a_stop_takes_what_it_loses() {
     assert!(stop(",loss_nm=1") > stop("") + 0.01, "{} of {}", stop(",loss_nm=1"), stop(""));
 }
 
-#[test]
-fn numbers_that_contradict_the_name_are_told() {
-    let extent = Extent {
+fn extent() -> Extent {
+    Extent {
         position_rad: (0.2, 1.1),
         stroke_rad: 0.8,
         speed_rad_s: (0.02, 2.0),
@@ -289,7 +288,26 @@ fn numbers_that_contradict_the_name_are_told() {
         backlash_m: 0.002,
         pulley_radius_m: 0.05,
         turns: true,
+    }
+}
+
+/// A recording that was cut goes on: nothing starts anew with its pieces.
+#[test]
+fn no_law_of_time_restarts_within_one_recording() {
+    let restarts = |extent: &Extent, id: &str| {
+        let starts = find(id).unwrap().starts(extent);
+        assert!(!starts.is_empty());
+        starts.iter().filter(|start| start[0] > 0.5).count()
     };
+    for id in ["sensor_drift", "warm_up"] {
+        assert!(restarts(&extent(), id) > 0);
+        assert_eq!(restarts(&Extent { one_recording: true, ..extent() }, id), 0, "{id}");
+    }
+}
+
+#[test]
+fn numbers_that_contradict_the_name_are_told() {
+    let extent = extent();
     let is_itself = |text: &str| {
         let added = Added::parse(text).unwrap();
         added.effect.is_itself(&added.parameters, &extent)

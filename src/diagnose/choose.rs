@@ -85,7 +85,7 @@ pub fn choose<'d>(mask: &Arc<Mask<'d>>, model: &Model, progress: &(dyn Fn() + Sy
         how: step.taken.how,
         rivals: rivals(&step.taken, &step.tried, start),
         seconds: seconds(&step.taken, &step.tried, start),
-        distinctness: step.distinctness(),
+        distinctness: step.distinctness,
         without: step.without.score(),
         tried: step.tried,
     };
@@ -143,7 +143,7 @@ impl<'d> Search<'d, '_> {
     fn one_more(&self, way: &Forward<'d>, tried: &[FittedCause<'d>]) -> Option<(Vec<Hypothesis>, Fit<'d>)> {
         let best = simplest(tried, self.start)?;
         // The simplest that does as well may be too little to be named where the best is not.
-        let share = |cause: Cause| if way.chosen.is_empty() { Share::First } else { Share::of(cause, 1.0) };
+        let share = |cause: Cause| if way.chosen.is_empty() { Share::First } else { Share::at_best(cause) };
         let enough = |at: &usize| self.is_material(&tried[*at].fit, &way.fit, share(tried[*at].cause));
         let at = [best, 0].into_iter().find(enough)?;
         let chosen: Vec<Hypothesis> = way.chosen.iter().cloned().chain(tried[at].hypothesis()).collect();
@@ -239,7 +239,7 @@ impl<'d> Search<'d, '_> {
     /// What each cause that was found reaches, and in what the best of those refused fall short.
     fn decisions(&self, steps: &[Step<'d>], last: &Fit<'d>, refused: &[FittedCause<'d>]) -> Vec<Decision> {
         let named = steps.iter().flat_map(|step| {
-            let distinctness = step.distinctness();
+            let distinctness = step.distinctness;
             let share = if steps.len() < 2 { Share::First } else { step.share() };
             let all = self.requirements(last, &step.without, share);
             let outcome = if distinctness >= DISTINCT { "distinct" } else { "others explain nearly as much" };
@@ -248,7 +248,7 @@ impl<'d> Search<'d, '_> {
             all.into_iter().map(move |met| met.decision(subject, "named")).chain([beside])
         });
         let in_vain = refused.iter().take(REFUSED_TOLD).flat_map(|tried| {
-            let share = if steps.is_empty() { Share::First } else { Share::of(tried.cause, 1.0) };
+            let share = if steps.is_empty() { Share::First } else { Share::at_best(tried.cause) };
             let all = self.requirements(&tried.fit, last, share);
             all.into_iter().filter(|r| !r.is_met()).map(|short| short.decision(tried.cause.name(), "refused"))
         });

@@ -113,7 +113,7 @@ pub enum Share {
     First,
     /// That of a further one.
     Further,
-    /// That of a further one whose gain falls to no other cause, or has yet to show whether it does.
+    /// That of a further one whose gain falls to no other cause.
     Distinct,
 }
 
@@ -135,6 +135,11 @@ impl Share {
     pub fn of(cause: Cause, distinctness: f64) -> Self {
         let of_time = cause.effect().is_some_and(|effect| effect.about().of_time);
         if !of_time && distinctness >= DISTINCT { Self::Distinct } else { Self::Further }
+    }
+
+    /// That of a further `cause` of which it has yet to show whether it is distinct.
+    pub fn at_best(cause: Cause) -> Self {
+        Self::of(cause, 1.0)
     }
 }
 
@@ -257,4 +262,24 @@ pub fn seconds(taken: &FittedCause, tried: &[FittedCause], start: f64) -> Vec<Ca
 /// Whether `cause`, an effect, says that it can be mistaken for `other`.
 fn names(cause: Cause, other: Cause) -> bool {
     cause.effect().is_some_and(|effect| effect.about().trades_with.contains(&other.name()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Cause, DISTINCT, Share};
+
+    #[test]
+    fn a_weak_cause_is_named_where_no_other_explains_the_same_and_time_explains_anything() {
+        let ripple = Cause::Effect("torque_ripple");
+        assert_eq!(Share::of(ripple, DISTINCT), Share::Distinct);
+        assert_eq!(Share::of(ripple, DISTINCT - 0.01), Share::Further);
+        for of_time in ["sensor_drift", "warm_up"] {
+            assert_eq!(Share::of(Cause::Effect(of_time), 1.0), Share::Further);
+        }
+        // A tenth of a gap of which half is left: enough for one that is distinct, not for another.
+        let least = |share: Share| share.least(0.5, 1.0, 0.01);
+        assert!(least(Share::Distinct) < 0.1 && least(Share::Further) > 0.1);
+        // Of next to nothing that is left no share is enough: it must be as large as the floor.
+        assert!(Share::Distinct.least(0.01, 1.0, 0.01) >= 0.01);
+    }
 }

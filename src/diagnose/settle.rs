@@ -17,17 +17,19 @@ pub struct Step<'d> {
     pub tried: Vec<FittedCause<'d>>,
     /// The fit of the others alone.
     pub without: Fit<'d>,
+    /// How far the cause is ahead of every other that was tried, as a share of its gain on what was left then.
+    pub distinctness: f64,
 }
 
-impl Step<'_> {
-    /// The share of the gap that its cause must explain.
-    pub fn share(&self) -> Share {
-        Share::of(self.taken.cause, self.distinctness())
+impl<'d> Step<'d> {
+    fn new(taken: FittedCause<'d>, tried: Vec<FittedCause<'d>>, without: Fit<'d>) -> Self {
+        let distinctness = distinctness(&taken, &tried, without.score());
+        Self { taken, tried, without, distinctness }
     }
 
-    /// How far its cause is ahead of every other in its place, as a share of its gain.
-    pub fn distinctness(&self) -> f64 {
-        distinctness(&self.taken, &self.tried, self.without.score())
+    /// The share of the gap that its cause must explain.
+    pub fn share(&self) -> Share {
+        Share::of(self.taken.cause, self.distinctness)
     }
 }
 
@@ -60,17 +62,16 @@ impl<'d> Search<'d, '_> {
         let (others, without) = self.together(&others);
         let base = self.base_of(&without);
         let round = self.round(&base, &others);
-        let mut step = self.place(&chosen[at], round.tried, without, &self.base_beside(&all_but(chosen, at)));
+        let step = self.place(&chosen[at], round.tried, without, &self.base_beside(&all_but(chosen, at)));
         let Some(best) = simplest(&step.tried, self.start) else { return step };
         let (own, best, first) = (&step.taken, &step.tried[best], &step.tried[0]);
         let is_simple = own.count() <= best.count();
         let stays = is_simple && is_tie(&first.fit, &own.fit, self.start);
         let order = if stays { [own, best, first] } else { [best, own, first] };
         let enough =
-            |tried: &&FittedCause<'d>| self.is_material(&tried.fit, &step.without, Share::of(tried.cause, 1.0));
+            |tried: &&FittedCause<'d>| self.is_material(&tried.fit, &step.without, Share::at_best(tried.cause));
         let taken = order.into_iter().find(enough).unwrap_or(best).clone();
-        step.taken = taken;
-        step
+        Step::new(taken, step.tried, step.without)
     }
 
     /// `hypothesis` as one of `tried`, or fitted on `base` from where it stands, whichever does better: the others alone may have
@@ -93,7 +94,7 @@ impl<'d> Search<'d, '_> {
             tried.insert(behind, own.clone());
             own.clone()
         });
-        Step { taken, tried, without }
+        Step::new(taken, tried, without)
     }
 
     fn without_idle(&self, mut chosen: Vec<Hypothesis>, mut steps: Vec<Step<'d>>) -> (Vec<Step<'d>>, Fit<'d>) {

@@ -42,7 +42,8 @@ fn approximate(found: &Diagnosis, units: &Units) -> String {
     let lies =
         found.remainder.first().map_or(String::new(), |at| format!(", mostly {} ({})", place(at.region), at.detail));
     format!(
-        "The formula fits only approximately: {}, {} of the gap's energy, are left{lies}.",
+        "{} only approximately: {}, {} of the gap's energy, are left{lies}.",
+        if verdict.kind == Kind::Several { "The formulas fit" } else { "The formula fits" },
         units.torque(verdict.gap_after_nm),
         percent(share)
     )
@@ -113,8 +114,8 @@ fn probabilities(found: &Diagnosis) -> String {
 fn encoder_part(floor: &Floor, units: Units) -> Option<String> {
     let most = match floor.encoder_simulated_nm > MORE_THAN_COUNTED * floor.encoder_nm {
         true => format!(
-            " Simulated it is {}, more than the noise leaves room for in what the model does not explain: only that much is counted, \
-             and what remains above the floor is a lower bound.",
+            " Simulated they are {}, more than is left beside the noise: only what is left is counted, so what remains above the floor is a \
+             lower bound.",
             units.torque(floor.encoder_simulated_nm)
         ),
         false => String::new(),
