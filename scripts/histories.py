@@ -73,12 +73,14 @@ def session(rng, base, name, friction, a, scatter, scatter_a):
     """What one session finds."""
     model = copy.deepcopy(base)
     model["joint"]["name"] = name
+    errors = [rng.gauss(0, 1 / HALF_WIDTH) for _ in model["functions"]["up"]["shared"]]
     for d in ("up", "down"):
         scale = friction[d] * (1 + rng.gauss(0, scatter))
         of = model["functions"][d]
         gain = a[d] * (1 + rng.gauss(0, scatter_a))
-        of["a_nm"] = of["a_nm"] * gain + rng.gauss(0, of["a_half_width_nm"] / HALF_WIDTH)
-        common = rng.gauss(0, of["b_common_half_width_nm"] / HALF_WIDTH)
+        adds = lambda to: sum(error * shared[to] for error, shared in zip(errors, of["shared"]))
+        of["a_nm"] = of["a_nm"] * gain + adds("a_nm")
+        common = adds("b_nm")
         for level in of["b"]:
             level["b_nm"] = level["b_nm"] * scale + common + rng.gauss(0, level["half_width_nm"] / HALF_WIDTH)
         for term, value in model["friction"][d].items():

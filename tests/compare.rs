@@ -1,8 +1,8 @@
 //! Two models of one joint: what changed, and what cannot be said.
 
 use crate::campaigns::truth;
-use tautline::compare::{CauseKind, Comparison, Verdict, compare};
-use tautline::model::{Both, BranchFunctions, Confidence, Direction, Functions, Level, Model, Status};
+use tautline::compare::{CauseKind, Comparison, FunctionKind, Verdict, compare};
+use tautline::model::{Both, BranchFunctions, Confidence, Direction, Functions, Level, Model, SharedError, Status};
 
 fn verdict(found: &Comparison, name: &str) -> Verdict {
     found.changes.iter().find(|c| c.name == name).unwrap().verdict
@@ -65,7 +65,7 @@ fn with_functions(mut model: Model) -> Model {
         let level = |v: &f64| Level { speed_rad_s: *v, b_nm: model.b_nm(direction, *v), se_nm: 1e-3 };
         let a_nm = model.joint.transmission() * model.dynamics.gravity_nm / (1.0 - mu_c);
         let levels = speeds.iter().map(level).collect();
-        Some(BranchFunctions { a_nm, a_se_nm: 1e-3 * a_nm, levels, common_se_nm: 1e-4 })
+        Some(BranchFunctions { a_nm, a_se_nm: 1e-3 * a_nm, levels, common_se_nm: 1e-4, errors: Vec::new() })
     };
     model.functions = Functions { branches: Both::make(branch) };
     model
@@ -147,4 +147,67 @@ fn functions_are_read_back_from_the_file() {
     assert_eq!(a.levels.len(), b.levels.len());
     assert!((a.levels[3].se_nm - b.levels[3].se_nm).abs() < 1e-12 && a.levels[3].b_nm == b.levels[3].b_nm);
     assert!((a.a_se_nm / b.a_se_nm - 1.0).abs() < 1e-9);
+}
+
+/// The zero of the position moves B of both directions alike: it hides neither a change of one of them nor the width between them.
+#[test]
+fn an_error_of_both_directions_hides_no_change_of_one() {
+    let known = |mut model: Model, is_shared: bool| {
+        model = with_functions(model);
+        let zero = SharedError { a_nm: 0.0, b_nm: 5e-3 };
+        for direction in Direction::BOTH {
+            let of = model.functions.branches.of_mut(direction).as_mut().unwrap();
+            let own = SharedError { a_nm: of.a_se_nm, b_nm: -0.6 * of.a_se_nm };
+            let none = SharedError::default();
+            let told = if direction == Direction::Up { vec![own, none, zero] } else { vec![none, own, zero] };
+            of.common_se_nm = own.b_nm.hypot(zero.b_nm);
+            of.errors = if is_shared { told } else { Vec::new() };
+        }
+        model
+    };
+    let found = |is_shared: bool| {
+        let mut after = truth();
+        after.friction.down.a_j *= 1.03;
+        compare(&known(truth(), is_shared), &known(after, is_shared)).unwrap()
+    };
+    let (shared, apart) = (found(true), found(false));
+    let named: Vec<_> = shared.attribution.causes.iter().map(|cause| (cause.kind, cause.direction)).collect();
+    assert_eq!(named, [(CauseKind::Coulomb, Some(Direction::Down))]);
+    assert!(apart.attribution.causes.is_empty(), "{:?}", apart.attribution);
+    let width = |found: &Comparison| {
+        found.functions.iter().find(|of| of.kind == FunctionKind::Hysteresis).unwrap().half_width()
+    };
+    assert!(width(&shared) < 0.5 * width(&apart), "{} {}", width(&shared), width(&apart));
+    assert!(shared.effect.explained_nm < apart.effect.explained_nm);
+    // The file keeps what they share.
+    let text = known(truth(), true).to_json().to_string();
+    let read = Model::parse(std::path::Path::new("model.json"), &text).unwrap();
+    for (a, b) in read.functions.errors(Direction::Up).iter().zip(known(truth(), true).functions.errors(Direction::Up))
+    {
+        assert!((a.a_nm - b.a_nm).abs() < 1e-9 && (a.b_nm - b.b_nm).abs() < 1e-9);
+    }
+}
+
+/// Free motion tells B at its own speeds, and where no load shows A, only that is not known.
+#[test]
+fn what_one_model_leaves_open_is_named_and_the_rest_compared() {
+    let moved = |mut model: Model, speeds: [f64; 2]| {
+        for direction in Direction::BOTH {
+            let b_nm = |v: f64| model.b_nm(direction, v);
+            let levels = speeds.map(|v| Level { speed_rad_s: v, b_nm: b_nm(v), se_nm: 1e-3 }).to_vec();
+            let of =
+                BranchFunctions { a_nm: 0.35, a_se_nm: f64::INFINITY, levels, common_se_nm: 1e-3, errors: Vec::new() };
+            *model.functions.branches.of_mut(direction) = Some(of);
+        }
+        model
+    };
+    let mut after = truth();
+    after.friction.up.a_j *= 1.1;
+    let found = compare(&moved(truth(), [0.5, 1.3]), &moved(after, [0.6, 1.5])).unwrap();
+    assert_eq!(found.unknown, Direction::BOTH.map(|direction| (FunctionKind::Load, direction)));
+    let b: Vec<f64> =
+        found.functions.iter().filter(|of| of.kind == FunctionKind::Friction).filter_map(|of| of.speed_rad_s).collect();
+    assert!(b.len() == 6 && b.iter().all(|speed| (0.6..=1.3).contains(speed)), "{b:?}");
+    let [cause] = &found.attribution.causes[..] else { panic!("{:?}", found.attribution) };
+    assert_eq!((cause.kind, cause.direction), (CauseKind::Coulomb, Some(Direction::Up)));
 }

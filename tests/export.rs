@@ -353,7 +353,7 @@ fn simulators_and_tables_say_what_they_lack() {
 fn tables_tell_where_a_search_ended() {
     let mut model = model("data/elbow/truth/model.json");
     let levels = [0.02, 0.4].map(|speed_rad_s| Level { speed_rad_s, b_nm: 0.8, se_nm: 0.001 }).to_vec();
-    let up = BranchFunctions { a_nm: 0.35, a_se_nm: 0.001, levels, common_se_nm: 0.001 };
+    let up = BranchFunctions { a_nm: 0.35, a_se_nm: 0.001, levels, common_se_nm: 0.001, errors: Vec::new() };
     model.functions.branches.up = Some(up);
     // The slowest rate that sweeps up to 0.4 rad/s show.
     let known = Confidence { low: 0.2 / 0.4, high: 12.2, cv: 0.3, status: Status::TradeOff };

@@ -3,7 +3,7 @@
 use crate::campaigns::{plan, truth};
 use std::path::Path;
 use tautline::dynamics::Dynamics;
-use tautline::identify::combination::{JudgedOn, Settings as CombinationSettings};
+use tautline::identify::combination::{CurveKind, JudgedOn, Settings as CombinationSettings};
 use tautline::identify::{Identification, Route, Settings, run};
 use tautline::log::{Campaign, Protocol, TrialEntry};
 use tautline::model::{Combination, Direction, Model, Status, Term};
@@ -156,5 +156,22 @@ fn one_stribeck_term_is_merged_from_two() {
             let known = found.model.confidence[&term.dotted(direction)];
             assert!(matches!(known.status, Status::Merged | Status::Flat), "{term:?}: {known:?}");
         }
+    }
+}
+
+/// A curve asked for where the clearance is next to nothing: its p is not shown, and nothing else becomes open because of it.
+#[test]
+fn what_is_not_shown_opens_no_other_interval() {
+    let mut joint = truth();
+    joint.joint.backlash_m = 1e-7;
+    let folder = cosines(&joint, &PERIODS_S, 2, Protocol::Free);
+    let wanted = CombinationSettings { wanted: Some(CurveKind::Arctan), estimate_backlash: false };
+    let found = tried(folder.path(), wanted).unwrap();
+    assert_eq!(found.model.confidence["combination.p"].status, Status::Flat);
+    for direction in Direction::BOTH {
+        let of = found.model.functions.branches.of(direction).clone().unwrap();
+        assert!(of.a_se_nm.is_finite() && of.common_se_nm.is_finite(), "{of:?}");
+        let known = found.model.confidence[&Term::Coulomb.dotted(direction)];
+        assert!(known.low.is_finite() && known.high.is_finite(), "{known:?}");
     }
 }

@@ -17,6 +17,7 @@ fn session_model(relative_level: f64) -> Model {
             .map(|speed_rad_s| Level { speed_rad_s, b_nm: direction.sign() * b_nm * relative_level, se_nm: 0.002 })
             .to_vec(),
         common_se_nm: 0.001,
+        errors: Vec::new(),
     };
     model.functions.branches =
         Both { up: Some(branch(Direction::Up, 0.35, 0.8)), down: Some(branch(Direction::Down, 0.33, 0.3)) };

@@ -3,7 +3,7 @@
 
 use super::table::Row;
 use crate::compare::{change_over_m, parameters_of};
-use crate::model::{Direction, Model, Status};
+use crate::model::{Direction, Model, Status, shared_speeds};
 use crate::numerics::statistics::HALF_WIDTH;
 
 /// A run does not show a parameter whose half width exceeds this many times its value.
@@ -80,24 +80,12 @@ fn functions(models: &[&Model]) -> Vec<Quantity> {
 
 /// The slowest and the fastest speed at which every model that has any knows B(v), rad/s.
 pub(super) fn speeds(models: &[&Model], direction: Direction) -> Option<(f64, f64)> {
-    let ends = |model: &&Model| {
-        let levels = &model.functions.branches.of(direction).as_ref()?.levels;
-        Some((levels.first()?.speed_rad_s, levels.last()?.speed_rad_s))
-    };
-    let ranges: Vec<(f64, f64)> = models.iter().filter_map(ends).collect();
-    let slowest = ranges.iter().map(|range| range.0).fold(0.0, f64::max);
-    let fastest = ranges.iter().map(|range| range.1).fold(f64::INFINITY, f64::min);
-    (slowest > 0.0 && slowest < fastest && fastest.is_finite()).then_some((slowest, fastest))
+    shared_speeds(models.iter().filter_map(|model| model.functions.branches.of(direction).as_ref()))
 }
 
 /// B at `speed_rad_s` in one direction.
 pub(super) fn friction(models: &[&Model], direction: Direction, speed_rad_s: f64) -> Quantity {
-    let b = |model: &&Model| {
-        let of = model.functions.branches.of(direction).as_ref()?;
-        let level = of.at(speed_rad_s)?;
-        let se = level.se_nm.hypot(of.common_se_nm);
-        se.is_finite().then_some((level.b_nm, se))
-    };
+    let b = |model: &&Model| model.functions.b_nm(direction, speed_rad_s).filter(|(_, se)| se.is_finite());
     let kind = models.first().map(|model| model.joint.kind).unwrap_or_default();
     Quantity {
         name: format!("B({speed_rad_s:.3} {}) moving {}", kind.speed_unit(), direction.name()),

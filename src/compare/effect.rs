@@ -61,13 +61,13 @@ impl Effect {
     }
 }
 
-/// B(v) at the reference speeds, `up` first.
-pub(super) fn levels(before: &Model, after: &Model) -> Vec<Level> {
+/// B(v) at `speeds_rad_s`, `up` first.
+pub(super) fn levels(before: &Model, after: &Model, speeds_rad_s: &[f64]) -> Vec<Level> {
     let level = |direction, speed_rad_s| Level {
         direction,
         speed_rad_s,
         before_nm: before.b_nm(direction, speed_rad_s),
         after_nm: after.b_nm(direction, speed_rad_s),
     };
-    Direction::BOTH.into_iter().flat_map(|d| REFERENCE_SPEEDS_RAD_S.map(|v| level(d, v))).collect()
+    Direction::BOTH.into_iter().flat_map(|d| speeds_rad_s.iter().map(move |v| level(d, *v))).collect()
 }

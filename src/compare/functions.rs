@@ -1,7 +1,7 @@
 //! What both models know well even where their parameters trade off, each with its interval: A, B(v), the width of the hysteresis,
 //! the travel of the change-over after a reversal.
 
-use crate::model::{Combination, Direction, Model};
+use crate::model::{Both, BranchFunctions, Combination, Direction, Model, shared_speeds};
 use crate::numerics::statistics::HALF_WIDTH;
 
 /// The share of the change-over whose travel is told: a curve that creeps to its end has no other end to speak of.
@@ -91,6 +91,43 @@ pub fn change_over_m(model: &Model) -> Option<(f64, f64)> {
     Some((value, by_curve.hypot(by_backlash)))
 }
 
+/// Speeds at which B is told where the usual ones lie outside of what the models know.
+const SPEEDS: usize = 3;
+
+/// Those of `usual_rad_s` at which both models know B in both directions, or some of their own between the slowest and the fastest.
+pub(super) fn speeds_rad_s(before: &Model, after: &Model, usual_rad_s: &[f64]) -> Vec<f64> {
+    let branches = || {
+        [before, after].into_iter().flat_map(|model| Direction::BOTH.map(|d| model.functions.branches.of(d).as_ref()))
+    };
+    let Some((slowest, fastest)) = shared_speeds(branches().flatten()) else { return usual_rad_s.to_vec() };
+    let known = |speed: &f64| branches().flatten().all(|of| of.at(*speed).is_some());
+    let usual: Vec<f64> = usual_rad_s.iter().copied().filter(known).collect();
+    if usual.len() >= SPEEDS {
+        return usual;
+    }
+    let share = |i: usize| i as f64 / (SPEEDS - 1) as f64;
+    (0..SPEEDS).map(|i| (slowest * (fastest / slowest).powf(share(i))).clamp(slowest, fastest)).collect()
+}
+
+/// The functions of which one of the models knows nothing: A where no load shows it in one of them, B(v) where they share no speed.
+pub(super) fn unknown(before: &Model, after: &Model) -> Vec<(FunctionKind, Direction)> {
+    let of = |model: &Model, direction: Direction| model.functions.branches.of(direction).clone();
+    let both = |direction| of(before, direction).zip(of(after, direction));
+    let has_load = |of: &BranchFunctions| of.a_nm != 0.0;
+    let lacks_a = |direction: &Direction| {
+        both(*direction)
+            .is_none_or(|(a, b)| (has_load(&a) || has_load(&b)) && !(a.a_se_nm.is_finite() && b.a_se_nm.is_finite()))
+    };
+    let lacks_b = |direction: &Direction| {
+        both(*direction).is_none_or(|(a, b)| {
+            let se = |of: &BranchFunctions| of.levels.iter().map(|level| level.se_nm).fold(of.common_se_nm, f64::max);
+            shared_speeds([&a, &b]).is_none() || !(se(&a).is_finite() && se(&b).is_finite())
+        })
+    };
+    let a = Direction::BOTH.into_iter().filter(lacks_a).map(|d| (FunctionKind::Load, d));
+    a.chain(Direction::BOTH.into_iter().filter(lacks_b).map(|d| (FunctionKind::Friction, d))).collect()
+}
+
 /// What both models know, at `speeds_rad_s`.
 pub(super) fn functions(before: &Model, after: &Model, speeds_rad_s: &[f64]) -> Vec<FunctionChange> {
     let both = |of: &dyn Fn(&Model) -> Option<(f64, f64)>| {
@@ -106,14 +143,10 @@ pub(super) fn functions(before: &Model, after: &Model, speeds_rad_s: &[f64]) -> 
         })
     };
     let friction = |direction: Direction, speed: f64| {
-        make(FunctionKind::Friction, Some(direction), Some(speed), &|model| b(model, direction, speed))
+        make(FunctionKind::Friction, Some(direction), Some(speed), &|model| model.functions.b_nm(direction, speed))
     };
-    let width = |speed: f64| {
-        make(FunctionKind::Hysteresis, None, Some(speed), &|model| {
-            let (up, down) = (b(model, Direction::Up, speed)?, b(model, Direction::Down, speed)?);
-            Some((up.0 - down.0, up.1.hypot(down.1)))
-        })
-    };
+    let width =
+        |speed: f64| make(FunctionKind::Hysteresis, None, Some(speed), &|model| model.functions.width_nm(speed));
     let speeds = || speeds_rad_s.iter().copied();
     let b = Direction::BOTH.into_iter().flat_map(|direction| speeds().map(move |speed| (direction, speed)));
     Direction::BOTH
@@ -125,17 +158,10 @@ pub(super) fn functions(before: &Model, after: &Model, speeds_rad_s: &[f64]) -> 
         .collect()
 }
 
-/// B at `speed_rad_s` with its standard error; `None` beyond the speeds that the identification saw.
-fn b(model: &Model, direction: Direction, speed_rad_s: f64) -> Option<(f64, f64)> {
-    let of = model.functions.branches.of(direction).as_ref()?;
-    let level = of.at(speed_rad_s)?;
-    Some((level.b_nm, level.se_nm.hypot(of.common_se_nm)))
-}
-
 /// RMS, N m, of what the intervals of A and B(v) may make of the torque along `positions_rad`, 95 %; infinite where one is open.
 pub(super) fn known_nm(model: &Model, positions_rad: &[f64], rate_hz: f64) -> f64 {
-    let mut sum = 0.0;
-    let mut count = 0;
+    let (mut sum, mut count) = (0.0, 0);
+    let errors = Both::make(|direction| model.functions.errors(direction));
     for pair in positions_rad.windows(2) {
         let speed_rad_s = (pair[1] - pair[0]) * rate_hz;
         let direction = if speed_rad_s < 0.0 { Direction::Down } else { Direction::Up };
@@ -144,8 +170,11 @@ pub(super) fn known_nm(model: &Model, positions_rad: &[f64], rate_hz: f64) -> f6
         let level = of.at(speed_rad_s.abs().clamp(slowest.speed_rad_s, fastest.speed_rad_s)).unwrap_or(*slowest);
         // Without gravity A is nothing, and nothing of it is open.
         let share = if of.a_nm == 0.0 { 0.0 } else { model.joint.kind.gravity_share(pair[0]).0 };
-        let by_a = if share == 0.0 { 0.0 } else { share * of.a_se_nm };
-        sum += by_a.powi(2) + of.common_se_nm.powi(2) + level.se_nm.powi(2);
+        if !of.common_se_nm.is_finite() || (share != 0.0 && !of.a_se_nm.is_finite()) {
+            return f64::INFINITY;
+        }
+        let shared = errors.of(direction).iter().map(|error| (share * error.a_nm + error.b_nm).powi(2)).sum::<f64>();
+        sum += shared + level.se_nm.powi(2);
         count += 1;
     }
     HALF_WIDTH * (sum / f64::from(count.max(1))).sqrt()

@@ -31,6 +31,8 @@ pub struct Comparison {
     pub changes: Vec<Change>,
     /// What both models know with its interval even where parameters trade off.
     pub functions: Vec<FunctionChange>,
+    /// A and B(v), by direction, of which one of the models knows nothing: whether they changed is not known.
+    pub unknown: Vec<(FunctionKind, Direction)>,
     /// Friction at some speeds, by direction: what the parameters amount to.
     pub levels: Vec<Level>,
     /// What the change does to the predicted torque.
@@ -101,6 +103,7 @@ pub fn compare(before: &Model, after: &Model) -> Result<Comparison> {
 /// The same of one of `count` pairs: what chance does in many counts as chance.
 pub fn compare_among(before: &Model, after: &Model, count: usize) -> Result<Comparison> {
     one_joint(before, after)?;
+    let speeds_rad_s = functions::speeds_rad_s(before, after, &effect::REFERENCE_SPEEDS_RAD_S);
     let changes = parameters(before, after)
         .into_iter()
         .map(|(name, unit, a, b)| change(name, unit, (a, before), (b, after)))
@@ -109,8 +112,9 @@ pub fn compare_among(before: &Model, after: &Model, count: usize) -> Result<Comp
         before: before.clone(),
         after: after.clone(),
         changes,
-        functions: functions::functions(before, after, &effect::REFERENCE_SPEEDS_RAD_S),
-        levels: effect::levels(before, after),
+        functions: functions::functions(before, after, &speeds_rad_s),
+        unknown: functions::unknown(before, after),
+        levels: effect::levels(before, after, &speeds_rad_s),
         effect: Effect::new(before, after),
         attribution: Attribution::new(before, after, count),
     })

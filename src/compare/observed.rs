@@ -1,7 +1,8 @@
 //! A and B(v) of two models as whitened differences, and what each possible cause does to them.
 //!
 //! The observations are the relative change of A in each direction and the differences of B at the speeds that both models know, with the
-//! covariance that both identifications give them. Each possible cause moves them along a column of its own:
+//! covariance that both identifications give them: what A and B take alike from an error of A or of the zero is one error. Each
+//! possible cause moves them along a column of its own:
 //!
 //! | cause | A | B(v) |
 //! |---|---|---|
@@ -15,7 +16,7 @@
 //! Causes are taken one at a time, each time the one that explains most, while it explains more than chance would.
 
 use super::cause::{Cause, CauseKind, Measure};
-use crate::model::{Both, BranchFunctions, Direction, Level, Model};
+use crate::model::{Both, Direction, Level, Model};
 use crate::numerics::statistics::HALF_WIDTH;
 use nalgebra::{Cholesky, DMatrix, DVector};
 
@@ -48,66 +49,72 @@ pub(super) struct Observed {
 /// The rows of one direction.
 struct Rows {
     direction: Direction,
-    /// Relative change of A with its variance, where a load shows A in both.
-    relative_a: Option<(f64, f64)>,
-    /// Speed, B before, difference, variance.
+    /// Relative change of A, where a load shows A in both.
+    relative_a: Option<f64>,
+    /// What each error that A and B share, of the model before, then of that after, adds to it.
+    shared_a: Vec<f64>,
+    /// Speed, B before, difference, variance of its own.
     levels: Vec<(f64, f64, f64, f64)>,
-    /// Variance that all levels share, (N m)^2.
-    common: f64,
+    /// What each shared error adds to every level, N m.
+    shared_b: Vec<f64>,
 }
 
 impl Rows {
-    fn new(direction: Direction, before: &BranchFunctions, after: &BranchFunctions) -> Self {
-        let relative = |of: &BranchFunctions| of.a_se_nm / of.a_nm;
+    /// `None` where one of the models knows nothing of `direction`.
+    fn new(direction: Direction, models: [&Model; 2]) -> Option<Self> {
+        let [before, after] = models.map(|model| model.functions.branches.of(direction).as_ref());
+        let (before, after) = (before?, after?);
+        let [was, is] = models.map(|model| model.functions.errors(direction));
         let ratio = after.a_nm / before.a_nm;
-        let variance = ratio.powi(2) * (relative(before).powi(2) + relative(after).powi(2)) + IMMATERIAL.powi(2);
-        let relative_a = variance.is_finite().then_some((ratio - 1.0, variance));
+        let is_known = ratio.is_finite() && before.a_se_nm.is_finite() && after.a_se_nm.is_finite();
+        let relative_a = is_known.then_some(ratio - 1.0);
+        let by_before = was.iter().map(|error| -ratio * error.a_nm / before.a_nm);
+        let shared_a = by_before.chain(is.iter().map(|error| error.a_nm / before.a_nm)).collect();
+        let shared_b = was.iter().map(|error| -error.b_nm).chain(is.iter().map(|error| error.b_nm)).collect();
         let step = after.levels.len().div_ceil(SPEEDS).max(1);
         let level = |level: &Level| {
             let earlier = before.at(level.speed_rad_s)?;
             let immaterial_nm = IMMATERIAL * earlier.b_nm.abs().max(level.b_nm.abs());
             let variance = earlier.se_nm.powi(2) + level.se_nm.powi(2) + immaterial_nm.powi(2);
-            let known = variance.is_finite() && variance > 0.0;
+            let known =
+                variance.is_finite() && variance > 0.0 && before.common_se_nm.hypot(after.common_se_nm).is_finite();
             known.then_some((level.speed_rad_s, earlier.b_nm, level.b_nm - earlier.b_nm, variance))
         };
         let levels = after.levels.iter().step_by(step).filter_map(level).collect();
-        Self { direction, relative_a, levels, common: before.common_se_nm.powi(2) + after.common_se_nm.powi(2) }
+        Some(Self { direction, relative_a, shared_a, levels, shared_b })
     }
 
     fn count(&self) -> usize {
         usize::from(self.relative_a.is_some()) + self.levels.len()
+    }
+
+    /// The difference of each row, its variance of its own, and what each shared error adds to it.
+    fn rows(&self) -> impl Iterator<Item = (f64, f64, &[f64])> {
+        let of_a = self.relative_a.map(|change| (change, IMMATERIAL.powi(2), self.shared_a.as_slice()));
+        of_a.into_iter().chain(self.levels.iter().map(|level| (level.2, level.3, self.shared_b.as_slice())))
     }
 }
 
 impl Observed {
     /// Of two models; `None` where they share neither A nor a speed.
     pub fn new(before: &Model, after: &Model) -> Option<Self> {
-        let rows = |direction: Direction| {
-            let of = |model: &Model| model.functions.branches.of(direction).clone();
-            Some(Rows::new(direction, &of(before)?, &of(after)?))
-        };
-        let rows: Vec<Rows> = Direction::BOTH.into_iter().filter_map(rows).collect();
+        let rows: Vec<Rows> = Direction::BOTH.into_iter().filter_map(|d| Rows::new(d, [before, after])).collect();
         let count: usize = rows.iter().map(Rows::count).sum();
         if count == 0 {
             return None;
         }
-        let (mut difference, mut covariance) = (DVector::zeros(count), DMatrix::zeros(count, count));
         let mut place = Both { up: 0, down: 0 };
         let mut at = 0;
         for of in &rows {
             *place.of_mut(of.direction) = at;
-            if let Some((change, variance)) = of.relative_a {
-                (difference[at], covariance[(at, at)]) = (change, variance);
-                at += 1;
-            }
-            for (i, level) in of.levels.iter().enumerate() {
-                difference[at + i] = level.2;
-                for j in 0..of.levels.len() {
-                    covariance[(at + i, at + j)] = of.common + if i == j { level.3 } else { 0.0 };
-                }
-            }
-            at += of.levels.len();
+            at += of.count();
         }
+        let all: Vec<(f64, f64, &[f64])> = rows.iter().flat_map(Rows::rows).collect();
+        let difference = DVector::from_iterator(count, all.iter().map(|row| row.0));
+        let covariance = DMatrix::from_fn(count, count, |i, j| {
+            let shared: f64 = all[i].2.iter().zip(all[j].2).map(|(a, b)| a * b).sum();
+            shared + if i == j { all[i].1 } else { 0.0 }
+        });
         let cholesky = Cholesky::new(covariance)?;
         let whiten = |values: DVector<f64>| cholesky.l().solve_lower_triangular(&values);
         let columns = columns(&rows, &place, count, before);

@@ -82,11 +82,9 @@ fn load_that_drives(model: &Model) -> Option<String> {
 
 /// B moving up lies above B moving down, or friction would drive the motion.
 fn hysteresis_that_drives(model: &Model) -> Option<String> {
-    let (up, down) = (model.functions.branches.up.as_ref()?, model.functions.branches.down.as_ref()?);
+    let up = model.functions.branches.up.as_ref()?;
     let of = |level: &Level| {
-        let other = down.at(level.speed_rad_s)?;
-        let se_nm = level.se_nm.hypot(other.se_nm).hypot(up.common_se_nm).hypot(down.common_se_nm);
-        let width_nm = level.b_nm - other.b_nm;
+        let (width_nm, se_nm) = model.functions.width_nm(level.speed_rad_s)?;
         (width_nm + 2.0 * HALF_WIDTH * se_nm < 0.0).then_some((level.speed_rad_s, width_nm))
     };
     let (speed, width_nm) = up.levels.iter().find_map(of)?;

@@ -9,7 +9,7 @@ use super::legs::{Amplitude, LegFit, weights};
 use super::scale::{CONSPIRING, Scale};
 use super::stribeck::{ExponentialFit, Points, Profile, exponentials};
 use crate::log::Uncertainty;
-use crate::model::{Both, Confidence, Direction, Friction, Joint, Term};
+use crate::model::{Both, Confidence, Direction, Friction, Joint, SharedError, Term};
 use crate::numerics::statistics::{mean, standard_deviation};
 use crate::problem::{Problem, Result};
 use std::path::Path;
@@ -50,8 +50,8 @@ pub struct FrictionFit {
     pub wanted: usize,
     /// Why the model takes fewer exponentials than were asked for; `None` when it does not.
     pub cut: Option<Cut>,
-    /// Standard error that all points B share, from A and the position's zero, N m.
-    pub b_common_se_nm: f64,
+    /// What A's own error and that of the position's zero add to A and to all points B.
+    pub shared: [SharedError; 2],
     /// Share of the variance of B that the taken fit explains; NaN where it is exactly determined.
     pub r_squared: f64,
 }
@@ -157,7 +157,7 @@ fn take(branch: &Branch, Taken { form, cut }: &Taken) -> FrictionFit {
         friction: branch.scale.friction(form),
         confidence,
         covariance: Covariance::new(&branch.scale, form, &branch.points),
-        b_common_se_nm: branch.scale.common_se_of_b_nm(),
+        shared: branch.scale.errors(),
         r_squared: r_squared(form, &branch.points.b_nm),
         why: forms::why(&branch.forms, branch.supported),
         supported: branch.supported,

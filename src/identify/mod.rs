@@ -28,6 +28,7 @@ pub mod strokes;
 pub mod sums;
 mod support;
 mod sweeps;
+mod together;
 mod understood;
 pub mod whole;
 mod windows;

@@ -4,7 +4,7 @@ use super::confidence::interval;
 use super::legs::Amplitude;
 use super::stribeck::{ExponentialFit, Points, Profile};
 use crate::log::Uncertainty;
-use crate::model::{Confidence, Direction, Friction, Joint, Status, Term, decayed, loss};
+use crate::model::{Confidence, Direction, Friction, Joint, SharedError, Status, Term, decayed, loss};
 use crate::numerics::statistics::{HALF_WIDTH, fisher_f};
 
 /// A parameter's interval leaves both rates free to conspire with it: where they cannot be told apart, the interval of one
@@ -126,11 +126,15 @@ impl Scale {
         places
     }
 
-    /// Standard error that A and the position's zero give all points B = y - A R alike, N m.
-    pub fn common_se_of_b_nm(&self) -> f64 {
-        let by_zero_nm_rad = self.a.by_zero_nm_rad * self.mean_sine + self.a.a_nm * self.mean_slope;
-        let half_nm = (self.a.given_zero_nm * self.mean_sine).hypot(by_zero_nm_rad * self.a.zero_half_width_rad);
-        if half_nm.is_finite() { half_nm / HALF_WIDTH } else { 0.0 }
+    /// What A's own error and that of the position's zero add to A and to all points B = y - A R alike.
+    pub fn errors(&self) -> [SharedError; 2] {
+        let se = |half_nm: f64| if half_nm.is_finite() { half_nm / HALF_WIDTH } else { 0.0 };
+        let (own_nm, zero_rad) = (self.a.given_zero_nm, self.a.zero_half_width_rad);
+        let b_by_zero_nm_rad = self.a.by_zero_nm_rad * self.mean_sine + self.a.a_nm * self.mean_slope;
+        [
+            SharedError { a_nm: se(own_nm), b_nm: -se(own_nm * self.mean_sine) },
+            SharedError { a_nm: se(self.a.by_zero_nm_rad * zero_rad), b_nm: -se(b_by_zero_nm_rad * zero_rad) },
+        ]
     }
 
     /// Variance of the position's zero, rad^2.

@@ -6,6 +6,7 @@
 use super::confidence::interval;
 use super::moving::{Free, Limits};
 use super::strokes::{Part, Stroke};
+use super::together::{Held, Together};
 use super::zero::known;
 use crate::model::{Confidence, Model};
 use crate::numerics::cluster;
@@ -36,8 +37,8 @@ pub struct WholeFit {
     pub confidence: Vec<(String, Confidence)>,
     /// The free parameters.
     pub free: Vec<Free>,
-    /// Their covariance as they move, by the sandwich over strokes; NaN where the data do not tell them apart.
-    pub covariance: DMatrix<f64>,
+    /// What is known of them together, as they move, by the sandwich over strokes.
+    pub together: Together,
     /// How it stopped.
     pub stopped: Stopped,
 }
@@ -53,9 +54,9 @@ pub fn fit_whole(parts: &[Part], start: &Model, free: &[Free], limits: &Limits) 
     let problem = Whole { parts, start, free };
     let minimum = problem.minimum(limits, PATIENCE);
     let model = problem.model(&minimum.parameters);
-    let (confidence, covariance) = problem.confidence(&minimum, limits);
+    let (confidence, together) = problem.confidence(&minimum, limits);
     let rmse_nm = (minimum.residual_sum / minimum.residual_count as f64).sqrt();
-    WholeFit { model, rmse_nm, confidence, free: free.to_vec(), covariance, stopped: minimum.stopped }
+    WholeFit { model, rmse_nm, confidence, free: free.to_vec(), together, stopped: minimum.stopped }
 }
 
 /// The model alone of the same fit, with less patience: to be compared with others.
@@ -73,6 +74,24 @@ fn run(parts: &[Part], start: &Model, free: &[Free], limits: &Limits, patience: 
     let problem = Whole { parts, start, free };
     let minimum = problem.minimum(limits, patience);
     (problem.model(&minimum.parameters), minimum.residual_sum)
+}
+
+/// What is known of `free` that was found at `moved`, as it moves, within `half`; `alone` were all else known.
+fn known_of(free: Free, moved: f64, half: f64, alone: f64, at_bound: bool, limits: &Limits) -> Confidence {
+    // Beyond what was searched nothing is known of it.
+    let (lowest, highest) = limits.of(free, moved);
+    let low = if moved - half < lowest { f64::NEG_INFINITY } else { moved - half };
+    let high = if moved + half > highest { f64::INFINITY } else { moved + half };
+    let ends = [low, high];
+    match free {
+        Free::Friction(d, term) if term.is_rate() => {
+            let of = |x: f64| d.sign() * x.exp();
+            interval(of(moved), ends.map(of), 0.0, HALF_WIDTH, alone, at_bound)
+        }
+        Free::Curve(_) | Free::Backlash => interval(moved.exp(), ends.map(f64::exp), 0.0, HALF_WIDTH, alone, at_bound),
+        Free::Zero => known(moved, half.min(limits.zero_rad), limits.zero_rad),
+        Free::Friction(..) => interval(moved, ends, 0.0, HALF_WIDTH, alone / moved.abs(), at_bound),
+    }
 }
 
 struct Whole<'a> {
@@ -101,7 +120,7 @@ impl Whole<'_> {
     }
 
     /// Intervals by the sandwich over strokes: errors of one stroke hang together, those of different strokes hardly.
-    fn confidence(&self, minimum: &Minimum, limits: &Limits) -> (Vec<(String, Confidence)>, DMatrix<f64>) {
+    fn confidence(&self, minimum: &Minimum, limits: &Limits) -> (Vec<(String, Confidence)>, Together) {
         let errors = self.residuals(&minimum.parameters);
         let jacobian = self.jacobian(&minimum.parameters);
         let strokes = self.strokes();
@@ -113,36 +132,26 @@ impl Whole<'_> {
         let covariance = cluster::covariance(&bread, &scores);
         let sigma = (minimum.residual_sum / minimum.residual_count as f64).sqrt();
         let freedom = cluster::freedom(strokes.len(), self.free.len());
-        let t = student_t(freedom);
+        // Were all else known: how far a parameter could move for one sigma over one stroke's worth of samples.
+        let rows_per_stroke = errors.len() as f64 / strokes.len().max(1) as f64;
         let told = |(i, free): (usize, &Free)| {
-            let moved = minimum.parameters[i];
             let singular = minimum.unscaled_covariance[(i, i)].is_nan();
             let se = if singular { f64::INFINITY } else { covariance[(i, i)].max(0.0).sqrt() };
-            // Were all else known: how far the parameter could move for one sigma over one stroke's worth of samples.
-            let rows_per_stroke = errors.len() as f64 / strokes.len().max(1) as f64;
             let alone = match freedom > 0.0 {
                 true => sigma * rows_per_stroke.sqrt() / jacobian.column(i).norm(),
                 false => f64::INFINITY,
             };
-            let ends = [moved - t * se, moved + t * se];
-            let confidence = match free {
-                Free::Friction(d, term) if term.is_rate() => {
-                    let of = |x: f64| d.sign() * x.exp();
-                    interval(of(moved), [of(ends[0]), of(ends[1])], 0.0, HALF_WIDTH, alone, minimum.at_bound[i])
-                }
-                Free::Curve(_) | Free::Backlash => {
-                    interval(moved.exp(), [ends[0].exp(), ends[1].exp()], 0.0, HALF_WIDTH, alone, minimum.at_bound[i])
-                }
-                Free::Zero => known(moved, (t * se).min(limits.zero_rad), limits.zero_rad),
-                Free::Friction(..) => interval(moved, ends, 0.0, HALF_WIDTH, alone / moved.abs(), minimum.at_bound[i]),
-            };
-            (free.name(), confidence)
+            let half = student_t(freedom) * se;
+            (free.name(), known_of(*free, minimum.parameters[i], half, alone, minimum.at_bound[i], limits))
         };
         let known = self.free.iter().enumerate().map(told).collect();
-        let is_told = |i: usize| !minimum.unscaled_covariance[(i, i)].is_nan();
-        let n = self.free.len();
-        let told = DMatrix::from_fn(n, n, |i, j| if is_told(i) && is_told(j) { covariance[(i, j)] } else { f64::NAN });
-        (known, told)
+        (known, Together::new(&jacobian, &scores, self.held(minimum, limits)))
+    }
+
+    /// The zero of the position where it stands at its limit: what the campaign declares of it is then all that is known.
+    fn held(&self, minimum: &Minimum, limits: &Limits) -> Option<Held> {
+        let at = self.free.iter().position(|free| *free == Free::Zero)?;
+        minimum.at_bound[at].then_some(Held { at, se: limits.zero_rad / HALF_WIDTH })
     }
 
     /// Rows of each stroke.

@@ -7,6 +7,17 @@ use crate::document::Section;
 use crate::numerics::statistics::HALF_WIDTH;
 use serde_json::{Map, Value, json};
 
+/// The slowest and the fastest speed at which all of `branches` know B(v), rad/s; `None` where there is no such range.
+pub fn shared_speeds<'a>(branches: impl IntoIterator<Item = &'a BranchFunctions>) -> Option<(f64, f64)> {
+    let (mut slowest, mut fastest) = (0f64, f64::INFINITY);
+    for of in branches {
+        if let (Some(first), Some(last)) = (of.levels.first(), of.levels.last()) {
+            (slowest, fastest) = (slowest.max(first.speed_rad_s), fastest.min(last.speed_rad_s));
+        }
+    }
+    (slowest > 0.0 && slowest < fastest && fastest.is_finite()).then_some((slowest, fastest))
+}
+
 /// A and B(v) of both directions, each with what is known of it; `None` where nobody identified them.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Functions {
@@ -25,6 +36,18 @@ pub struct BranchFunctions {
     pub levels: Vec<Level>,
     /// Standard error that all levels share, from A and the position's zero, N m.
     pub common_se_nm: f64,
+    /// Those two by where they come from; empty where nobody said: then they share nothing.
+    pub errors: Vec<SharedError>,
+}
+
+/// An error that moves A and all of B(v), one standard deviation of it. Those at one place in the lists of both directions are one and the same
+/// error: that of A in its own direction, which B = y - A sin(theta) takes up with the opposite sign, that of the zero in both.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct SharedError {
+    /// What it adds to A, N m.
+    pub a_nm: f64,
+    /// What it adds to every B, N m.
+    pub b_nm: f64,
 }
 
 /// B at one speed.
@@ -51,12 +74,14 @@ impl Functions {
             let half_width = half(level.se_nm);
             json!({ "speed_rad_s": level.speed_rad_s, "b_nm": level.b_nm, "half_width_nm": half_width })
         };
+        let shared = |error: &SharedError| json!({ "a_nm": half(error.a_nm), "b_nm": half(error.b_nm) });
         let branch = |of: &BranchFunctions| {
             json!({
                 "a_nm": of.a_nm,
                 "a_half_width_nm": half(of.a_se_nm),
                 "b": of.levels.iter().map(level).collect::<Vec<Value>>(),
                 "b_common_half_width_nm": half(of.common_se_nm),
+                "shared": of.errors.iter().map(shared).collect::<Vec<Value>>(),
             })
         };
         let known = |direction: &Direction| {
@@ -71,6 +96,37 @@ impl Functions {
         let read = |direction: Direction| s.may(direction.name()).section(BranchFunctions::read);
         Some(Self { branches: Both { up: read(Direction::Up), down: read(Direction::Down) } })
     }
+
+    /// The errors that A and B(v) of `direction` share with those of the other one, place by place.
+    pub fn errors(&self, direction: Direction) -> Vec<SharedError> {
+        let Some(of) = self.branches.of(direction) else { return Vec::new() };
+        let other = self.branches.of(direction.opposite()).as_ref().map_or(of.errors.len(), |other| other.errors.len());
+        if !of.errors.is_empty() && other == of.errors.len() {
+            return of.errors.clone();
+        }
+        let mut apart = vec![SharedError::default(); 4];
+        let at = if direction == Direction::Up { 0 } else { 2 };
+        apart[at].a_nm = if of.a_se_nm.is_finite() { of.a_se_nm } else { 0.0 };
+        apart[at + 1].b_nm = of.common_se_nm;
+        apart
+    }
+
+    /// B at `speed_rad_s` with its standard error, N m; `None` beyond the speeds that the identification saw.
+    pub fn b_nm(&self, direction: Direction, speed_rad_s: f64) -> Option<(f64, f64)> {
+        let of = self.branches.of(direction).as_ref()?;
+        let level = of.at(speed_rad_s)?;
+        Some((level.b_nm, level.se_nm.hypot(of.common_se_nm)))
+    }
+
+    /// B moving up less B moving down, the width of a loop without load, with its standard error, N m: what moves both alike, as
+    /// the zero does, it does not know.
+    pub fn width_nm(&self, speed_rad_s: f64) -> Option<(f64, f64)> {
+        let level = |direction| self.branches.of(direction).as_ref()?.at(speed_rad_s);
+        let (up, down) = (level(Direction::Up)?, level(Direction::Down)?);
+        let shared = self.errors(Direction::Up).into_iter().zip(self.errors(Direction::Down));
+        let variance: f64 = shared.map(|(up, down)| (up.b_nm - down.b_nm).powi(2)).sum();
+        Some((up.b_nm - down.b_nm, up.se_nm.hypot(down.se_nm).hypot(variance.sqrt())))
+    }
 }
 
 impl BranchFunctions {
@@ -83,7 +139,12 @@ impl BranchFunctions {
         };
         let (a_nm, a_se_nm) = (s.need("a_nm").number(), se(s.may("a_half_width_nm").not_negative()));
         let (levels, common) = (s.need("b").sections(level), s.may("b_common_half_width_nm").not_negative());
-        Some(Self { a_nm: a_nm?, a_se_nm, levels: levels?, common_se_nm: se(common) })
+        let error = |s: &Section<'_>| {
+            let (a_nm, b_nm) = (s.need("a_nm").number(), s.need("b_nm").number());
+            Some(SharedError { a_nm: a_nm? / HALF_WIDTH, b_nm: b_nm? / HALF_WIDTH })
+        };
+        let errors = s.may("shared").sections(error).unwrap_or_default();
+        Some(Self { a_nm: a_nm?, a_se_nm, levels: levels?, common_se_nm: se(common), errors })
     }
 
     /// The level at `speed_rad_s`, drawn straight between those beside it; `None` beyond the slowest and the fastest.

@@ -4,6 +4,7 @@
 //! x = low + (high - low) (1 + sin u) / 2, which cannot leave them. At a bound the slope of x(u) vanishes, so a start is
 //! moved a little inside; and the covariance is taken in x, where it means something.
 
+use super::rank::Shown;
 use levenberg_marquardt::{LeastSquaresProblem, LevenbergMarquardt, TerminationReason};
 use nalgebra::{DMatrix, DVector, Dyn, Owned};
 
@@ -51,7 +52,7 @@ pub struct Minimum {
     pub residual_sum: f64,
     /// Number of residuals.
     pub residual_count: usize,
-    /// (J' J)^-1 over the parameters that are not at a bound; NaN elsewhere or when J has dependent columns.
+    /// (J' J)^-1 over the parameters that are not at a bound; NaN elsewhere and of those that J does not tell apart.
     pub unscaled_covariance: DMatrix<f64>,
     /// Which parameters ended at a bound.
     pub at_bound: Vec<bool>,
@@ -111,21 +112,16 @@ fn finish(
     }
 }
 
-/// (J' J)^-1 over the columns that are not `held`, NaN in the others.
+/// (J' J)^-1 over the columns that are not `held` and that J shows, NaN in the others.
 fn unscaled_covariance(jacobian: &DMatrix<f64>, held: &[bool]) -> DMatrix<f64> {
     let n = held.len();
     let mut out = DMatrix::from_element(n, n, f64::NAN);
     let free: Vec<usize> = (0..n).filter(|i| !held[*i]).collect();
-    let columns = jacobian.select_columns(&free);
-    let scales: Vec<f64> = columns.column_iter().map(|c| c.norm().max(f64::MIN_POSITIVE)).collect();
-    let normal = DMatrix::from_fn(free.len(), free.len(), |i, j| {
-        columns.column(i).dot(&columns.column(j)) / (scales[i] * scales[j])
-    });
-    if let Some(inverse) = normal.cholesky().map(|c| c.inverse()) {
-        for (i, a) in free.iter().enumerate() {
-            for (j, b) in free.iter().enumerate() {
-                out[(*a, *b)] = inverse[(i, j)] / (scales[i] * scales[j]);
-            }
+    let shown = Shown::new(&jacobian.select_columns(&free));
+    let shows = |i: usize| shown.shows_parameter(i);
+    for (i, a) in free.iter().enumerate().filter(|(i, _)| shows(*i)) {
+        for (j, b) in free.iter().enumerate().filter(|(j, _)| shows(*j)) {
+            out[(*a, *b)] = shown.inverse()[(i, j)];
         }
     }
     out

@@ -3,6 +3,9 @@
 /// Linear least squares with covariance.
 pub mod linear;
 
+/// Which combinations of its parameters a design shows.
+pub mod rank;
+
 /// Levenberg-Marquardt within bounds, with covariance.
 pub mod marquardt;
 

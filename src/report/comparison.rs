@@ -52,6 +52,7 @@ pub fn to_json(found: &Comparison, names: &[String; 2]) -> Value {
             "change": f.change(), "half_width": f.half_width(),
         })
     };
+    let unknown = |(kind, direction): &(FunctionKind, Direction)| json!({ "function": kind.name(), "direction": direction.name() });
     let known = found.attribution.is_known();
     json!({
         "format": "comparison/1",
@@ -61,6 +62,7 @@ pub fn to_json(found: &Comparison, names: &[String; 2]) -> Value {
         "what_changed": found.attribution.causes.iter().map(cause_json).collect::<Vec<Value>>(),
         "parameters": found.changes.iter().map(change).collect::<Vec<Value>>(),
         "functions": found.functions.iter().map(function).collect::<Vec<Value>>(),
+        "not_known": found.unknown.iter().map(unknown).collect::<Vec<Value>>(),
         "friction": found.levels.iter().map(level).collect::<Vec<Value>>(),
         "combination": [found.before.combination.name(), found.after.combination.name()],
         "prediction": {
@@ -165,19 +167,28 @@ fn told(found: &Comparison, units: &Units) -> String {
             changed.join(", ")
         ),
     };
-    match (found.attribution.is_known(), causes.is_empty()) {
-        (true, false) => format!("{}; {parameters}", causes.join("; ")),
-        (true, true) if found.attribution.differs() => {
+    match (found.attribution.is_known(), causes.is_empty(), open(found)) {
+        (true, false, open) => {
+            let open = open.map_or(String::new(), |open| format!("; {open}"));
+            format!("{}{open}; {parameters}", causes.join("; "))
+        }
+        (true, true, _) if found.attribution.differs() => {
             format!("A and B(v) changed beyond their intervals, as no single cause explains; {parameters}")
         }
-        (true, true) if found.effect.explained_nm.is_infinite() => format!(
-            "An interval of A or B(v) is open, so whether the prediction's change is real is not known; {parameters}"
+        (true, true, Some(open)) => format!(
+            "What both models know of A and B(v) is the same within its intervals, but {open}: whether the prediction's change is real is \
+             not known; {parameters}"
         ),
-        (true, true) => format!(
+        (true, true, None) if found.effect.rms_nm > found.effect.explained_nm => format!(
+            "A and B(v) are the same within their intervals at the speeds that both models know, but these explain only {} of the \
+             prediction's change: the rest lies below those speeds or after reversals, and whether it is real is not known; {parameters}",
+            units.torque(found.effect.explained_nm)
+        ),
+        (true, true, None) => format!(
             "A and B(v) are the same within their intervals, which explain up to {} of the prediction's change; {parameters}",
             units.torque(found.effect.explained_nm)
         ),
-        (false, _) => {
+        (false, ..) => {
             let mut parameters = parameters;
             parameters[..1].make_ascii_uppercase();
             format!(
@@ -185,6 +196,13 @@ fn told(found: &Comparison, units: &Units) -> String {
             )
         }
     }
+}
+
+/// The functions that one of the models leaves open, in words; `None` of none.
+fn open(found: &Comparison) -> Option<String> {
+    let name = |(kind, direction): &(FunctionKind, Direction)| format!("{} {}", kind.words(), moving(*direction));
+    let names: Vec<String> = found.unknown.iter().map(name).collect();
+    (!names.is_empty()).then(|| format!("one of the models does not know {}", names.join(", ")))
 }
 
 fn sentence(found: &Comparison, units: &Units) -> String {

@@ -21,6 +21,8 @@ pub struct Comparison {
     pub parameters: Vec<ParameterChange>,
     /// What both models know with an interval.
     pub functions: Vec<FunctionChange>,
+    /// A and B(v), by direction, of which one of the models knows nothing.
+    pub not_known: Vec<NotKnown>,
     /// Friction at some speeds, as the parameters have it.
     pub friction: Vec<FrictionLevel>,
     /// Curve of the combination before and after.
@@ -119,6 +121,15 @@ pub struct FunctionChange {
     pub change: f64,
     /// Half width of the difference.
     pub half_width: f64,
+}
+
+/// A function that cannot be compared.
+#[derive(Debug, Deserialize, JsonSchema)]
+pub struct NotKnown {
+    /// a or b.
+    pub function: String,
+    /// up or down.
+    pub direction: String,
 }
 
 /// Friction at one speed.

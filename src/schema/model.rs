@@ -200,6 +200,19 @@ pub struct Functions {
     pub b: Vec<Level>,
     /// Half width of what all of B have in common, N m.
     pub b_common_half_width_nm: Option<f64>,
+    /// The errors that A and all of B share, with what each adds to them; those at one place in both directions are one.
+    #[serde(default)]
+    pub shared: Vec<SharedError>,
+}
+
+/// Half width of one error that A and all of B share, with the sign of what it adds.
+#[derive(Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct SharedError {
+    /// To A, N m.
+    pub a_nm: f64,
+    /// To B, N m.
+    pub b_nm: f64,
 }
 
 /// B at one speed.
