@@ -115,7 +115,14 @@ fn quiet_prints_nothing_and_the_summary_its_headings() {
     let quiet = tautline(&["diagnose", &campaign, "--model", model, "-o", &to("q"), "--quiet"]);
     assert_eq!(quiet.status.code(), Some(0), "{}", String::from_utf8_lossy(&quiet.stderr));
     assert!(quiet.stdout.is_empty() && quiet.stderr.is_empty());
-    let told = tautline(&["diagnose", &campaign, "--model", model, "-o", &to("t"), "--png"]);
+    let told = tautline(&["diagnose", &campaign, "--model", model, "-o", &to("t"), "--png", "--profile"]);
+    let profile = String::from_utf8(told.stderr).unwrap();
+    let phases: Vec<&str> = profile.lines().map(|line| line.get(..40).unwrap_or(line).trim()).collect();
+    let first = ["reading", "noise floor", "contact events", "cause 1"];
+    assert!(
+        phases.starts_with(&first) && phases.ends_with(&["verdict", "next experiment", "whole diagnosis"]),
+        "{profile}"
+    );
     let told = String::from_utf8(told.stdout).unwrap();
     for part in ["diagnosed on 8 trials", "Gap above the floor", "What to do next", "written to"] {
         assert!(told.contains(part), "{told}");

@@ -190,9 +190,12 @@ fn an_effect_shows_and_without_strength_it_is_absent() {
     for id in LIBRARY.map(|effect| effect.about().id) {
         let effect = example(id);
         let shown_nm = rms(&difference_nm(effect.clone(), &course));
+        assert!(!effect.is_idle(), "{id}");
         assert!(shown_nm > 0.001 && shown_nm.is_finite(), "{id}: {shown_nm} N m");
         if has_strength(&effect) {
-            let left_nm = rms(&difference_nm(scaled(&effect, 0.0), &course));
+            let idle = scaled(&effect, 0.0);
+            assert!(idle.is_idle(), "{id}");
+            let left_nm = rms(&difference_nm(idle, &course));
             assert!(left_nm < 1e-12, "{id}: {left_nm} N m are left");
         }
     }

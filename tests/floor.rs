@@ -42,7 +42,7 @@ fn read_coarsely(like: &Model) -> Diagnosis {
     let signal = Signal { torque_sign: -1.0, lowpass_hz: 3.0, lowpass_order: 4 };
     let wanted = Plan { speeds: 0, trajectories: vec![quick], rate_hz: 100.0, sensors, signal, seed: 3, ..plan() };
     let folder = record(like, &wanted);
-    run(&Campaign::read(folder.path()).unwrap(), &truth(), &|| ()).unwrap()
+    run(&Campaign::read(folder.path()).unwrap(), &truth(), &|_| ()).unwrap()
 }
 
 #[test]

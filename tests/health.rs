@@ -212,7 +212,7 @@ fn copies_of_a_trial_are_refused_by_all_that_judge_trials_together() {
     copied(&refusals(folder.path()));
     let (campaign, model) = (Campaign::read(folder.path()).unwrap(), &healthy().model);
     let text = |problems: Problems| problems.to_string();
-    copied(&text(tautline::diagnose::run(&campaign, model, &|| ()).unwrap_err()));
+    copied(&text(tautline::diagnose::run(&campaign, model, &|_| ()).unwrap_err()));
     let settings = tautline::evaluate::Settings { sweeps: true, ..Default::default() };
     copied(&text(tautline::evaluate::run(&campaign, model, &settings, &|| ()).unwrap_err()));
 }

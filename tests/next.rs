@@ -47,7 +47,7 @@ pub fn diagnosed_with(
     let signal = Signal { torque_sign: -1.0, lowpass_hz: 3.0, lowpass_order: 4 };
     let wanted = Plan { speeds: 0, trajectories: vec![trajectory], rate_hz: 100.0, sensors, signal, seed, ..plan() };
     let folder = record(&joint, &wanted);
-    run(&Campaign::read(folder.path()).unwrap(), model, &|| ()).unwrap()
+    run(&Campaign::read(folder.path()).unwrap(), model, &|_| ()).unwrap()
 }
 
 fn named(found: &Diagnosis) -> (Kind, Vec<&'static str>) {

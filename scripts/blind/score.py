@@ -80,12 +80,13 @@ def judge(answer, diagnosis, trouble, seconds):
     row = {
         "case": answer["case"], "kind": answer["kind"], "effects": answer["effects"], "variants": answer["variants"], "strength": strength(answer),
         "indistinguishable": answer["indistinguishable"], "seconds": seconds, "trouble": trouble, "right": False, "verdict": "failed", "named": [],
-        "where": None, "where_right": None, "shrink_true": answer["shrink_true_form"], "shrink": None, "held": None, "confidence": None,
+        "clear": None, "where": None, "where_right": None, "shrink_true": answer["shrink_true_form"], "shrink": None, "held": None, "confidence": None,
     }
     if diagnosis is None:
         return row
     verdict = diagnosis["verdict"]
     effects = verdict.get("effects") or []
+    row["clear"] = next((d["outcome"] for d in diagnosis.get("decisions", []) if d["rule"] == "clear"), None)
     row.update(verdict=verdict["kind"], named=effects, confidence=verdict.get("confidence"), right=bool(right(answer, verdict["kind"], effects)))
     where = diagnosis.get("where") or []
     row["where"] = where[0]["region"] if where else None
@@ -133,7 +134,7 @@ def by_verdict(rows):
     """What was said: how often, how often rightly, and what was true instead. `diagnose` weights its probabilities by such counts."""
     said = collections.defaultdict(list)
     for r in rows:
-        said[r["verdict"]].append(r)
+        said[f"{r['verdict']}, {r['clear']}" if r["clear"] else r["verdict"]].append(r)
 
     def counts(group):
         wrong = collections.Counter(r["kind"] for r in group if not r["right"])

@@ -166,7 +166,7 @@ fn judged(campaign: &Campaign, model: &Model, record: &mut Record) -> Result<()>
 }
 
 fn diagnosed(campaign: &Campaign, model: &Model, against: String, record: &mut Record) -> Result<()> {
-    let found = diagnose::run(campaign, model, &|| ())?;
+    let found = diagnose::run(campaign, model, &|_| ())?;
     let verdict = &found.verdict;
     put(
         &mut record.figures,

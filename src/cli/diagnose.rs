@@ -3,7 +3,7 @@
 use super::interrupt;
 use super::judged::{Judged, campaign_for, campaign_name, model_name};
 use super::outcome::Talk;
-use super::progress;
+use super::stages::Stages;
 use crate::diagnose;
 use crate::problem::Result;
 use crate::report::diagnosis::{to_json, write_diagnosis, write_summary};
@@ -29,6 +29,9 @@ pub struct Arguments {
     /// Write the plots as PNG too
     #[arg(long)]
     png: bool,
+    /// Say on standard error where the time went
+    #[arg(long)]
+    profile: bool,
     /// Replace an existing output folder
     #[arg(long)]
     force: bool,
@@ -41,13 +44,15 @@ pub fn run(arguments: &Arguments, talk: &Talk) -> Result<ExitCode> {
     output.made_from("campaign file", &campaign.file);
     output.made_from("model file", &arguments.judged.model_file());
     let trials = campaign.trials.len() + simulated.as_ref().map_or(0, |simulated| simulated.trials.len());
-    let bar = progress::bar(talk, "reading", trials);
-    let step = || progress::step(&bar, "trying causes");
+    let stages = Stages::new(talk, trials);
     let found = match &simulated {
-        Some(simulated) => diagnose::beside(&campaign, simulated, &model, &step),
-        None => diagnose::run(&campaign, &model, &step),
+        Some(simulated) => diagnose::beside(&campaign, simulated, &model, &|told| stages.hear(told)),
+        None => diagnose::run(&campaign, &model, &|told| stages.hear(told)),
     };
-    bar.finish_and_clear();
+    stages.finish();
+    if arguments.profile {
+        stages.say();
+    }
     let found = found?;
     let (name, model_name) = (campaign_name(&campaign), model_name(&arguments.judged.model_file()));
     write_diagnosis(&found, &name, &model_name, &output, arguments.png)?;

@@ -34,6 +34,7 @@ mod repeatability;
 mod rig;
 mod schema;
 mod simulate;
+mod stages;
 mod validate;
 mod wire;
 

@@ -270,7 +270,7 @@ mod tests {
         let mask = base.mask.without(&events);
         // One of the two is predicted after all: it was set aside, and is no contact.
         let contact = events[..1].to_vec();
-        let explanation = Explanation { events: contact, ..Explanation::of(&mask, &model, events, &rest_nm, &|| ()) };
+        let explanation = Explanation { events: contact, ..Explanation::of(&mask, &model, events, &rest_nm, &|_| ()) };
         let floor = Floor::of_noise(FLOOR_NM, FloorSource::Spectrum, 0.1);
         let resamples = Resamples::new(&data.folds, &floor);
         let account = Account::new(&base, &explanation, &resamples, &floor);

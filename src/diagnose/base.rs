@@ -6,7 +6,7 @@ use super::gram::{Gram, Solution};
 use super::mask::Mask;
 use super::perturbation::Perturbation;
 use super::records::{Branches, Passages};
-use crate::effects::{Curve, Presliding};
+use crate::effects::{Added, Curve, Presliding};
 use crate::model::{Combination, Model};
 use crate::numerics::dual::VARIABLES;
 use rayon::prelude::*;
@@ -127,10 +127,14 @@ impl<'d> BaseModel<'d> {
         (self.cost_of(&solution), solution.x.rows(self.moves.len(), columns.len()).iter().copied().collect())
     }
 
-    /// The cost of `model`, this one's with something added, `moves` taken as linear, and their coefficients: for choosing a start.
-    pub fn linearised_cost(&self, model: &Model, moves: &[Perturbation]) -> (f64, Vec<f64>) {
+    /// The cost of `model`, this one's with `added` as its last effect, `moves` taken as linear, and their coefficients: for choosing a
+    /// start.
+    pub fn linearised_cost(&self, model: &Model, added: &Added, moves: &[Perturbation]) -> (f64, Vec<f64>) {
         let passages = self.passages_of(model);
-        let predicted_nm = self.prediction_nm(model, &passages);
+        let predicted_nm = match added.is_idle() {
+            true => self.predicted_nm.clone(),
+            false => self.prediction_nm(model, &passages),
+        };
         let columns = self.columns_of(model, &passages, &predicted_nm, moves);
         self.cost_beside(&columns, &predicted_nm)
     }

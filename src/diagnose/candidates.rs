@@ -5,6 +5,7 @@ use super::criteria::is_tie;
 use super::data::DataSet;
 use super::fit::Fit;
 use super::perturbation::{ParameterRef, Perturbation, Stale, of_effect, stale};
+use super::progress::{Listener, Progress};
 use super::ripple;
 use crate::effects::{Added, Effect, Extent, LIBRARY, Starts, find};
 use crate::model::{Combination, Model};
@@ -136,19 +137,31 @@ pub struct Round<'d> {
 }
 
 /// All causes but those that `base` has already, each at its best; effects without promise are only sketched.
-pub fn try_all<'d>(base: &BaseModel<'d>, known: &[Cause]) -> Round<'d> {
+pub fn try_all<'d>(base: &BaseModel<'d>, known: &[Cause], listener: Listener<'_>) -> Round<'d> {
     let residual_nm = base.residual_nm();
-    let effects = LIBRARY.into_par_iter().filter(|effect| !known.contains(&Cause::Effect(effect.about().id)));
-    let mut initialised: Vec<Initialised> = effects.filter_map(|effect| begin(base, effect, &residual_nm)).collect();
+    let is_new = |effect: &&'static dyn Effect| !known.contains(&Cause::Effect(effect.about().id));
+    let effects: Vec<&'static dyn Effect> = LIBRARY.into_iter().filter(is_new).collect();
+    listener(Progress::Ahead(effects.len()));
+    let sketched = |effect: &'static dyn Effect| {
+        let initialised = begin(base, effect, &residual_nm);
+        listener(Progress::Done(effect.about().id));
+        initialised
+    };
+    let mut initialised: Vec<Initialised> = effects.into_par_iter().filter_map(sketched).collect();
     initialised.sort_by(|a, b| a.cost().total_cmp(&b.cost()));
     let mut hypotheses: Vec<Hypothesis> = initialised.iter().flat_map(Initialised::hypotheses).collect();
     let mut place = 0..;
     initialised.retain(|initialised| place.next() < Some(FITTED) || initialised.is_shape());
     let groups: Vec<Stale> =
         stale(&base.model).into_iter().filter(|group| !known.contains(&Cause::Stale(group.name))).collect();
+    listener(Progress::Ahead(groups.len() + initialised.len()));
+    let told = |tried: FittedCause<'d>| {
+        listener(Progress::Done(tried.cause.name()));
+        tried
+    };
     let of_groups = groups.into_par_iter().map(|group| of_group(base, group));
     let of_effects = initialised.into_par_iter().filter_map(|initialised| initialised.fit(base));
-    let mut tried: Vec<FittedCause<'d>> = of_effects.chain(of_groups).collect();
+    let mut tried: Vec<FittedCause<'d>> = of_effects.chain(of_groups).map(told).collect();
     tried.sort_by(|a, b| a.score().total_cmp(&b.score()));
     hypotheses.extend(tried.iter().filter_map(FittedCause::hypothesis));
     Round { tried, hypotheses }
@@ -219,10 +232,11 @@ fn begin(base: &BaseModel<'_>, effect: &'static dyn Effect, residual_nm: &[f64])
     };
     let linearised_cost = |parameters: Vec<f64>| {
         let mut model = base.model.clone();
-        model.effects.push(Added { effect, parameters });
+        let added = Added { effect, parameters };
+        model.effects.push(added.clone());
         let moves = of_effect(&model, at, &base.data().extent);
         let linear: Vec<Perturbation> = moves.iter().filter(|way| way.is_linear).cloned().collect();
-        let (cost, x) = base.linearised_cost(&model, &linear);
+        let (cost, x) = base.linearised_cost(&model, &added, &linear);
         linear.iter().zip(&x).for_each(|(way, x)| way.apply(&mut model, *x));
         (cost, model, moves)
     };

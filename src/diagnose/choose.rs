@@ -1,15 +1,14 @@
 //! Which causes explain a gap: one after the other, each compared with all rivals, earlier ones tried again once later ones are in.
 
 use super::base::BaseModel;
-use super::candidates::{Cause, FittedCause, Hypothesis, Round, try_all, try_one};
-use super::criteria::{
-    DISTINCT, Decision, FLOOR_SHARE, Requirement, Share, is_makeshift, is_tie, requirements, rivals, seconds, simplest,
-};
+use super::candidates::{Cause, FittedCause, Hypothesis, Round};
+use super::criteria::{DISTINCT, Decision, FLOOR_SHARE, Requirement, Share, requirements, rivals, seconds, simplest};
 use super::fit::Fit;
 use super::mask::Mask;
-use super::pairs;
 use super::perturbation::{Perturbation, within_confidence};
-use super::settle::{Step, all_but};
+use super::progress::{Listener, Phase, Progress};
+use super::rounds::Rounds;
+use super::settle::Step;
 use crate::effects::Extent;
 use crate::model::Model;
 use std::cell::OnceCell;
@@ -27,7 +26,7 @@ pub struct Choice<'d> {
     pub base: BaseModel<'d>,
     /// Its fit within its confidence alone.
     pub rest: Fit<'d>,
-    /// The causes, in the order in which they were found, with what else was tried in their places, best first.
+    /// The causes, the one that explains most alone first, with what else was tried in their places, best first.
     pub found: Vec<Found<'d>>,
     /// What was tried last, and gained too little.
     pub refused: Vec<FittedCause<'d>>,
@@ -57,6 +56,10 @@ pub struct Found<'d> {
     pub how: &'static str,
     /// How far it is ahead of every other cause, as a share of its gain.
     pub distinctness: f64,
+    /// How many times the least that counts it explains of the gap.
+    pub margin: f64,
+    /// Score of it alone, (N m)^2: that of none where it showed too little promise alone to be fitted.
+    pub alone: f64,
     /// Score without it, the others in, (N m)^2.
     pub without: f64,
     /// Everything tried in its place, best first.
@@ -68,50 +71,59 @@ pub struct Found<'d> {
 }
 
 /// Looks for the causes of what `model` leaves.
-pub fn choose<'d>(mask: &Arc<Mask<'d>>, model: &Model, progress: &(dyn Fn() + Sync)) -> Choice<'d> {
+pub fn choose<'d>(mask: &Arc<Mask<'d>>, model: &Model, listener: Listener<'_>) -> Choice<'d> {
     let first = BaseModel::new(mask, model, within_confidence(model));
     let rest = first.alone();
     let start = rest.score();
-    let search = Search { first, again: OnceCell::new(), start, progress };
+    let search = Search { first, again: OnceCell::new(), start, rounds: Rounds::default(), listener };
     let Forward { chosen, fit, opening, refused } = search.forward(&rest);
     let (steps, last) = match &chosen[..] {
         [] => (Vec::new(), fit),
-        [one] => (vec![search.place(one, opening.tried, rest.clone(), &search.first)], fit),
+        [one] => (vec![search.place(one, opening.tried.clone(), rest.clone(), &search.first)], fit),
         _ => search.settle(chosen),
     };
-    let decisions = search.decisions(&steps, &last, &refused);
-    let of_step = |step: Step<'d>| Found {
+    let met: Vec<Vec<Requirement>> = steps.iter().map(|step| search.met(step, steps.len(), &last)).collect();
+    let decisions = search.decisions(steps.iter().zip(&met), &last, &refused);
+    let alone = |cause: Cause| {
+        let scores = opening.tried.iter().filter(|tried| tried.cause == cause).map(FittedCause::score);
+        scores.fold(start, f64::min)
+    };
+    let of_step = |(step, met): (Step<'d>, Vec<Requirement>)| Found {
         cause: step.taken.cause,
         how: step.taken.how,
         rivals: rivals(&step.taken, &step.tried, start),
         seconds: seconds(&step.taken, &step.tried, start),
         distinctness: step.distinctness,
+        margin: met.first().map_or(0.0, Requirement::margin),
+        alone: alone(step.taken.cause),
         without: step.without.score(),
         tried: step.tried,
     };
-    let found = steps.into_iter().map(of_step).collect();
+    let mut found: Vec<Found<'d>> = steps.into_iter().zip(met).map(of_step).collect();
+    found.sort_by(|a, b| a.alone.total_cmp(&b.alone));
     Choice { found, base: search.first, rest, refused, last, decisions, given_up: None }
 }
 
 /// What the way forward found.
-struct Forward<'d> {
+pub(super) struct Forward<'d> {
     chosen: Vec<Hypothesis>,
     /// All of them together.
-    fit: Fit<'d>,
+    pub(super) fit: Fit<'d>,
     /// What was tried first.
-    opening: Round<'d>,
+    pub(super) opening: Round<'d>,
     /// What was tried last, in vain.
     refused: Vec<FittedCause<'d>>,
 }
 
 /// What all rounds share.
 pub(super) struct Search<'d, 's> {
-    first: BaseModel<'d>,
+    pub(super) first: BaseModel<'d>,
     /// The same over the motions as the encoder would have read them once more, of a joint like the model: made when it is first asked for.
     again: OnceCell<Option<BaseModel<'d>>>,
     /// What the base alone leaves, (N m)^2.
     pub(super) start: f64,
-    progress: &'s (dyn Fn() + Sync),
+    pub(super) rounds: Rounds<'d>,
+    pub(super) listener: Listener<'s>,
 }
 
 impl<'d> Search<'d, '_> {
@@ -122,9 +134,12 @@ impl<'d> Search<'d, '_> {
         let mut way = Forward { chosen: Vec::new(), fit: rest.clone(), opening: Round::default(), refused: Vec::new() };
         // However little is left at first: a floor is not known so well that a weak cause could not show.
         while way.chosen.len() < CAUSES_MAX && (way.chosen.is_empty() || is_gap(way.fit.score())) {
-            let round = self.round(&self.base_of(&way.fit), &way.chosen);
+            (self.listener)(Progress::Begins(Phase::Cause(way.chosen.len() + 1)));
+            let round = self.round(&way.chosen, &way.fit);
             let mut next = self.one_more(&way, &round.tried);
-            if let [one] = &way.chosen[..] {
+            let closes = next.as_ref().is_some_and(|(_, fit)| !is_gap(fit.score()));
+            if let ([one], false) = (&way.chosen[..], closes) {
+                (self.listener)(Progress::Begins(Phase::Pairs));
                 next = self.or_pair(next, one, &way);
             }
             let Some((chosen, fit)) = next else {
@@ -148,52 +163,6 @@ impl<'d> Search<'d, '_> {
         let at = [best, 0].into_iter().find(enough)?;
         let chosen: Vec<Hypothesis> = way.chosen.iter().cloned().chain(tried[at].hypothesis()).collect();
         Some(self.together(&chosen))
-    }
-
-    /// A pair that does better than `next`, or than `one` alone where that is nothing.
-    fn or_pair(
-        &self,
-        next: Option<(Vec<Hypothesis>, Fit<'d>)>,
-        one: &Hypothesis,
-        way: &Forward<'d>,
-    ) -> Option<(Vec<Hypothesis>, Fit<'d>)> {
-        let likely = pairs::promising(&self.first, &way.opening.hypotheses);
-        let fitted = likely
-            .into_iter()
-            .map(|pair| self.refined(self.together(&pair)))
-            .filter(|(_, fit)| fit.is_sound(self.extent()) && self.is_material(fit, &way.fit, Share::Further));
-        let all: Vec<(Vec<Hypothesis>, Fit<'d>)> = fitted.chain(next).collect();
-        let best = all.iter().min_by(|a, b| a.1.score().total_cmp(&b.1.score()))?.1.clone();
-        let equals = all.into_iter().filter(|(_, fit)| is_tie(&best, fit, self.start));
-        // Of pairs that do as well the simplest; to have what does best alone is worth a number.
-        let has_one = |pair: &[Hypothesis]| {
-            pair.iter().any(|hypothesis| (hypothesis.cause, hypothesis.how) == (one.cause, one.how))
-        };
-        equals
-            .min_by_key(|(pair, fit)| (fit.moves.len() + usize::from(!has_one(pair)), makeshifts(pair), !has_one(pair)))
-    }
-
-    /// Each of `pair` tried anew beside the other as it stands: alone it may have taken a form that is not its own.
-    fn refined(&self, mut pair: (Vec<Hypothesis>, Fit<'d>)) -> (Vec<Hypothesis>, Fit<'d>) {
-        for at in 0..pair.0.len() {
-            let base = self.base_beside(&all_but(&pair.0, at));
-            let anew = try_one(&base, pair.0[at].cause).and_then(|tried| tried.hypothesis());
-            let Some(anew) = anew else { continue };
-            let mut chosen = pair.0.clone();
-            chosen[at] = anew;
-            let other = self.together(&chosen);
-            if other.1.score() < pair.1.score() {
-                pair = other;
-            }
-        }
-        pair
-    }
-
-    pub(super) fn round(&self, base: &BaseModel<'d>, known: &[Hypothesis]) -> Round<'d> {
-        let known: Vec<Cause> = known.iter().map(|hypothesis| hypothesis.cause).collect();
-        let round = try_all(base, &known);
-        (self.progress)();
-        round
     }
 
     /// `chosen` fitted together on the first base's model, and as they stand there.
@@ -237,22 +206,34 @@ impl<'d> Search<'d, '_> {
     }
 
     /// What each cause that was found reaches, and in what the best of those refused fall short.
-    fn decisions(&self, steps: &[Step<'d>], last: &Fit<'d>, refused: &[FittedCause<'d>]) -> Vec<Decision> {
-        let named = steps.iter().flat_map(|step| {
+    fn decisions<'s>(
+        &self,
+        steps: impl ExactSizeIterator<Item = (&'s Step<'d>, &'s Vec<Requirement>)>,
+        last: &Fit<'d>,
+        refused: &[FittedCause<'d>],
+    ) -> Vec<Decision>
+    where
+        'd: 's,
+    {
+        let share = |cause: Cause| if steps.len() == 0 { Share::First } else { Share::at_best(cause) };
+        let in_vain = refused.iter().take(REFUSED_TOLD).flat_map(|tried| {
+            let all = self.requirements(&tried.fit, last, share(tried.cause));
+            all.into_iter().filter(|r| !r.is_met()).map(|short| short.decision(tried.cause.name(), "refused"))
+        });
+        let in_vain: Vec<Decision> = in_vain.collect();
+        let named = steps.flat_map(|(step, met)| {
             let distinctness = step.distinctness;
-            let share = if steps.len() < 2 { Share::First } else { step.share() };
-            let all = self.requirements(last, &step.without, share);
             let outcome = if distinctness >= DISTINCT { "distinct" } else { "others explain nearly as much" };
             let subject = step.taken.cause.name();
             let beside = Decision { rule: "distinct", subject, value: distinctness, limit: DISTINCT, outcome };
-            all.into_iter().map(move |met| met.decision(subject, "named")).chain([beside])
-        });
-        let in_vain = refused.iter().take(REFUSED_TOLD).flat_map(|tried| {
-            let share = if steps.is_empty() { Share::First } else { Share::at_best(tried.cause) };
-            let all = self.requirements(&tried.fit, last, share);
-            all.into_iter().filter(|r| !r.is_met()).map(|short| short.decision(tried.cause.name(), "refused"))
+            met.iter().map(move |met| met.decision(subject, "named")).chain([beside])
         });
         named.chain(in_vain).collect()
+    }
+
+    /// What the cause of `step`, one of `count` that leave `last`, reaches.
+    fn met(&self, step: &Step<'d>, count: usize, last: &Fit<'d>) -> Vec<Requirement> {
+        self.requirements(last, &step.without, if count < 2 { Share::First } else { step.share() })
     }
 
     pub(super) fn extent(&self) -> &Extent {
@@ -274,8 +255,4 @@ impl<'d> Search<'d, '_> {
         };
         requirements(with, without, self.start, share, of_encoder)
     }
-}
-
-fn makeshifts(chosen: &[Hypothesis]) -> usize {
-    chosen.iter().filter(|hypothesis| is_makeshift((hypothesis.cause, hypothesis.how))).count()
 }

@@ -34,7 +34,7 @@ const ENCODER_GAINS: f64 = 2.5;
 const LOST_SHARE: f64 = 0.2;
 /// A simpler cause is taken, and an equal one is a rival, within so many standard errors over clusters ...
 const TIE_ERRORS: f64 = 1.5;
-/// ... or this share of the gap's square, or of the floor's.
+/// ... or this share of the gap's square, once more for each number that it has less, or of the floor's.
 const TIE_SHARE: f64 = 0.001;
 const TIE_FLOOR_SHARE: f64 = 0.01;
 /// ... or this share of what the best leaves above the floor: where its form fails, so much of the others' failure is form, too.
@@ -65,8 +65,6 @@ pub fn simplest(tried: &[FittedCause], start: f64) -> Option<usize> {
 pub fn is_tie(best: &Fit, other: &Fit, start: f64) -> bool {
     let floor_square = best.mask.floor_square();
     let behind = other.score() - best.score();
-    let left = TIE_LEFT_SHARE * (best.score() - floor_square);
-    let negligible = left.max(TIE_SHARE * (start - floor_square)).max(TIE_FLOOR_SHARE * floor_square);
     let (a, b) = (best.prior_factor(), other.prior_factor());
     let spared = best.moves.len().saturating_sub(other.moves.len()) as f64;
     if other.prior_penalty > best.prior_penalty + SURPRISE_APART + SURPRISE_A_NUMBER * spared {
@@ -75,7 +73,15 @@ pub fn is_tie(best: &Fit, other: &Fit, start: f64) -> bool {
     let differences =
         clusters(&best.mask.data.folds, best.held_out.iter().zip(&other.held_out).map(|(x, y)| b * y - a * x));
     let uncertain = behind * best.mask.rows() as f64 <= TIE_ERRORS * error_of_sum(&differences);
-    behind <= negligible || (uncertain && behind <= TIE_SHARE_MAX * (start - floor_square).max(floor_square))
+    behind <= negligible(best.score() - floor_square, start - floor_square, floor_square, spared)
+        || (uncertain && behind <= TIE_SHARE_MAX * (start - floor_square).max(floor_square))
+}
+
+/// How far a cause may be behind for no reason, (N m)^2, where the best leaves `left` of a gap of `whole`, squares above a floor of
+/// `floor_square`, and it has so many numbers less: `spared`.
+fn negligible(left: f64, whole: f64, floor_square: f64, spared: f64) -> f64 {
+    let of_gap = TIE_SHARE * (1.0 + spared) * whole;
+    of_gap.max(TIE_LEFT_SHARE * left).max(TIE_FLOOR_SHARE * floor_square)
 }
 
 /// Sums of `of_units` over each cluster.
@@ -166,6 +172,11 @@ impl Requirement {
     /// Whether it is met.
     pub fn is_met(&self) -> bool {
         self.value >= self.least
+    }
+
+    /// How many times the least it is.
+    pub fn margin(&self) -> f64 {
+        self.value / self.least.max(f64::MIN_POSITIVE)
     }
 
     /// As a decision about `subject`.
@@ -266,7 +277,16 @@ fn names(cause: Cause, other: Cause) -> bool {
 
 #[cfg(test)]
 mod tests {
-    use super::{Cause, DISTINCT, Share};
+    use super::{Cause, DISTINCT, Share, negligible};
+
+    #[test]
+    fn each_number_less_is_worth_a_thousandth_of_the_gap() {
+        let (left, whole, floor_square) = (0.001, 2.0, 0.05);
+        assert_eq!(negligible(left, whole, floor_square, 0.0), 0.002);
+        assert_eq!(negligible(left, whole, floor_square, 3.0), 0.008);
+        // What the best leaves above the floor is form, and so may the others' be.
+        assert_eq!(negligible(1.0, whole, floor_square, 0.0), 0.05);
+    }
 
     #[test]
     fn a_weak_cause_is_named_where_no_other_explains_the_same_and_time_explains_anything() {

@@ -2,6 +2,7 @@
 
 use super::extent;
 use super::folds::Folds;
+use super::progress::Listener;
 use super::records::Records;
 use crate::effects::Extent;
 use crate::log::Campaign;
@@ -24,11 +25,11 @@ pub struct DataSet {
 }
 
 impl DataSet {
-    /// Reads the trials of `campaign`; `progress` hears of each.
+    /// Reads the trials of `campaign`; `listener` hears of each.
     ///
     /// Errors: as [`Records::read`].
-    pub fn read(campaign: &Campaign, model: &Model, progress: &(dyn Fn() + Sync)) -> Result<Self> {
-        let (records, beside) = Records::read(campaign, model, progress)?;
+    pub fn read(campaign: &Campaign, model: &Model, listener: Listener<'_>) -> Result<Self> {
+        let (records, beside) = Records::read(campaign, model, listener)?;
         let (measured_nm, folds, extent) = (records.measured_nm(), Folds::new(&records), extent::of(&records, model));
         let again = beside.map(|(smooth, records)| {
             let (folds, extent) = (folds.clone(), extent.clone());
@@ -73,6 +74,6 @@ pub mod tests {
     pub fn bundled() -> (DataSet, Model) {
         let campaign = Campaign::read(Path::new("data/davinci_l4")).unwrap();
         let model = Model::read(Path::new("data/davinci_l4/base_model.json")).unwrap();
-        (DataSet::read(&campaign, &model, &|| ()).unwrap(), model)
+        (DataSet::read(&campaign, &model, &|_| ()).unwrap(), model)
     }
 }

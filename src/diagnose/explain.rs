@@ -9,6 +9,7 @@ use super::flexible;
 use super::floor::{self, Floor};
 use super::mask::Mask;
 use super::parameters;
+use super::progress::Listener;
 use crate::model::Model;
 use std::sync::Arc;
 
@@ -35,11 +36,11 @@ pub fn explain<'d>(
     base: &BaseModel<'d>,
     suspected: Vec<ContactEvent>,
     rest_nm: &[f64],
-    progress: &(dyn Fn() + Sync),
+    listener: Listener<'_>,
 ) -> Explanation<'d> {
     let count = suspected.len();
     let of = |events: Vec<ContactEvent>| {
-        Explanation::of(&base.mask.without(&events), &base.model, events, rest_nm, progress)
+        Explanation::of(&base.mask.without(&events), &base.model, events, rest_nm, listener)
     };
     let mut first = of(suspected);
     if first.events.len() < count {
@@ -49,7 +50,7 @@ pub fn explain<'d>(
         return first;
     }
     // Perhaps it was no contact at all, but a cause where it is strongest, hidden by what was set aside.
-    let whole = Explanation::of(&base.mask, &base.model, first.events.clone(), rest_nm, progress);
+    let whole = Explanation::of(&base.mask, &base.model, first.events.clone(), rest_nm, listener);
     let is_cause = match first.choice.found.is_empty() {
         true => 2 * whole.events.len() <= count,
         false => whole.choice.last.held_out_square() <= AS_WELL.powi(2) * first.choice.last.held_out_square(),
@@ -64,9 +65,9 @@ impl<'d> Explanation<'d> {
         model: &Model,
         mut events: Vec<ContactEvent>,
         rest_nm: &[f64],
-        progress: &(dyn Fn() + Sync),
+        listener: Listener<'_>,
     ) -> Self {
-        let found = Self::of_choice(choose(mask, model, progress));
+        let found = Self::of_choice(choose(mask, model, listener));
         contact_events::keep_unexplained(mask, &mut events, rest_nm, &found.left_nm);
         Self { events, ..found }
     }

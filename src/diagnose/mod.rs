@@ -29,9 +29,11 @@ mod pairs;
 mod parameters;
 mod perturbation;
 mod probability;
+mod progress;
 mod record;
 mod records;
 mod ripple;
+mod rounds;
 mod settle;
 mod spectrum;
 mod verdict;
@@ -45,6 +47,7 @@ pub use locate::Place;
 pub use motion::{Follows, MotionGap, MotionPlace, MotionTrial, beside};
 pub use next::{BlindSpot, NextExperiment};
 pub use parameters::Fitted;
+pub use progress::{Listener, Phase, Progress};
 pub use verdict::{Verdict, signature};
 
 use crate::evaluate::fitted;
@@ -180,24 +183,25 @@ pub struct View {
 const ENCODER_UNKNOWN: &str = "what the encoder alone leaves of a perfect model is not known: its smoothed motion cannot be prepared as the \
                                recorded one; a coarse encoder may be taken for a gap";
 
-/// Looks for what separates `model` from the recordings of `campaign`; `progress` hears of each trial read and each round of
-/// trying.
+/// Looks for what separates `model` from the recordings of `campaign`; `listener` hears what it is
+/// at.
 ///
 /// Errors: the model is of another joint; all that is wrong with any trial; no sample can be scored.
-pub fn run(campaign: &Campaign, model: &Model, progress: &(dyn Fn() + Sync)) -> Result<Diagnosis> {
-    // Read.
+pub fn run(campaign: &Campaign, model: &Model, listener: Listener<'_>) -> Result<Diagnosis> {
+    let begins = |phase| listener(Progress::Begins(phase));
+    begins(Phase::Reading);
     let (model, mut warnings) = fitted(campaign, model)?;
-    let data = DataSet::read(campaign, &model, progress)?;
+    let data = DataSet::read(campaign, &model, listener)?;
     warnings.extend(data.records.all.iter().flat_map(|record| record.warnings.iter().cloned()));
     if data.again().is_none() {
         warnings.push(ENCODER_UNKNOWN.to_string());
     }
     let mask = Mask::new(&data, data.scored(&model), 0.0);
-    // Floor.
+    begins(Phase::NoiseFloor);
     let base = BaseModel::new(&mask, &model, within_confidence(&model));
     let base_nm = base.residual_nm();
     let mut base = base.above(floor::of_noise(&data.records, &base_nm, f64::INFINITY).rms_nm);
-    // Contacts.
+    begins(Phase::ContactEvents);
     let rest_nm = base.residual_nm();
     let lines = [false, true].map(|by_direction| ripple::starts(&base, &rest_nm, by_direction));
     let columns = flexible::columns(&base, &lines.concat());
@@ -207,10 +211,8 @@ pub fn run(campaign: &Campaign, model: &Model, progress: &(dyn Fn() + Sync)) -> 
         base = base.above(floor_nm);
         (events, flexible) = contact_events::find(&base, &columns, &rest_nm);
     }
-    progress();
-    // Search.
-    let mut explanation = explain::explain(&base, events, &rest_nm, progress);
-    // Verdict.
+    let mut explanation = explain::explain(&base, events, &rest_nm, listener);
+    begins(Phase::Verdict);
     let mut floor = explanation.floor(&columns);
     let mut resamples = Resamples::new(&data.folds, &floor);
     let evidence = Account::new(&base, &explanation, &resamples, &floor).evidence;
@@ -221,7 +223,7 @@ pub fn run(campaign: &Campaign, model: &Model, progress: &(dyn Fn() + Sync)) -> 
     }
     let account = Account::new(&base, &explanation, &resamples, &floor);
     let verdict = verdict::verdict(&explanation.choice, &account.evidence);
-    // Advice.
+    begins(Phase::NextExperiment);
     let situation =
         next::Situation { campaign, base: &base, found: &explanation.choice.found, verdict: &verdict, floor_nm };
     let (next, blind_spots) = situation.propose();

@@ -4,15 +4,21 @@
 //! prediction and its columns; what a pair would leave is what both predictions and both sets of columns leave.
 
 use super::base::BaseModel;
-use super::candidates::{Cause, Hypothesis};
+use super::candidates::{Cause, Hypothesis, try_one};
+use super::choose::{Forward, Search};
+use super::criteria::{Share, is_makeshift, is_tie};
+use super::fit::Fit;
 use super::folds::FOLDS;
 use super::gram::{solve, square_left};
 use super::mask::Mask;
+use super::settle::all_but;
 use nalgebra::DMatrix;
 use rayon::prelude::*;
 
 /// Pairs that are fitted in full.
 const FOLLOWED: usize = 6;
+/// So many of those, the best, are tried in other forms.
+const REFINED: usize = 3;
 /// Rows looked at: every so-manieth where there are more.
 const ROWS: usize = 30_000;
 
@@ -24,7 +30,7 @@ struct Part<'s> {
 }
 
 /// The pairs of `hypotheses` that leave least on units held out, best first.
-pub fn promising(base: &BaseModel<'_>, hypotheses: &[Hypothesis]) -> Vec<[Hypothesis; 2]> {
+fn promising(base: &BaseModel<'_>, hypotheses: &[Hypothesis]) -> Vec<[Hypothesis; 2]> {
     let (own, residual) = (base.columns.len(), base.columns.len());
     let mut columns: Vec<Vec<f64>> = base.columns.clone();
     columns.push(base.mask.residual_nm(&base.predicted_nm));
@@ -81,6 +87,54 @@ pub fn promising(base: &BaseModel<'_>, hypotheses: &[Hypothesis]) -> Vec<[Hypoth
         }
     }
     found
+}
+
+impl<'d> Search<'d, '_> {
+    /// A pair that does better than `next`, or than `one`, which `way` found, alone where that is nothing.
+    pub fn or_pair(
+        &self,
+        next: Option<(Vec<Hypothesis>, Fit<'d>)>,
+        one: &Hypothesis,
+        way: &Forward<'d>,
+    ) -> Option<(Vec<Hypothesis>, Fit<'d>)> {
+        let likely = promising(&self.first, &way.opening.hypotheses);
+        let mut fitted: Vec<_> = likely.iter().map(|pair| self.together(pair)).collect();
+        fitted.sort_by(|a, b| a.1.score().total_cmp(&b.1.score()));
+        fitted.truncate(REFINED);
+        let refined = fitted
+            .into_iter()
+            .map(|pair| self.refined(pair))
+            .filter(|(_, fit)| fit.is_sound(self.extent()) && self.is_material(fit, &way.fit, Share::Further));
+        let all: Vec<(Vec<Hypothesis>, Fit<'d>)> = refined.chain(next).collect();
+        let best = all.iter().min_by(|a, b| a.1.score().total_cmp(&b.1.score()))?.1.clone();
+        let equals = all.into_iter().filter(|(_, fit)| is_tie(&best, fit, self.start));
+        // Of pairs that do as well the simplest; to have what does best alone is worth a number.
+        let has_one = |pair: &[Hypothesis]| {
+            pair.iter().any(|hypothesis| (hypothesis.cause, hypothesis.how) == (one.cause, one.how))
+        };
+        equals
+            .min_by_key(|(pair, fit)| (fit.moves.len() + usize::from(!has_one(pair)), makeshifts(pair), !has_one(pair)))
+    }
+
+    /// Each of `pair` tried anew beside the other as it stands: alone it may have taken a form that is not its own.
+    fn refined(&self, mut pair: (Vec<Hypothesis>, Fit<'d>)) -> (Vec<Hypothesis>, Fit<'d>) {
+        for at in 0..pair.0.len() {
+            let base = self.base_beside(&all_but(&pair.0, at));
+            let anew = try_one(&base, pair.0[at].cause).and_then(|tried| tried.hypothesis());
+            let Some(anew) = anew else { continue };
+            let mut chosen = pair.0.clone();
+            chosen[at] = anew;
+            let other = self.together(&chosen);
+            if other.1.score() < pair.1.score() {
+                pair = other;
+            }
+        }
+        pair
+    }
+}
+
+fn makeshifts(chosen: &[Hypothesis]) -> usize {
+    chosen.iter().filter(|hypothesis| is_makeshift((hypothesis.cause, hypothesis.how))).count()
 }
 
 impl Part<'_> {

@@ -19,27 +19,28 @@ struct Outcomes {
 
 impl Kind {
     /// What became of verdicts of this kind on simulated joints whose answers were withheld: counts that `scripts/blind/score.py` prints
-    /// ("verdict said") for 84 cases of the generator `formula` (seeds 71, 501 and 601) and 143 of `physical` (seeds 1001, 2002 and 3003).
-    /// Of a single cause by whether it was distinct.
-    fn outcomes(self, is_distinct: bool) -> Outcomes {
-        let (right, none, outside, other) = match (self, is_distinct) {
-            (Self::None, _) => (25.0, 0.0, 3.0, 5.0),
-            (Self::Stale, true) => (6.0, 0.0, 0.0, 0.0),
-            (Self::Stale, false) => (16.0, 0.0, 0.0, 3.0),
-            (Self::Effect, true) => (50.0, 0.0, 1.0, 0.0),
-            (Self::Effect, false) => (39.0, 1.0, 1.0, 1.0),
-            (Self::Several, _) => (19.0, 1.0, 5.0, 13.0),
-            (Self::Ambiguous, _) => (18.0, 0.0, 0.0, 1.0),
-            (Self::Unknown, _) => (14.0, 0.0, 0.0, 5.0),
+    /// ("verdict said") for 102 cases of the generator `formula` (seeds 71, 501, 601 and 701) and 179 of `physical` (seeds 1001, 2002, 3003
+    /// and 4004); of verdicts that name a cause, by whether they were clear.
+    fn outcomes(self, is_clear: bool) -> Outcomes {
+        let (right, none, outside, other) = match (self, is_clear) {
+            (Self::None, _) => (30.0, 0.0, 3.0, 6.0),
+            (Self::Stale, true) => (6.0, 0.0, 0.0, 1.0),
+            (Self::Stale, false) => (22.0, 0.0, 0.0, 2.0),
+            (Self::Effect, true) => (67.0, 0.0, 1.0, 1.0),
+            (Self::Effect, false) => (42.0, 1.0, 1.0, 1.0),
+            (Self::Several, true) => (23.0, 0.0, 3.0, 10.0),
+            (Self::Several, false) => (1.0, 1.0, 2.0, 5.0),
+            (Self::Ambiguous, _) => (23.0, 0.0, 0.0, 2.0),
+            (Self::Unknown, _) => (19.0, 1.0, 0.0, 7.0),
         };
         Outcomes { right, none, outside, other }
     }
 }
 
-/// The answers with their probabilities; `is_distinct` says whether no cause that was found has another close behind it. What the resamples do not agree on is shared out as verdicts of this kind turned out when they
-/// were wrong; Laplace's rule adds one to each count.
-pub fn probabilities(kind: Kind, agreement: f64, effects: &[Cause], is_distinct: bool) -> Vec<(Answer, f64)> {
-    let Outcomes { right, none, outside, other } = kind.outcomes(is_distinct);
+/// The answers with their probabilities; `is_clear` says whether the verdict is. What the resamples do not agree on is shared out as verdicts
+/// of this kind turned out when they were wrong; Laplace's rule adds one to each count.
+pub fn probabilities(kind: Kind, agreement: f64, effects: &[Cause], is_clear: bool) -> Vec<(Answer, f64)> {
+    let Outcomes { right, none, outside, other } = kind.outcomes(is_clear);
     let said = agreement * (right + 1.0) / (right + none + outside + other + 2.0);
     let wrong = none + outside + other + 3.0;
     let share = |count: f64| (1.0 - said) * (count + 1.0) / wrong;

@@ -2,6 +2,7 @@
 //! held against the same recordings.
 
 use super::encoder;
+use super::progress::{Listener, Progress};
 use super::record::Record;
 use crate::dynamics::Both;
 use crate::effects::Added;
@@ -41,19 +42,15 @@ type Beside = (Record, Record);
 type Read = (Record, Option<Beside>, (f64, f64), (usize, Fingerprint));
 
 impl Records {
-    /// Reads and thins the trials of `campaign` that a model without a person can be judged on; `progress` hears of each. Beside them the
+    /// Reads and thins the trials of `campaign` that a model without a person can be judged on; `listener` hears of each. Beside them the
     /// same trials without their encoder, and as it would have read them once more; nothing where one of those cannot be prepared.
     ///
     /// Errors: all that is wrong with any trial; no sample is left to judge.
-    pub fn read(
-        campaign: &Campaign,
-        model: &Model,
-        progress: &(dyn Fn() + Sync),
-    ) -> Result<(Self, Option<(Self, Self)>)> {
+    pub fn read(campaign: &Campaign, model: &Model, listener: Listener<'_>) -> Result<(Self, Option<(Self, Self)>)> {
         let one = |index: usize| {
             let mut trial = read_trial(campaign, index).and_then(|log| prepare(campaign, index, log))?;
             let span = span_s(&trial.log);
-            progress();
+            listener(Progress::Done(&campaign.trials[index].file));
             let print = std::mem::take(&mut trial.log.fingerprint);
             let record = Record::new(campaign, model, &trial)?;
             let moved = |position_rad| record.moved(campaign, model, &trial, position_rad);

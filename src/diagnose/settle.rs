@@ -5,6 +5,7 @@ use super::candidates::{Cause, FittedCause, Hypothesis};
 use super::choose::Search;
 use super::criteria::{Share, distinctness, is_tie, simplest};
 use super::fit::Fit;
+use super::progress::{Phase, Progress};
 
 /// Rounds over the causes found in which each is tried again.
 const SWEEPS: usize = 2;
@@ -60,8 +61,8 @@ impl<'d> Search<'d, '_> {
     fn again(&self, chosen: &[Hypothesis], at: usize) -> Step<'d> {
         let others = all_but(chosen, at);
         let (others, without) = self.together(&others);
-        let base = self.base_of(&without);
-        let round = self.round(&base, &others);
+        (self.listener)(Progress::Begins(Phase::Rivals(chosen[at].cause.name())));
+        let round = self.round(&others, &without);
         let step = self.place(&chosen[at], round.tried, without, &self.base_beside(&all_but(chosen, at)));
         let Some(best) = simplest(&step.tried, self.start) else { return step };
         let (own, best, first) = (&step.taken, &step.tried[best], &step.tried[0]);

@@ -22,6 +22,8 @@ const UNNAMED_SHARE: f64 = 0.45;
 /// Where the base leaves less than so many floors a cause is named only if this share of the resamples agrees.
 const WEAK_FLOORS: f64 = 0.6;
 const WEAK_AGREEMENT: f64 = 0.5;
+/// Of several causes the weakest explains so many times the least that counts, or the verdict is not clear.
+const CLEAR_MARGIN: f64 = 1.5;
 
 /// The answer.
 #[derive(Debug, Clone, PartialEq)]
@@ -172,8 +174,10 @@ pub fn verdict(choice: &Choice<'_>, evidence: &Evidence<'_>) -> Verdict {
         _ if is_open => Some(Form::Approximate),
         _ => Some(Form::Fits),
     };
-    let is_distinct = choice.found.iter().all(|found| found.distinctness >= DISTINCT);
-    let probabilities = probabilities(kind, agreement, &effects, is_distinct);
+    let clear = clear(kind, &choice.found);
+    let is_clear = clear.as_ref().is_none_or(|clear| clear.value >= clear.limit);
+    decisions.extend(clear);
+    let probabilities = probabilities(kind, agreement, &effects, is_clear);
     Verdict {
         kind,
         effects,
@@ -186,6 +190,19 @@ pub fn verdict(choice: &Choice<'_>, evidence: &Evidence<'_>) -> Verdict {
         gap_after_nm: above(last, floor_square).max(evidence.numbers.square().sqrt()),
         shrink: evidence.shrink(&evidence.last, evidence.numbers),
     }
+}
+
+/// Whether a verdict is one that was nearly always right: a single cause that no other comes close to, several of which the weakest
+/// explains well more than it must.
+fn clear(kind: Kind, found: &[Found<'_>]) -> Option<Decision> {
+    let least = |of: &dyn Fn(&Found<'_>) -> f64| found.iter().map(of).min_by(f64::total_cmp);
+    let (value, limit) = match kind {
+        Kind::None | Kind::Unknown => return None,
+        Kind::Several => (least(&|found| found.margin)?, CLEAR_MARGIN),
+        Kind::Stale | Kind::Effect | Kind::Ambiguous => (least(&|found| found.distinctness)?, DISTINCT),
+    };
+    let outcome = if value >= limit { "clear" } else { "not clear" };
+    Some(Decision { rule: "clear", subject: "verdict", value, limit, outcome })
 }
 
 fn kind_of(cause: Cause) -> Kind {

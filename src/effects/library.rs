@@ -60,6 +60,12 @@ impl Added {
         Added { effect: self.effect, parameters }
     }
 
+    /// Whether it does nothing yet: it has strengths, and all of them are 0.
+    pub fn is_idle(&self) -> bool {
+        let mut strengths = self.named().filter(|(parameter, _)| parameter.role == Role::Strength).peekable();
+        strengths.peek().is_some() && strengths.all(|(_, x)| x == 0.0)
+    }
+
     /// Parameters with their names.
     pub fn named(&self) -> impl Iterator<Item = (&'static Parameter, f64)> {
         self.effect.about().parameters.iter().zip(self.parameters.iter().copied())

@@ -59,7 +59,8 @@ pub fn decisions_table(found: &Diagnosis) -> Option<Table> {
          \"share of the gap\", \"floors\" and \"encoder\" compare its gain in mean square, (N m)^2, with a share of the gap, of the \
          floor, and with what the encoder's errors alone would let it gain; \"standard errors\" and \"clusters that gain\" ask whether it \
          gains in most trials or cycles; \"distinct\" is the share of its gain in which it is ahead of every other cause, which a weak \
-         one must be; \"form\", \"open\" and \"named\" compare what is left, N m RMS above the floor.",
+         one must be; \"clear\" is the least of those where one cause is named, and where several are, how many times the least \
+         share of the gap the weakest explains; \"form\", \"open\" and \"named\" compare what is left, N m RMS above the floor.",
         &["of", "rule", "value", "limit", "outcome"],
         found.verdict.decisions.iter().map(row).collect(),
     )

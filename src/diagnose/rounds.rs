@@ -1,0 +1,42 @@
+//! Every cause tried beside those that are known, and not twice in the same place.
+
+use super::candidates::{Cause, Hypothesis, Round, try_all};
+use super::choose::Search;
+use super::fit::Fit;
+use std::cell::RefCell;
+
+/// Causes that leave the same square but for this share of it stand where they stood.
+const SAME_SCORE: f64 = 1e-3;
+
+/// What was tried so far, and beside which causes.
+#[derive(Default)]
+pub struct Rounds<'d> {
+    all: RefCell<Vec<Beside<'d>>>,
+}
+
+/// What was tried beside some causes.
+struct Beside<'d> {
+    /// Which, in order.
+    causes: Vec<(Cause, &'static str)>,
+    /// What they leave, (N m)^2.
+    score: f64,
+    round: Round<'d>,
+}
+
+impl<'d> Search<'d, '_> {
+    /// Everything tried beside `known`, whose fit is `fit`: again only if the same causes stand elsewhere than before.
+    pub fn round(&self, known: &[Hypothesis], fit: &Fit<'d>) -> Round<'d> {
+        let mut causes: Vec<_> = known.iter().map(|hypothesis| (hypothesis.cause, hypothesis.how)).collect();
+        causes.sort_unstable();
+        let score = fit.score();
+        let stand_there =
+            |beside: &&Beside<'d>| beside.causes == causes && (beside.score - score).abs() <= SAME_SCORE * score;
+        if let Some(beside) = self.rounds.all.borrow().iter().find(stand_there) {
+            return beside.round.clone();
+        }
+        let known: Vec<Cause> = known.iter().map(|hypothesis| hypothesis.cause).collect();
+        let round = try_all(&self.base_of(fit), &known, self.listener);
+        self.rounds.all.borrow_mut().push(Beside { causes, score, round: round.clone() });
+        round
+    }
+}
