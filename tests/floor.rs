@@ -60,3 +60,50 @@ fn what_a_coarse_encoder_leaves_of_a_true_model_is_floor_and_no_cause() {
     assert!((probabilities - 1.0).abs() < 1e-9, "{probabilities}");
     assert!(found.verdict.decisions.iter().any(|d| d.rule == "encoder" && d.value >= d.limit && d.limit > 0.0));
 }
+
+/// Noise slower than the low-pass, N m: it never comes twice the same, and no noise beyond the low-pass tells of it.
+fn with_slow_noise(folder: &std::path::Path, rms_nm: f64) {
+    const KEPT: f64 = 0.97;
+    let log = std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path());
+    let log = log.into_iter().find(|path| path.extension().is_some_and(|e| e == "csv")).unwrap();
+    let text = std::fs::read_to_string(&log).unwrap();
+    let (header, rows) = text.split_once('\n').unwrap();
+    let torque = header.split(',').position(|name| name.contains("torque")).unwrap();
+    let (mut noise_nm, mut smooth_nm, mut state) = (0.0, 0.0, 1_u64);
+    let noisy = |row: &str| {
+        let mut cells: Vec<String> = row.split(',').map(str::to_string).collect();
+        state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        let white = (state >> 11) as f64 / (1u64 << 53) as f64 - 0.5;
+        noise_nm = KEPT * noise_nm + (1.0 - KEPT * KEPT).sqrt() * 12.0_f64.sqrt() * rms_nm * white;
+        smooth_nm += 0.2 * (noise_nm - smooth_nm);
+        cells[torque] = format!("{}", cells[torque].parse::<f64>().unwrap() + smooth_nm);
+        cells.join(",")
+    };
+    let rows: Vec<String> = rows.lines().map(noisy).collect();
+    std::fs::write(&log, format!("{header}\n{}\n", rows.join("\n"))).unwrap();
+}
+
+#[test]
+fn what_no_fit_finds_again_is_noise_where_no_motion_was_repeated() {
+    let segments = vec![Segment::Cosine { low_rad: 0.2, high_rad: 0.9, period_s: 3.1, periods: 20 }];
+    let own = Path { start_rad: 0.2, segments };
+    let free =
+        Trajectory { name: "free".to_string(), protocol: Protocol::Free, repeats: Some(1), own, others: Vec::new() };
+    let sensors = Sensors { torque_noise_nm: 0.002, encoder_counts: 0.0 };
+    let wanted = Plan { speeds: 0, trajectories: vec![free], rate_hz: 100.0, sensors, seed: 5, ..plan() };
+    let found = |joint: &Model| {
+        let folder = record(joint, &wanted);
+        with_slow_noise(folder.path(), 0.03);
+        run(&Campaign::read(folder.path()).unwrap(), &truth(), &|_| ()).unwrap()
+    };
+    let same = found(&truth());
+    assert_eq!(same.gap.floor.source, FloorSource::Unforeseen, "{:?}", same.gap);
+    assert_eq!(same.verdict.kind, Kind::None, "{:?} {:?}", same.gap, same.verdict.effects);
+    assert!(same.warnings.iter().any(|warning| warning.contains("repeats of one motion would tell")));
+    // What does come again with the motion is no noise, however much there is of the other.
+    let mut worn = truth();
+    worn.friction.up.d *= 3.0;
+    worn.friction.down.d *= 3.0;
+    let worn = found(&worn);
+    assert_ne!(worn.verdict.kind, Kind::None, "{:?}", worn.gap);
+}

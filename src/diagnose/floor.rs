@@ -2,7 +2,8 @@
 //!
 //! From repeats of one motion: half the variance of the difference of their residuals, aligned in time by their positions.
 //! Slow differences are taken out (a drift between repeats is no noise), and blocks are combined by their median (a contact in
-//! one repeat is no noise either). Without repeats: the density of the raw torque's noise beyond the low-pass, carried on below.
+//! one repeat is no noise either). Without repeats: the density of the raw torque's noise beyond the low-pass, carried on below; where no fit
+//! finds any of the residual again on held-out data, all of it.
 //! Either way what the encoder's steps leave of a perfect model comes on top, as far as it comes again with the motion.
 
 use super::data::DataSet;
@@ -23,6 +24,8 @@ const SLOW_LATER: f64 = 80.0;
 const STRIKING: f64 = 3.0;
 /// However much slow noise there seems to be, the floor rises by no more than this factor: the rest may have a cause.
 const RISE_MAX: f64 = 1.25;
+/// Without repeats, what is left is noise, however much, if a flexible fit finds no more than this share of its square again on held-out data.
+const FOUND_AGAIN_MIN: f64 = 0.04;
 /// So much of the rise of its square is uncertain.
 const RISE_ERROR: f64 = 0.5;
 /// Repeats are aligned within so many independent samples.
@@ -93,6 +96,8 @@ pub enum FloorSource {
     Repeats,
     /// The noise beyond the low-pass, its density carried on below.
     Spectrum,
+    /// All that is left: no fit finds it again on held-out data.
+    Unforeseen,
 }
 
 impl FloorSource {
@@ -101,6 +106,7 @@ impl FloorSource {
         match self {
             Self::Repeats => "repeats",
             Self::Spectrum => "spectrum",
+            Self::Unforeseen => "unforeseen",
         }
     }
 }
@@ -146,10 +152,17 @@ fn differing_square(blocks: &mut [f64]) -> f64 {
 pub fn settled(data: &DataSet, after: &Model, left_nm: &[f64], unforeseen_square: f64, left_square: f64) -> Floor {
     let encoder_square = of_encoder(data, after);
     let fast = of_noise(&data.records, left_nm, left_square);
+    let noise_square = (unforeseen_square - encoder_square).max(0.0);
+    let found_again = left_square - unforeseen_square;
+    let least = FOUND_AGAIN_MIN * (left_square - encoder_square - fast.rms_nm.powi(2));
+    if fast.source == FloorSource::Spectrum && noise_square > fast.rms_nm.powi(2) && found_again <= least {
+        let all = Floor::of_noise(noise_square.sqrt(), FloorSource::Unforeseen, SPECTRUM_ERROR);
+        return all.with_encoder(encoder_square, left_square);
+    }
     let blocks = repeats_blocks(&data.records, left_nm, BLOCK_LATER, SLOW_LATER);
     let whole_square = match blocks.len() >= BLOCKS_MIN {
         true => usual_mean(blocks) / 2.0 / (1.0 - 1.0 / SLOW_LATER),
-        false => (unforeseen_square - encoder_square).max(0.0),
+        false => noise_square,
     };
     let rms_nm = whole_square.sqrt().min(RISE_MAX * fast.rms_nm).max(fast.rms_nm);
     let rise = (rms_nm / fast.rms_nm.max(f64::MIN_POSITIVE)).powi(2) - 1.0;

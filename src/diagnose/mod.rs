@@ -183,6 +183,10 @@ pub struct View {
 const ENCODER_UNKNOWN: &str = "what the encoder alone leaves of a perfect model is not known: its smoothed motion cannot be prepared as the \
                                recorded one; a coarse encoder may be taken for a gap";
 
+/// What is said where the floor is all that is left.
+const UNFORESEEN: &str = "what is left exceeds the torque's noise beyond the low-pass, but no fit finds any of it again on held-out data: it \
+                          counts as slow noise; whether it comes again with the motion, only repeats of one motion would tell";
+
 /// Looks for what separates `model` from the recordings of `campaign`; `listener` hears what it is
 /// at.
 ///
@@ -220,6 +224,9 @@ pub fn run(campaign: &Campaign, model: &Model, listener: Listener<'_>) -> Result
         explanation = explanation.given_up(agreement);
         floor = explanation.floor(&columns);
         resamples = Resamples::new(&data.folds, &floor);
+    }
+    if floor.source == FloorSource::Unforeseen {
+        warnings.push(UNFORESEEN.to_string());
     }
     let account = Account::new(&base, &explanation, &resamples, &floor);
     let verdict = verdict::verdict(&explanation.choice, &account.evidence);

@@ -56,6 +56,9 @@ pub fn floor_source(floor: &Floor) -> String {
     let noise = match floor.source {
         FloorSource::Repeats => "from repeats of one motion",
         FloorSource::Spectrum => "from the torque's noise beyond the low-pass, because no motion was repeated",
+        FloorSource::Unforeseen => {
+            "all that is left, because no fit finds any of it again on held-out data and no motion was repeated"
+        }
     };
     match floor.encoder_nm.powi(2) > floor.rms_nm.powi(2) / 2.0 {
         true => format!("mostly what the encoder alone leaves, simulated; the rest {noise}"),

@@ -61,6 +61,7 @@ fn cards(found: &Diagnosis) -> Vec<Card> {
     let source = match gap.floor.source {
         FloorSource::Repeats => "from repeats of one motion",
         FloorSource::Spectrum => "from the noise beyond the low-pass",
+        FloorSource::Unforeseen => "what no fit finds again on held-out data",
     };
     let mut all = vec![card(
         "gap as delivered",
