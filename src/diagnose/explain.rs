@@ -90,6 +90,7 @@ impl<'d> Explanation<'d> {
         let mask = &self.choice.last.mask;
         let left_square = self.choice.last.held_out_square();
         let unpredicted_square = flexible::fit(mask, columns, &self.left_nm).held_out.min(left_square);
-        floor::settled(mask.data, &self.after, &self.left_nm, unpredicted_square, left_square)
+        let is_bare = self.choice.found.is_empty() && self.events.is_empty();
+        floor::settled((mask.data, &self.after), &self.left_nm, (unpredicted_square, left_square), is_bare)
     }
 }

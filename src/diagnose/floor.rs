@@ -148,14 +148,20 @@ fn differing_square(blocks: &mut [f64]) -> f64 {
 
 /// The floor under `left_nm`, what `after`, the model with its causes, leaves at all rows: slow noise is in it. Without long repeats
 /// nothing tells that from a cause but that no fit finds it again on held-out units: `unforeseen_square` is what a flexible one leaves
-/// there, (N m)^2. The model itself leaves `left_square`, which is where the encoder's part ends.
-pub fn settled(data: &DataSet, after: &Model, left_nm: &[f64], unforeseen_square: f64, left_square: f64) -> Floor {
+/// there, (N m)^2. The model itself leaves `left_square`, which is where the encoder's part ends. Where no cause and no contact
+/// was found (`is_bare`) and such a fit finds nothing again, all is noise.
+pub fn settled(
+    (data, after): (&DataSet, &Model),
+    left_nm: &[f64],
+    (unforeseen_square, left_square): (f64, f64),
+    is_bare: bool,
+) -> Floor {
     let encoder_square = of_encoder(data, after);
     let fast = of_noise(&data.records, left_nm, left_square);
     let noise_square = (unforeseen_square - encoder_square).max(0.0);
     let found_again = left_square - unforeseen_square;
     let least = FOUND_AGAIN_MIN * (left_square - encoder_square - fast.rms_nm.powi(2));
-    if fast.source == FloorSource::Spectrum && noise_square > fast.rms_nm.powi(2) && found_again <= least {
+    if is_bare && fast.source == FloorSource::Spectrum && noise_square > fast.rms_nm.powi(2) && found_again <= least {
         let all = Floor::of_noise(noise_square.sqrt(), FloorSource::Unforeseen, SPECTRUM_ERROR);
         return all.with_encoder(encoder_square, left_square);
     }
