@@ -4,7 +4,7 @@
     scripts/ethercat/pysoem_check.py --binary target/release/tautline
 
 Needs `pip install pysoem` and no root, but user namespaces; where they are not allowed it says so and ends with 0. What is
-checked: identity and names out of the EEPROM; SDOs expedited, in one piece and in segments, up and down; refusals; OP with
+checked: masters with any Ethernet address; identity and names out of the EEPROM; SDOs expedited, in one piece and in segments, up and down; refusals; OP with
 distributed clocks; process data with the right working counter; the drive enabled after CiA 402, its motor moving the joint, the
 torque sensor; a following error and its emergency message; the output watchdog; a fault that `rig emulate --fault` puts in under a
 motion, seen by this master, and the emulator's own report of it.
@@ -14,6 +14,7 @@ import argparse
 import json
 import math
 import os
+import socket
 import struct
 import subprocess
 import sys
@@ -255,8 +256,32 @@ def struck(master, drive, terminal):
     check(f"put in: a fault of the drive (status {word:#06x}, code {code:#06x})", word & 0x4F == 0x08 and code == 0x2310)
 
 
+def answered(source):
+    """Whether a frame from a master of this Ethernet address is answered by both devices, and told from what was sent: the first
+    device sets the second bit of the sender's address (IEEE 802: locally administered), which a master's own may have as well."""
+    wire = socket.socket(socket.AF_PACKET, socket.SOCK_RAW, socket.htons(0x88A4))
+    wire.bind((MASTER, 0x88A4))
+    wire.settimeout(1.0)
+    # Datagram 7 is a broadcast read, here of AL status (0x0130).
+    datagram = struct.pack("<BBHHHH2xH", 7, 0x5A, 0, 0x0130, 2, 0, 0)
+    wire.send((b"\xff" * 6 + source + b"\x88\xa4" + struct.pack("<H", 0x1000 | len(datagram)) + datagram).ljust(60, b"\0"))
+    try:
+        reply = wire.recv(1514)
+    except TimeoutError:
+        return False
+    finally:
+        wire.close()
+    return reply[6:12] == bytes([source[0] | 2]) + source[1:] and reply[17] == 0x5A and struct.unpack_from("<H", reply, 28)[0] == 2
+
+
+def addresses(master, drive, terminal):
+    for source in ("101010101010", "021a2b3c4d5e", "0200000000fe"):
+        check(f"a master of the Ethernet address {source} is answered", answered(bytes.fromhex(source)))
+
+
 def run(binary):
     make_wire()
+    emulated(binary, addresses)
     emulated(binary, whole)
     with tempfile.TemporaryDirectory() as scratch:
         report = Path(scratch) / "report.json"

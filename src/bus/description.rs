@@ -92,9 +92,22 @@ impl Device {
     }
 }
 
+/// Features of the bus interface (register 0x0008): frames checked and counted; with bits 2 and 3 a clock of 64 bits.
+const FEATURES: u16 = 0x00C0;
+const CLOCK_FEATURES: u16 = 0x000C;
+
+impl Device {
+    /// The same without a distributed clock, as many simple devices are.
+    pub fn without_clock(mut self) -> Self {
+        self.clock = None;
+        self.memory.put(at::FEATURES, &FEATURES.to_le_bytes());
+        self
+    }
+}
+
 /// What stands in the registers when a device is switched on.
 fn describe(memory: &mut Memory, sync_managers: u8, has_clock: bool) {
-    let features: u16 = if has_clock { 0x00CC } else { 0x00C0 };
+    let features = FEATURES | if has_clock { CLOCK_FEATURES } else { 0 };
     let features = features.to_le_bytes();
     memory.put(at::INFORMATION, &[0x11, 0, 2, 0, 4, sync_managers, 8, 0x0F, features[0], features[1]]);
     memory.put(at::PDI_CONTROL, &[0x80, 0x0C]);

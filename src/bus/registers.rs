@@ -2,6 +2,8 @@
 
 /// Type, revision, build, FMMUs, sync managers, RAM in KiB, ports, features.
 pub const INFORMATION: u16 = 0x0000;
+/// What the bus interface can, 2 bytes: bit 2 has a clock, bit 3 one of 64 bits.
+pub const FEATURES: u16 = 0x0008;
 /// Station address that the master gives.
 pub const STATION: u16 = 0x0010;
 /// Station address out of the EEPROM.

@@ -188,6 +188,13 @@ impl fmt::Display for Cause {
             Self::Watchdog(why) => write!(f, "{why}"),
             Self::Recording(why) => write!(f, "the recording cannot be written: {why}"),
             Self::Interrupted => write!(f, "stopped by the operator"),
+            Self::DriveSlow { wanted, found: Condition::SwitchOnDisabled } if *wanted == "operation enabled" => {
+                write!(
+                    f,
+                    "the drive stays in `{}`: is its power on, and its safe torque off released?",
+                    Condition::SwitchOnDisabled
+                )
+            }
             Self::DriveSlow { wanted, found } => write!(f, "the drive did not get to `{wanted}` in time: {found}"),
             Self::OtherAxis(name, why) => write!(f, "of `{name}`: {why}"),
             Self::Stack(why) => write!(f, "the EtherCAT stack failed: {why}"),

@@ -1,11 +1,12 @@
 //! Devices as their makers describe them: EtherCAT slave information files (ESI, ETG.2000).
 //!
-//! Taken from a file are vendor, product code, revision and name of each device, whether it has a clock (`Dc`), and the PDOs that it
-//! exchanges unless told otherwise: those with a sync manager (`Sm`), with their entries. What a device on the bus reports always
+//! Taken from a file are vendor, product code, revision and name of each device, whether it has a clock (`Dc`) and how that should pulse
+//! (its first `OpMode` that pulses at all), and the PDOs that it exchanges unless told otherwise: those with a sync manager (`Sm`), with
+//! their entries. What a device on the bus reports always
 //! counts; an ESI file serves before it is there.
 
 use super::found::{Found, entry};
-use super::rig::{Entry, Kind, Pdo, ProcessData};
+use super::rig::{Entry, Kind, Pdo, ProcessData, Pulses};
 use crate::document::bytes;
 use crate::limits::ESI_BYTES;
 use crate::problem::{Problem, Result};
@@ -73,6 +74,8 @@ struct Open {
     /// The PDO that is open, and whether the device exchanges it by default.
     pdo: Option<(Pdo, bool)>,
     entry: EntryText,
+    /// The clock's mode that is open.
+    mode: Pulses,
 }
 
 /// An entry of a PDO as it is written there.
@@ -107,6 +110,7 @@ impl Open {
                 serial: 0,
                 alias: 0,
                 has_clock: false,
+                clock: None,
                 inputs: ProcessData::default(),
                 outputs: ProcessData::default(),
             }),
@@ -121,6 +125,7 @@ impl Open {
                     device.has_clock = true;
                 }
             }
+            [.., "Dc", "OpMode"] => self.mode = Pulses { activate: 0, ..Pulses::default() },
             [.., "Device", "RxPdo" | "TxPdo"] => {
                 let is_assigned = attribute("Sm").is_some();
                 self.pdo = Some((Pdo { index: 0, entries: Vec::new() }, is_assigned));
@@ -136,6 +141,11 @@ impl Open {
         let path: Vec<String> = self.path.clone();
         let at: Vec<&str> = path.iter().map(String::as_str).collect();
         match at[..] {
+            [.., "Devices", "Device"] => {
+                if let Some(device) = self.devices.last_mut() {
+                    device.clock = device.clock.filter(|clock| *clock != Pulses::default());
+                }
+            }
             ["EtherCATInfo", "Vendor", "Id"] => self.vendor = number(&text)?,
             // The name in the first language; the type's own where there is none.
             [.., "Device", "Type" | "Name"] => {
@@ -143,6 +153,15 @@ impl Open {
                     device.name = text;
                 }
             }
+            [.., "OpMode", "AssignActivate"] => {
+                self.mode.activate =
+                    u16::try_from(number(&text)?).map_err(|_| format!("has an AssignActivate {text}"))?;
+            }
+            [.., "OpMode", "ShiftTimeSync0"] => {
+                self.mode.sync0_shift_ns = text.parse().map_err(|_| format!("has a ShiftTimeSync0 {text}"))?;
+            }
+            [.., "OpMode", "CycleTimeSync1"] => self.mode.sync1_ns = number(&text)?,
+            [.., "Dc", "OpMode"] => self.pulses(),
             [.., "Device", "RxPdo" | "TxPdo", "Index"] => {
                 let index = u16::try_from(number(&text)?).map_err(|_| format!("has a PDO {text}"))?;
                 if let Some((pdo, _)) = &mut self.pdo {
@@ -170,6 +189,16 @@ impl Open {
         }
         self.path.pop();
         Ok(())
+    }
+}
+
+impl Open {
+    /// The clock's mode that ends is the device's where it pulses and none before did; pulses with every cycle need not be told.
+    fn pulses(&mut self) {
+        let mode = self.mode;
+        if let Some(device) = self.devices.last_mut().filter(|device| device.clock.is_none() && mode.activate != 0) {
+            device.clock = Some(mode);
+        }
     }
 }
 
@@ -243,6 +272,30 @@ mod tests {
         assert_eq!(drive.inputs.entries().last().map(|entry| entry.kind), Some(Kind::Real));
         let text = starting_rig("eth1", &found).unwrap();
         assert!(text.contains("vendor = 0x000000ab") && text.contains("as = \"target_position\""), "{text}");
+    }
+
+    #[test]
+    fn the_clock_pulses_as_the_maker_has_it() {
+        let clock = |modes: &str| {
+            let (before, _) = DRIVE.split_once("<OpMode>").unwrap();
+            let (_, after) = DRIVE.split_once("</OpMode>").unwrap();
+            let found = parse(&format!("{before}{modes}{after}")).unwrap();
+            let text = starting_rig("eth1", &found).unwrap();
+            (found[0].clock, text.lines().find(|line| line.starts_with("clock =")).map(str::to_string))
+        };
+        let mode = |activate: &str, more: &str| {
+            format!("<OpMode><Name>M</Name><AssignActivate>{activate}</AssignActivate>{more}</OpMode>")
+        };
+        assert_eq!(clock(&mode("#x0300", "")), (None, None));
+        let free = mode("#x0", "");
+        let shifted = mode("#x0700", "<ShiftTimeSync0>-5000</ShiftTimeSync0><CycleTimeSync1>250000</CycleTimeSync1>");
+        let (found, line) = clock(&format!("{free}{shifted}{}", mode("#x0300", "")));
+        assert_eq!(found, Some(Pulses { activate: 0x700, sync0_shift_ns: -5000, sync1_ns: 250_000 }));
+        assert_eq!(
+            line.as_deref(),
+            Some("clock = { assign_activate = 0x0700, sync0_shift_us = -5.0, sync1_us = 250.0 }")
+        );
+        assert_eq!(clock(&format!("{}{shifted}", mode("#x0300", ""))), (None, None));
     }
 
     #[test]

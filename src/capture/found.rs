@@ -1,7 +1,7 @@
 //! What devices report of themselves, and whether it is what the rig says.
 
 use super::line::{Failure, Line};
-use super::rig::{AXIS_OBJECTS, Entry, Identity, Kind, Pdo, ProcessData};
+use super::rig::{AXIS_OBJECTS, Entry, Identity, Kind, Pdo, ProcessData, Pulses};
 use super::wire::Wire;
 use ethercrab::error::{Error, MailboxError};
 use ethercrab::{MainDevice, SubDeviceRef};
@@ -25,6 +25,8 @@ pub struct Found {
     pub alias: u16,
     /// Whether it has a clock of its own that can be held to the others'.
     pub has_clock: bool,
+    /// How its clock should pulse, where its maker says so otherwise than with every cycle: a device itself does not tell.
+    pub clock: Option<Pulses>,
     /// What it sends as it is set up now; nothing of a device without an object dictionary.
     pub inputs: ProcessData,
     /// What is sent to it.
@@ -135,6 +137,7 @@ where
         serial: identity.serial,
         alias: device.alias_address(),
         has_clock: device.dc_support().any(),
+        clock: None,
         inputs: mapped(line, device, ASSIGNED_INPUTS),
         outputs: mapped(line, device, ASSIGNED_OUTPUTS),
     }

@@ -2,11 +2,12 @@
 //!
 //! A future of the stack is polled, what it wants to send is sent, what comes in is handed over, and so on until it is done or
 //! its time is up. Whatever the stack makes of a frame that comes late, twice or damaged, is let pass: what was to be answered
-//! is then missed, which the caller sees. A panic of the stack (an emergency message during a transfer of objects is one) ends
-//! only what was being asked.
+//! is then missed, which the caller sees. A panic of the stack ends only what was being asked; what is known to make it panic, an
+//! emergency message during a transfer of objects, is kept from it (see `unasked`).
 
 use super::clock;
 use super::master::{BYTES, DEVICES};
+use super::unasked::Unasked;
 use super::wire::{FRAME_BYTES, Wire};
 use ethercrab::error::Error;
 use ethercrab::{MainDevice, MainDeviceConfig, PduRx, PduStorage, PduTx, RetryBehaviour, Timeouts};
@@ -22,6 +23,12 @@ const FRAMES: usize = 16;
 const FRAME_DATA: usize = PduStorage::element_size(1100);
 /// Time that a frame may be away while the bus is set up, where no cycle waits.
 const ANSWER: Duration = Duration::from_millis(30);
+/// Time that a device may take from one state to the next: what ETG.1020 gives to those that name no time of their own.
+const STATE: Duration = Duration::from_secs(10);
+/// Time that a device may take to fetch a word of its EEPROM, or a message out of its mailbox.
+const PATIENCE: Duration = Duration::from_millis(300);
+/// Time that it may take to answer for an object: some drives store it first.
+const OBJECT: Duration = Duration::from_secs(3);
 /// How often a frame of the set-up is sent again when no answer comes.
 const RETRIES: usize = 3;
 /// Frames by which the clocks are brought together before they drift along.
@@ -36,6 +43,7 @@ pub struct Line<'s, W> {
     tx: PduTx<'s>,
     rx: PduRx<'s>,
     buffer: Box<[u8; FRAME_BYTES]>,
+    unasked: Unasked,
 }
 
 /// Why something asked of the bus was not done.
@@ -81,12 +89,17 @@ pub fn with_line<W: Wire, R>(wire: W, act: impl FnOnce(&mut Line<'_, W>, &MainDe
         pdu: ANSWER,
         // Not at once: a bus in virtual time would stand still, a real one be flooded.
         wait_loop_delay: Duration::from_micros(200),
+        state_transition: STATE,
+        // A computer that stalls for a moment must not take a device for dead that has answered meanwhile.
+        eeprom: PATIENCE,
+        mailbox_echo: PATIENCE,
+        mailbox_response: OBJECT,
         ..Timeouts::default()
     };
     let config =
         MainDeviceConfig { dc_static_sync_iterations: CLOCK_FRAMES, retry_behaviour: RetryBehaviour::Count(RETRIES) };
     let main = MainDevice::new(pdu_loop, timeouts, config);
-    let mut line = Line { wire, tx, rx, buffer: Box::new([0; FRAME_BYTES]) };
+    let mut line = Line { wire, tx, rx, buffer: Box::new([0; FRAME_BYTES]), unasked: Unasked::default() };
     act(&mut line, &main)
 }
 
@@ -113,6 +126,7 @@ impl<W: Wire> Line<'_, W> {
     fn drive<T>(&mut self, until_ns: u64, future: impl Future<Output = Result<T, Error>>) -> Result<T, Failure> {
         let mut future = pin!(future);
         let mut context = Context::from_waker(Waker::noop());
+        self.unasked.forget();
         loop {
             clock::set_ns(self.wire.now_ns());
             if let Poll::Ready(done) = future.as_mut().poll(&mut context) {
@@ -130,9 +144,10 @@ impl<W: Wire> Line<'_, W> {
 
     fn send(&mut self) {
         while let Some(frame) = self.tx.next_sendable_frame() {
-            let wire = &mut self.wire;
+            let Self { wire, unasked, .. } = self;
             // What cannot be sent is not answered: the caller sees it missing.
             let _ = frame.send_blocking(|bytes| {
+                unasked.sends(bytes);
                 let _ = wire.send(bytes);
                 Ok(bytes.len())
             });
@@ -143,10 +158,18 @@ impl<W: Wire> Line<'_, W> {
     fn receive(&mut self, until_ns: u64) {
         let mut until_ns = until_ns;
         while let Ok(Some(bytes)) = self.wire.receive(&mut self.buffer[..], until_ns) {
-            // Late, doubled and damaged frames are errors here, and of no matter.
-            let _ = self.rx.receive_frame(&self.buffer[..bytes.min(FRAME_BYTES)]);
+            let frame = &self.buffer[..bytes.min(FRAME_BYTES)];
+            if !self.unasked.withholds(frame) {
+                // Late, doubled and damaged frames are errors here, and of no matter.
+                let _ = self.rx.receive_frame(frame);
+            }
             until_ns = 0;
         }
+    }
+
+    /// Emergency messages that came while objects were asked for, since this was last called: station address and code.
+    pub fn heard(&mut self) -> Vec<(u16, u16)> {
+        std::mem::take(&mut self.unasked.heard)
     }
 
     /// The end, past the stack: each device at `stations` is told to leave OP, on which a drive must stop by itself. Three times, as

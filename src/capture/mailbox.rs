@@ -14,7 +14,7 @@ const WHERE: u16 = 0x0808;
 const STATUS: u16 = 0x080D;
 const FULL: u8 = 1 << 3;
 /// What is read of a message: its header, 6 bytes, that of CoE, 2 bytes, and an emergency, 8 bytes.
-const HEAD: usize = 16;
+pub(super) const HEAD: usize = 16;
 
 /// Takes a message out of the mailbox of `device`, if there is one, until `until_ns` at most: the code of an emergency, nothing
 /// within where it is none. What only says that an error is over (code 0) is no message.
@@ -38,7 +38,7 @@ pub(super) fn fetch<W: Wire, S: Deref<Target = SubDevice>>(
 }
 
 /// The code of an emergency message: mailbox type 3 (CoE), service 1.
-fn emergency(head: &[u8; HEAD]) -> Option<u16> {
+pub(super) fn emergency(head: &[u8; HEAD]) -> Option<u16> {
     let is_emergency = head[5] & 0x0F == 3 && head[7] >> 4 == 1;
     is_emergency.then(|| u16::from_le_bytes([head[8], head[9]]))
 }

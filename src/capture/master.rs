@@ -1,6 +1,7 @@
 //! The way to OP: who is there, what is exchanged, the drive's own limits, the clocks, cyclic data.
 
 use super::clock;
+use super::exchange::{Exchange, exchange};
 use super::found::{ASSIGNED_INPUTS, ASSIGNED_OUTPUTS, Found, found};
 use super::history;
 use super::line::{Failure, Line};
@@ -30,8 +31,8 @@ const CLOCK_EXCHANGES: usize = 20;
 const SETTLED: u32 = 50;
 /// How long that lasts at least, s: at short cycles a device may still send zeros for its first measurements.
 const SETTLED_S: f64 = 0.05;
-/// How long the devices may take to get to OP while data flow, s.
-const TO_OP_S: f64 = 5.0;
+/// How long the devices may take to get to OP while data flow, s: what ETG.1020 gives to those that name no time of their own.
+const TO_OP_S: f64 = 10.0;
 
 /// The station address that the stack gives to the first device; the others follow.
 const FIRST_STATION: u16 = 0x1000;
@@ -97,6 +98,16 @@ pub fn ailing<W: Wire>(line: &mut Line<'_, W>, main: &MainDevice<'_>) -> String 
             (status[0] & AL_ERROR != 0).then(|| format!("; device {place} is in error {why}"))
         })
         .collect()
+}
+
+/// Emergency messages that came while objects were asked for, in words.
+pub(super) fn heard<W: Wire>(line: &mut Line<'_, W>, rig: &Rig) -> Vec<String> {
+    let named = |station: u16| {
+        let place = usize::from(station.wrapping_sub(FIRST_STATION));
+        rig.name(place).unwrap_or_else(|| format!("device {place}"))
+    };
+    let words = |(station, code): (u16, u16)| format!("{} sent emergency message {code:#06x}", named(station));
+    line.heard().into_iter().map(words).collect()
 }
 
 /// Brings all devices to PRE-OP.
@@ -175,20 +186,12 @@ fn described(found: &Found) -> String {
     format!("`{}`, serial {:#010x}, revision {:#010x}, {clock}", found.name, found.serial, found.revision)
 }
 
-/// The bus exchanging data in OP.
-pub struct Exchange<C> {
-    /// The stack's group.
-    pub group: Group<Op, C>,
-    /// Working counter with every device at work.
-    pub working_counter: u16,
-}
-
 /// Prepares for clocks that pulse together every cycle.
 ///
 /// Errors: there is no clock, or it is not taken.
-pub fn with_clocks<W: Wire>(
+pub fn with_clocks<'m, W: Wire>(
     line: &mut Line<'_, W>,
-    main: &MainDevice<'_>,
+    main: &'m MainDevice<'m>,
     mut group: Group<PreOp, NoDc>,
     rig: &Rig,
     findings: &mut Findings,
@@ -201,7 +204,7 @@ pub fn with_clocks<W: Wire>(
     }
     let group = with_data(line, main, group, rig, findings)?;
     for _ in 0..CLOCK_EXCHANGES {
-        line.run(group.tx_rx_sync_system_time(main)).map_err(while_doing("bringing the clocks together"))?;
+        line.run(exchange(&group, main)).map_err(while_doing("bringing the clocks together"))?;
         let next_ns = line.wire.now_ns() + period.as_nanos() as u64;
         line.wire.sleep(next_ns);
     }
@@ -232,9 +235,9 @@ pub fn with_data<W: Wire>(
 /// From PRE-OP to OP, data flowing all the way: a device that waits for them would stall otherwise. Outputs are zero.
 ///
 /// Errors: a device that refuses, or is not in OP in time.
-pub fn to_op<W: Wire, C>(
+pub fn to_op<'m, W: Wire, C>(
     line: &mut Line<'_, W>,
-    main: &MainDevice<'_>,
+    main: &'m MainDevice<'m>,
     group: Group<PreOpPdi, C>,
     rig: &Rig,
 ) -> Result<Exchange<C>, NotStarted> {
@@ -250,9 +253,9 @@ pub fn to_op<W: Wire, C>(
     while (line.wire.now_ns() - began_ns) as f64 * 1e-9 < TO_OP_S {
         next_ns = (next_ns + period_ns).max(line.wire.now_ns());
         line.wire.sleep(next_ns);
-        let Ok(seen) = line.run_until(next_ns + period_ns, group.tx_rx_sync_system_time(main)) else { continue };
+        let Ok(seen) = line.run_until(next_ns + period_ns, exchange(&group, main)) else { continue };
         // A counter that has not settled is none to compare with.
-        alike = if seen.all_op() && seen.working_counter == last { alike + 1 } else { 0 };
+        alike = if seen.fallen.is_none() && seen.working_counter == last { alike + 1 } else { 0 };
         last = seen.working_counter;
         if alike >= settled && last > 0 {
             return Ok(Exchange { group, working_counter: last });

@@ -12,13 +12,13 @@
 //! | `found`, `master`, `own_limits`, `watchdog` | who is there; the way to OP; what drive and bus interfaces watch over |
 //! | `esi` | devices as their makers describe them |
 //! | `mapping`, `pulses` | what is written to a device before it exchanges data; its clock |
-//! | `mailbox`, `managers` | messages that nobody asked for; where process data stand in a device |
+//! | `mailbox`, `unasked`, `managers` | messages that nobody asked for, in OP and before; where process data stand in a device |
 //! | `drive`, `sensor` | what the words on the wire mean |
 //! | `safety` | the machine that decides what the drive is told: every state, every transition |
 //! | `cause`, `limits`, `ramp` | why to stop, what is allowed, moves without corners |
 //! | `watch` | what is measured, held against the limits |
 //! | `bound`, `follow`, `fresh` | what is sent kept within the limits; whether the joint follows; whether inputs are new |
-//! | `axis`, `cycle` | one cycle as a pure step; the exchange |
+//! | `axis`, `exchange`, `cycle` | one cycle as a pure step; process data in and out; the two together |
 //! | `operator`, `briefing` | who is asked before there is torque, and what is shown first |
 //! | `run`, `tried`, `session` | the trials one after the other, after a first small motion; a whole capture |
 //! | `torque` | whether it is known to be off at the end |
@@ -35,6 +35,7 @@ pub mod cycle;
 pub mod drive;
 pub mod esi;
 mod evidence;
+mod exchange;
 pub mod folder;
 mod follow;
 pub mod found;
@@ -66,6 +67,7 @@ pub mod session;
 pub mod socket;
 mod torque;
 mod tried;
+mod unasked;
 mod watch;
 mod watchdog;
 pub mod wire;

@@ -3,9 +3,10 @@
 use super::axis::Now;
 use super::cause::Cause;
 use super::cycle::{Counts, Cycle};
+use super::exchange::Exchange;
 use super::folder::Folder;
 use super::line::{Line, with_line, words};
-use super::master::{self, Exchange, Findings, NotStarted};
+use super::master::{self, Findings, NotStarted};
 use super::operator::Operator;
 use super::origin::Origin;
 use super::plan::Plan;
@@ -219,9 +220,12 @@ impl Session<'_> {
         line: &mut Line<'_, W>,
         main: &MainDevice<'_>,
         exchange: Exchange<C>,
-        findings: Findings,
+        mut findings: Findings,
     ) -> Outcome {
         let Self { task, deed, done, origin, recorder, live } = self;
+        findings
+            .report
+            .extend(master::heard(line, task.rig).into_iter().map(|what| format!("while the bus started {what}")));
         let began_s = origin.map_or(0.0, |origin| origin.elapsed().0);
         let cycle = Cycle::new(line, main, exchange, task.rig, recorder, task.interrupted, began_s);
         let mut run = Run::new(cycle, task, live, findings);

@@ -4,6 +4,7 @@ mod brake;
 mod commands;
 mod devices;
 mod faults;
+mod gaps;
 mod noise;
 mod recording;
 mod replay;

@@ -330,52 +330,6 @@ fn the_drive_keeps_the_range_too() {
     assert_eq!((low, high), (rig.drive.counts(-0.15).round() as i32, rig.drive.counts(1.75).round() as i32));
 }
 
-/// S9: after a gap that is let pass the motion gets under way again along a ramp, whether the drive heard the commands in the gap or
-/// not. It had gone on at full speed, with 0.8 to 4 N m within two cycles.
-#[test]
-fn after_a_gap_the_motion_goes_on_along_a_ramp() {
-    let rig = rig_with(&[
-        ("missed_cycles_max = 1 ", "missed_cycles_max = 9 "),
-        ("torque_step_nm = 0.3", "torque_step_nm = 5.0"),
-        // The drive stops dead in the gap, by itself: it must not come to the limit of its torque there.
-        ("torque_max_nm = 2.0", "torque_max_nm = 4.0"),
-        ("\ntorque_nm = 2.5", "\ntorque_nm = 4.5"),
-    ]);
-    let sweep = plan(&SWEEP.replace("repeats = 2", "repeats = 1"));
-    let at = moving_at(&rig, &sweep);
-    let step_counts = 0.4e-3 * rig.drive.counts_per_rad;
-    for fault in [Fault::Unsent { frames: 9 }, Fault::Lost { frames: 9 }] {
-        let mut bus = demo();
-        bus.inject(fault, When::Cycle(at));
-        let (mut targets, mut torques_nm, mut speed_rad_s) = (Vec::new(), Vec::new(), 0.0f64);
-        let outcome = traced(bus, &rig, &sweep, &Agrees, &mut |_, bus| {
-            let number = |index| bus.devices()[0].object(index, 0).unwrap().to_vec();
-            if (at + 10..at + 300).contains(&bus.cycles()) {
-                targets.push(f64::from(i32::from_le_bytes(number(0x607A).try_into().unwrap())));
-                let per_mille = i16::from_le_bytes(number(0x6077).try_into().unwrap());
-                torques_nm.push((f64::from(per_mille) * 1e-3 * rig.drive.rated_torque_nm).abs());
-                speed_rad_s = speed_rad_s.max(bus.truth().velocity_rad_s.abs());
-            }
-        });
-        assert_eq!((outcome.cause, outcome.complete), (None, 1), "{fault:?}");
-        let steps: Vec<f64> = targets.windows(2).map(|pair| (pair[1] - pair[0]) / step_counts).collect();
-        // Half the limit of acceleration is 5 rad/s^2: 1/80 of the speed in a cycle, rounded to counts.
-        let steepest = steps.windows(2).skip(2).map(|pair| pair[1] - pair[0]).fold(0.0, f64::max);
-        assert!(steepest < 0.3 && steps[3..20].iter().all(|step| *step < 0.4), "{fault:?}: {:?}", &steps[..30]);
-        assert!((steps.last().unwrap() - 1.0).abs() < 0.05, "{fault:?}");
-        let torque_nm = torques_nm.iter().copied().fold(0.0, f64::max);
-        let told = &torques_nm[..20];
-        // At rest there the drive gives 1.2 N m.
-        assert!(torque_nm < 1.6 && speed_rad_s < 0.5, "{fault:?}: {torque_nm} N m, {speed_rad_s} rad/s, {told:.2?}");
-    }
-    // And what is let pass is held against the watchdog.
-    let text = RIG
-        .replace("missed_cycles_max = 1 ", "missed_cycles_max = 15 ")
-        .replace("cycle_us", "watchdog_ms = 20\ncycle_us");
-    let refused = Rig::parse(Path::new("rig.toml"), &text).unwrap_err().to_string();
-    assert!(refused.contains("the devices' watchdog ends OP after 20 ms"), "{refused}");
-}
-
 /// S13: a drive that holds the joint after a quick stop goes on holding it until the operator has it let go.
 #[test]
 fn a_joint_that_the_drive_holds_is_held_until_the_operator_lets_it_go() {

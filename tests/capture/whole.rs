@@ -1,11 +1,16 @@
 //! A capture without faults: nothing is lost, and what is recorded is the joint.
 
-use super::{SWEEP, demo, folder, plan, rig, run};
+use super::{SWEEP, demo, folder, plan, rig, run, truth};
 use std::path::Path;
+use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
+use tautline::bus::{Bus, Joint, Terminal, drive};
 use tautline::capture::drive::{Condition, Control};
+use tautline::capture::in_process::InProcess;
 use tautline::capture::operator::Agrees;
 use tautline::capture::plan::Plan;
 use tautline::capture::rig::Rig;
+use tautline::capture::session::{Task, capture};
 use tautline::dynamics::{Direction, JointKind};
 use tautline::identify::Settings;
 use tautline::log::{Campaign, read_trial};
@@ -78,6 +83,26 @@ fn other_buses_do_too() {
         let told = format!("time between targets: {between} x 10^-3 s");
         assert!(watched.outcome.report.contains(&told), "{:?}", watched.outcome.report);
     }
+}
+
+/// A bus on which no device has a clock: the stack's exchange that spreads the time of a clock never comes back from one.
+#[test]
+fn a_bus_without_any_clock_runs_where_the_rig_asks_for_none() {
+    let bus = || {
+        let devices = vec![drive(0).without_clock(), Terminal::default().device(0).without_clock()];
+        Bus::new(devices).with_joint(Joint::new(truth(), 0.0, 0.005, 1))
+    };
+    let plan = plan(&SWEEP.replace("repeats = 2", "repeats = 1"));
+    let rig = Rig::parse(Path::new("rig.toml"), &super::RIG.replace("clocks = true", "clocks = false")).unwrap();
+    let outcome = run(bus(), &rig, &plan, None).outcome;
+    assert_eq!((outcome.cause, outcome.complete), (None, 1));
+    let (mut bus, interrupted) = (bus(), AtomicBool::new(false));
+    let answers = move |now_ns: u64, frame: &[u8]| {
+        bus.send(now_ns, frame).into_iter().map(|reply| (reply.at_ns, reply.frame)).collect()
+    };
+    let task = Task { rig: &super::rig(), plan: &plan, armed: true, interrupted: &interrupted, operator: &Agrees };
+    let refused = capture(InProcess::new(answers), &task, None, &Arc::default()).unwrap_err();
+    assert!(refused.0.contains("a bus without clocks takes `clocks = false`"), "{refused:?}");
 }
 
 /// In velocity and torque mode the position loop is ours.

@@ -116,9 +116,12 @@ impl Axis {
         self.state == State::Holding && f64::from(self.unbraked) >= released && self.tension_nm.is_none_or(reached)
     }
 
-    /// After a gap in which the drive may have stood still: a speed that is sent goes on from the one that is measured.
+    /// After a gap in which the drive may have stood still: a speed that is sent goes on from the one that is measured, where the joint
+    /// follows. A stop goes on as it began.
     pub fn resume(&mut self) {
-        self.sent.speed_rad_s = self.watch.speed_rad_s();
+        if self.must_follow() {
+            self.sent.speed_rad_s = self.watch.speed_rad_s();
+        }
     }
 
     /// The torque at the winch that carries the joint where it was told to be, N m: friction then brakes it. Without torque it would

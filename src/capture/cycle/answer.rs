@@ -2,10 +2,10 @@
 
 use super::Cycle;
 use crate::capture::cause::Cause;
+use crate::capture::exchange::Answer;
 use crate::capture::recorder::Sample;
 use crate::capture::safety::State;
 use crate::capture::wire::Wire;
-use ethercrab::SubDeviceState;
 
 /// A cycle that begins later than this share of its period counts as late.
 const LATE: f64 = 0.25;
@@ -51,13 +51,8 @@ impl<W: Wire, C> Cycle<'_, '_, W, C> {
     }
 
     /// Takes an answer in, if all devices had a part in it.
-    pub(super) fn answered(
-        &mut self,
-        sent_ns: u64,
-        working_counter: u16,
-        fallen: Option<(usize, SubDeviceState)>,
-        bus_time_ns: Option<u64>,
-    ) {
+    pub(super) fn answered(&mut self, sent_ns: u64, answer: &Answer) {
+        let Answer { working_counter, fallen, bus_time_ns } = *answer;
         if let Some((place, state)) = fallen {
             let device = self.name(place);
             self.blame(Cause::DeviceState { device, state: format!("{state:?}") });

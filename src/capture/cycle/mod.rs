@@ -8,16 +8,17 @@ mod driven;
 use super::axis::Axis;
 use super::cause::Cause;
 use super::evidence::Evidence;
+use super::exchange::{Exchange, exchange};
 use super::history;
 use super::line::{Failure, Line};
 use super::managers::{Manager, managers};
-use super::master::{self, Exchange, states};
+use super::master::{self, states};
 use super::recorder::Recorder;
 use super::rig::Rig;
 use super::safety::Request;
 use super::wire::Wire;
 use driven::Driven;
-use ethercrab::{MainDevice, SubDeviceState};
+use ethercrab::MainDevice;
 use serde_json::Value;
 use std::collections::VecDeque;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -153,7 +154,7 @@ impl<'a, 's, W: Wire, C> Cycle<'a, 's, W, C> {
     }
 
     /// Whether answers fail to come for so long that the drive stands still.
-    pub fn gap(&self) -> Gap {
+    fn gap(&self) -> Gap {
         match (self.missed_in_a_row, self.bridged) {
             (GAP_CYCLES.., _) => Gap::Lasts,
             (0, GAP_CYCLES..) => Gap::Over,
@@ -161,18 +162,14 @@ impl<'a, 's, W: Wire, C> Cycle<'a, 's, W, C> {
         }
     }
 
-    /// One cycle: the frame of its moment, with what was decided in the last one, and the next decision.
-    pub fn turn(&mut self, request: Request, command_rad: Option<f64>) {
+    /// One cycle: the frame of its moment, with what was decided in the last one, and the next decision. `command_rad` tells, by whether
+    /// answers come, where the joint is to be next.
+    pub fn turn(&mut self, request: Request, command_rad: impl FnOnce(Gap) -> Option<f64>) {
         let sent_ns = self.wait();
         let period_ns = self.period_ns();
         let until_ns = sent_ns + (ANSWER * period_ns as f64) as u64;
-        let answer = self.line.run_until(until_ns, self.exchange.group.tx_rx_sync_system_time(self.main));
-        match answer {
-            Ok(seen) => {
-                let states = &seen.subdevice_states;
-                let fallen = states.iter().position(|state| *state != SubDeviceState::Op);
-                self.answered(sent_ns, seen.working_counter, fallen.map(|at| (at, states[at])), seen.extra);
-            }
+        match self.line.run_until(until_ns, exchange(&self.exchange.group, self.main)) {
+            Ok(answer) => self.answered(sent_ns, &answer),
             Err(Failure::TimedOut | Failure::Stack(_)) => self.missed(1),
             Err(Failure::Panic(words)) => {
                 self.missed(1);
@@ -187,7 +184,11 @@ impl<'a, 's, W: Wire, C> Cycle<'a, 's, W, C> {
             self.blame(Cause::Interrupted);
         }
         self.stop_together();
-        let is_new = self.step(request, command_rad);
+        let gap = self.gap();
+        if gap == Gap::Over {
+            self.joint.axis.resume();
+        }
+        let is_new = self.step(request, command_rad(gap));
         self.command_rad = self.joint.axis.target_rad();
         self.write();
         if is_new && self.missed_in_a_row == 0 && self.rig.bus.clocks {
@@ -228,7 +229,7 @@ impl<'a, 's, W: Wire, C> Cycle<'a, 's, W, C> {
     /// it, a cycle earlier. Nothing of its answer is used.
     fn stop_at_once(&mut self) {
         let until_ns = self.line.wire.now_ns() + (STOP_ANSWER * self.period_ns() as f64) as u64;
-        let _ = self.line.run_until(until_ns, self.exchange.group.tx_rx_sync_system_time(self.main));
+        let _ = self.line.run_until(until_ns, exchange(&self.exchange.group, self.main));
     }
 
     fn period_ns(&self) -> u64 {
@@ -255,6 +256,7 @@ impl<'a, 's, W: Wire, C> Cycle<'a, 's, W, C> {
                 let history = history::read(self.line, &device).map(|history| (drive.identity.name.clone(), history));
                 self.recorder.remembered("after", history.into_iter().collect());
             }
+            master::heard(self.line, &self.rig).into_iter().for_each(|what| self.recorder.note(what));
         }
         words
     }

@@ -40,6 +40,13 @@ pub struct Pulses {
 /// Pulses with every cycle, as most drives take them.
 const SYNC0: u16 = 0x0300;
 
+impl Default for Pulses {
+    /// With every cycle.
+    fn default() -> Self {
+        Self { activate: SYNC0, sync0_shift_ns: 0, sync1_ns: 0 }
+    }
+}
+
 impl Setup {
     /// Reads `startup` and `clock` of a device's section.
     pub fn read(section: &Section<'_>) -> Self {
@@ -82,6 +89,15 @@ impl Startup {
 }
 
 impl Pulses {
+    /// As the key of a rig's device.
+    pub(super) fn to_line(self) -> String {
+        let [shift_us, sync1_us] = [f64::from(self.sync0_shift_ns), f64::from(self.sync1_ns)].map(|ns| ns * 1e-3);
+        let activate = self.activate;
+        format!(
+            "clock = {{ assign_activate = {activate:#06x}, sync0_shift_us = {shift_us:?}, sync1_us = {sync1_us:?} }}\n"
+        )
+    }
+
     fn read(section: &Section<'_>) -> Option<Self> {
         let activate = section.may("assign_activate").whole(0, 0xFFFF).unwrap_or(SYNC0.into());
         let us = |key: &str| section.may(key).number().unwrap_or(0.0);

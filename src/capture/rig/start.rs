@@ -1,7 +1,7 @@
 //! A rig to fill in, from what is on the bus.
 
 use super::preset::Preset;
-use super::{Entry, Kind, Pdo, ProcessData};
+use super::{Entry, Kind, Pdo, ProcessData, Pulses};
 use crate::capture::found::Found;
 
 /// The text of a rig of the first drive among `found` and the first other device that sends something; of a drive alone the torque is its
@@ -135,13 +135,14 @@ lowpass_order = 4
 ";
 
 fn identity(found: &Found, name: &str) -> String {
-    let Found { place, vendor, product, revision, serial, .. } = found;
+    let Found { place, vendor, product, revision, serial, clock, .. } = found;
     let own = found.name.replace(char::is_control, " ");
     // Of two like devices it tells which is which; many have none.
     let serial = if *serial == 0 { String::new() } else { format!("serial = {serial}\n") };
+    let clock = clock.map_or(String::new(), Pulses::to_line);
     format!(
         "place = {place}                       # it calls itself {own}\nname = \"{name}\"\nvendor = {vendor:#010x}\n\
-         product = {product:#010x}\nrevision = {revision:#010x}\n{serial}"
+         product = {product:#010x}\nrevision = {revision:#010x}\n{serial}{clock}"
     )
 }
 

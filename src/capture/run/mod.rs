@@ -6,7 +6,7 @@ pub mod jog;
 mod release;
 
 use super::cause::Cause;
-use super::cycle::{Counts, Cycle};
+use super::cycle::{Counts, Cycle, Gap};
 use super::line::words;
 use super::master::Findings;
 use super::plan::PlannedTrial;
@@ -227,6 +227,11 @@ impl<'a, 's, W: Wire, C> Run<'a, 's, W, C> {
 
     /// One cycle; whether all is well.
     fn turn(&mut self, request: Request, command_rad: Option<f64>) -> bool {
+        self.turn_by(request, |_| command_rad)
+    }
+
+    /// The same, where the command hangs on whether answers come.
+    fn turn_by(&mut self, request: Request, command_rad: impl FnOnce(Gap) -> Option<f64>) -> bool {
         self.cycle.turn(request, command_rad);
         if self.cycle.number().is_multiple_of(WATCHED_CYCLES) {
             self.show();

@@ -121,12 +121,16 @@ fn to_json(device: &Found) -> Value {
 }
 
 fn write_device(out: &mut impl Write, device: &Found) -> io::Result<()> {
-    let Found { place, name, vendor, product, revision, serial, alias, has_clock, outputs, inputs } = device;
+    let Found { place, name, vendor, product, revision, serial, alias, has_clock, clock, outputs, inputs } = device;
     writeln!(
         out,
         "{place}  {name}  vendor {vendor:#010x} product {product:#010x} revision {revision:#010x} serial {serial:#010x}{}{}",
         if *alias == 0 { String::new() } else { format!(" alias {alias}") },
-        if *has_clock { ", with a clock" } else { "" }
+        match (has_clock, clock) {
+            (false, _) => String::new(),
+            (true, None) => ", with a clock".to_string(),
+            (true, Some(pulses)) => format!(", with a clock that pulses by {:#06x}", pulses.activate),
+        }
     )?;
     for (direction, all) in [("takes", outputs), ("sends", inputs)] {
         for pdo in &all.pdos {
