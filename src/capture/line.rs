@@ -94,7 +94,6 @@ pub fn with_line<W: Wire, R>(wire: W, act: impl FnOnce(&mut Line<'_, W>, &MainDe
         eeprom: PATIENCE,
         mailbox_echo: PATIENCE,
         mailbox_response: OBJECT,
-        ..Timeouts::default()
     };
     let config =
         MainDeviceConfig { dc_static_sync_iterations: CLOCK_FRAMES, retry_behaviour: RetryBehaviour::Count(RETRIES) };
