@@ -102,8 +102,8 @@ fn what_no_fit_finds_again_is_noise_where_no_motion_was_repeated() {
     assert!(same.warnings.iter().any(|warning| warning.contains("repeats of one motion would tell")));
     // What does come again with the motion is no noise, however much there is of the other.
     let mut worn = truth();
-    worn.friction.up.d *= 3.0;
-    worn.friction.down.d *= 3.0;
+    worn.friction.up.a_j *= 1.5;
+    worn.friction.down.a_j *= 1.5;
     let worn = found(&worn);
     assert_ne!(worn.verdict.kind, Kind::None, "{:?}", worn.gap);
 }

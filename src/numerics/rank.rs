@@ -27,8 +27,9 @@ impl Shown {
         let scales: Vec<f64> = jacobian.column_iter().map(|column| length(column.norm())).collect();
         let normal =
             DMatrix::from_fn(n, n, |i, j| jacobian.column(i).dot(&jacobian.column(j)) / (scales[i] * scales[j]));
-        let is_finite = normal.iter().all(|x| x.is_finite());
-        let parts = is_finite.then(|| SymmetricEigen::try_new(normal, f64::EPSILON, ROTATIONS)).flatten();
+        // Of no columns there are no parts to ask for.
+        let is_usable = n > 0 && normal.iter().all(|x| x.is_finite());
+        let parts = is_usable.then(|| SymmetricEigen::try_new(normal, f64::EPSILON, ROTATIONS)).flatten();
         let Some(parts) = parts else {
             let unseen = (0..n).map(|i| DVector::from_fn(n, |j, _| f64::from(u8::from(i == j)))).collect();
             return Self { inverse: DMatrix::zeros(n, n), unseen, scales };
@@ -81,6 +82,12 @@ mod tests {
         let alone = Shown::new(&design.select_columns(&[0, 3]));
         let (together, single) = ((shown.inverse() * &slopes).dot(&slopes), alone.inverse()[(0, 0)]);
         assert!((together / single - 1.0).abs() < 1e-9, "{together} {single}");
+    }
+
+    #[test]
+    fn of_no_columns_all_that_rests_on_none_is_shown() {
+        let shown = Shown::new(&DMatrix::zeros(5, 0));
+        assert!(shown.shows(&[]) && shown.inverse().is_empty());
     }
 
     #[test]
