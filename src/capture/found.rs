@@ -25,7 +25,7 @@ pub struct Found {
     pub alias: u16,
     /// Whether it has a clock of its own that can be held to the others'.
     pub has_clock: bool,
-    /// How its clock should pulse, where its maker says so otherwise than with every cycle: a device itself does not tell.
+    /// Its distributed-clock settings by the ESI file, where they differ from one SYNC0 pulse per cycle; a device on the bus does not report them.
     pub clock: Option<Pulses>,
     /// What it sends as it is set up now; nothing of a device without an object dictionary.
     pub inputs: ProcessData,

@@ -102,11 +102,11 @@ pub fn ailing<W: Wire>(line: &mut Line<'_, W>, main: &MainDevice<'_>) -> String 
 
 /// Emergency messages that came while objects were asked for, in words.
 pub(super) fn heard<W: Wire>(line: &mut Line<'_, W>, rig: &Rig) -> Vec<String> {
-    let named = |station: u16| {
+    let words = |(station, code): (u16, u16)| {
         let place = usize::from(station.wrapping_sub(FIRST_STATION));
-        rig.name(place).unwrap_or_else(|| format!("device {place}"))
+        let name = rig.name(place).unwrap_or_else(|| format!("device {place}"));
+        format!("{name} sent emergency message {code:#06x}")
     };
-    let words = |(station, code): (u16, u16)| format!("{} sent emergency message {code:#06x}", named(station));
     line.heard().into_iter().map(words).collect()
 }
 

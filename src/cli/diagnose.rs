@@ -43,8 +43,7 @@ pub fn run(arguments: &Arguments, talk: &Talk) -> Result<ExitCode> {
     let output = interrupt::output(&arguments.output, arguments.force, "diagnose")?;
     output.made_from("campaign file", &campaign.file);
     output.made_from("model file", &arguments.judged.model_file());
-    let trials = campaign.trials.len() + simulated.as_ref().map_or(0, |simulated| simulated.trials.len());
-    let stages = Stages::new(talk, trials);
+    let stages = Stages::new(talk);
     let found = match &simulated {
         Some(simulated) => diagnose::beside(&campaign, simulated, &model, &|told| stages.hear(told)),
         None => diagnose::run(&campaign, &model, &|told| stages.hear(told)),

@@ -2,7 +2,7 @@
 
 use super::outcome::Talk;
 use super::progress;
-use crate::diagnose::{Phase, Progress};
+use crate::diagnose::Progress;
 use indicatif::ProgressBar;
 use std::io::Write;
 use std::sync::{Mutex, MutexGuard, PoisonError};
@@ -30,9 +30,9 @@ impl Spent {
 }
 
 impl Stages {
-    /// Over `trials` to be read first.
-    pub fn new(talk: &Talk, trials: usize) -> Self {
-        Self { bar: progress::bar(talk, "reading", trials), spent: Mutex::default() }
+    /// Before the first phase.
+    pub fn new(talk: &Talk) -> Self {
+        Self { bar: progress::bar(talk, "", 0), spent: Mutex::default() }
     }
 
     /// Hears what the diagnosis is at.
@@ -43,10 +43,8 @@ impl Stages {
                 spent.end();
                 spent.phases.push((phase.to_string(), Duration::ZERO));
                 spent.since = Some(Instant::now());
-                if phase != Phase::Reading {
-                    self.bar.reset();
-                    self.bar.set_length(0);
-                }
+                self.bar.reset();
+                self.bar.set_length(0);
                 self.bar.set_message(phase.to_string());
             }
             Progress::Ahead(steps) => self.bar.inc_length(steps as u64),

@@ -56,10 +56,8 @@ pub struct Found<'d> {
     pub how: &'static str,
     /// How far it is ahead of every other cause, as a share of its gain.
     pub distinctness: f64,
-    /// How many times the least that counts it explains of the gap.
-    pub margin: f64,
-    /// Score of it alone, (N m)^2: that of none where it showed too little promise alone to be fitted.
-    pub alone: f64,
+    /// What it reaches of what is asked of it, the share of the gap first.
+    pub met: Vec<Requirement>,
     /// Score without it, the others in, (N m)^2.
     pub without: f64,
     /// Everything tried in its place, best first.
@@ -70,6 +68,13 @@ pub struct Found<'d> {
     pub seconds: Vec<Cause>,
 }
 
+impl Found<'_> {
+    /// How many times the least that counts it explains of the gap.
+    pub fn margin(&self) -> f64 {
+        self.met.first().map_or(0.0, Requirement::margin)
+    }
+}
+
 /// Looks for the causes of what `model` leaves.
 pub fn choose<'d>(mask: &Arc<Mask<'d>>, model: &Model, listener: Listener<'_>) -> Choice<'d> {
     let first = BaseModel::new(mask, model, within_confidence(model));
@@ -77,30 +82,28 @@ pub fn choose<'d>(mask: &Arc<Mask<'d>>, model: &Model, listener: Listener<'_>) -
     let start = rest.score();
     let search = Search { first, again: OnceCell::new(), start, rounds: Rounds::default(), listener };
     let Forward { chosen, fit, opening, refused } = search.forward(&rest);
+    // What showed too little promise alone to be fitted explains nothing alone.
+    let scores: Vec<(Cause, f64)> = opening.tried.iter().map(|tried| (tried.cause, tried.score())).collect();
+    let alone = |cause: Cause| scores.iter().filter(|(of, _)| *of == cause).fold(start, |least, (_, x)| least.min(*x));
     let (steps, last) = match &chosen[..] {
         [] => (Vec::new(), fit),
-        [one] => (vec![search.place(one, opening.tried.clone(), rest.clone(), &search.first)], fit),
+        [one] => (vec![search.place(one, opening.tried, rest.clone(), &search.first)], fit),
         _ => search.settle(chosen),
     };
-    let met: Vec<Vec<Requirement>> = steps.iter().map(|step| search.met(step, steps.len(), &last)).collect();
-    let decisions = search.decisions(steps.iter().zip(&met), &last, &refused);
-    let alone = |cause: Cause| {
-        let scores = opening.tried.iter().filter(|tried| tried.cause == cause).map(FittedCause::score);
-        scores.fold(start, f64::min)
-    };
-    let of_step = |(step, met): (Step<'d>, Vec<Requirement>)| Found {
+    let count = steps.len();
+    let of_step = |step: Step<'d>| Found {
         cause: step.taken.cause,
         how: step.taken.how,
         rivals: rivals(&step.taken, &step.tried, start),
         seconds: seconds(&step.taken, &step.tried, start),
         distinctness: step.distinctness,
-        margin: met.first().map_or(0.0, Requirement::margin),
-        alone: alone(step.taken.cause),
+        met: search.requirements(&last, &step.without, if count < 2 { Share::First } else { step.share() }),
         without: step.without.score(),
         tried: step.tried,
     };
-    let mut found: Vec<Found<'d>> = steps.into_iter().zip(met).map(of_step).collect();
-    found.sort_by(|a, b| a.alone.total_cmp(&b.alone));
+    let mut found: Vec<Found<'d>> = steps.into_iter().map(of_step).collect();
+    found.sort_by(|a, b| alone(a.cause).total_cmp(&alone(b.cause)));
+    let decisions = search.decisions(&found, &last, &refused);
     Choice { found, base: search.first, rest, refused, last, decisions, given_up: None }
 }
 
@@ -206,34 +209,19 @@ impl<'d> Search<'d, '_> {
     }
 
     /// What each cause that was found reaches, and in what the best of those refused fall short.
-    fn decisions<'s>(
-        &self,
-        steps: impl ExactSizeIterator<Item = (&'s Step<'d>, &'s Vec<Requirement>)>,
-        last: &Fit<'d>,
-        refused: &[FittedCause<'d>],
-    ) -> Vec<Decision>
-    where
-        'd: 's,
-    {
-        let share = |cause: Cause| if steps.len() == 0 { Share::First } else { Share::at_best(cause) };
-        let in_vain = refused.iter().take(REFUSED_TOLD).flat_map(|tried| {
-            let all = self.requirements(&tried.fit, last, share(tried.cause));
-            all.into_iter().filter(|r| !r.is_met()).map(|short| short.decision(tried.cause.name(), "refused"))
-        });
-        let in_vain: Vec<Decision> = in_vain.collect();
-        let named = steps.flat_map(|(step, met)| {
-            let distinctness = step.distinctness;
-            let outcome = if distinctness >= DISTINCT { "distinct" } else { "others explain nearly as much" };
-            let subject = step.taken.cause.name();
-            let beside = Decision { rule: "distinct", subject, value: distinctness, limit: DISTINCT, outcome };
+    fn decisions(&self, found: &[Found<'d>], last: &Fit<'d>, refused: &[FittedCause<'d>]) -> Vec<Decision> {
+        let named = found.iter().flat_map(|Found { cause, distinctness, met, .. }| {
+            let outcome = if *distinctness >= DISTINCT { "distinct" } else { "others explain nearly as much" };
+            let subject = cause.name();
+            let beside = Decision { rule: "distinct", subject, value: *distinctness, limit: DISTINCT, outcome };
             met.iter().map(move |met| met.decision(subject, "named")).chain([beside])
         });
+        let in_vain = refused.iter().take(REFUSED_TOLD).flat_map(|tried| {
+            let share = if found.is_empty() { Share::First } else { Share::at_best(tried.cause) };
+            let all = self.requirements(&tried.fit, last, share);
+            all.into_iter().filter(|r| !r.is_met()).map(|short| short.decision(tried.cause.name(), "refused"))
+        });
         named.chain(in_vain).collect()
-    }
-
-    /// What the cause of `step`, one of `count` that leave `last`, reaches.
-    fn met(&self, step: &Step<'d>, count: usize, last: &Fit<'d>) -> Vec<Requirement> {
-        self.requirements(last, &step.without, if count < 2 { Share::First } else { step.share() })
     }
 
     pub(super) fn extent(&self) -> &Extent {

@@ -58,6 +58,7 @@ use account::Account;
 use base::BaseModel;
 use bootstrap::Resamples;
 use data::DataSet;
+use explain::Explanation;
 use mask::Mask;
 use perturbation::within_confidence;
 
@@ -187,8 +188,7 @@ const ENCODER_UNKNOWN: &str = "what the encoder alone leaves of a perfect model 
 const UNFORESEEN: &str = "what is left exceeds the torque's noise beyond the low-pass, but no fit finds any of it again on held-out data: it \
                           counts as slow noise; whether it comes again with the motion, only repeats of one motion would tell";
 
-/// Looks for what separates `model` from the recordings of `campaign`; `listener` hears what it is
-/// at.
+/// Looks for what separates `model` from the recordings of `campaign`; `listener` hears what it is at.
 ///
 /// Errors: the model is of another joint; all that is wrong with any trial; no sample can be scored.
 pub fn run(campaign: &Campaign, model: &Model, listener: Listener<'_>) -> Result<Diagnosis> {
@@ -215,16 +215,9 @@ pub fn run(campaign: &Campaign, model: &Model, listener: Listener<'_>) -> Result
         base = base.above(floor_nm);
         (events, flexible) = contact_events::find(&base, &columns, &rest_nm);
     }
-    let mut explanation = explain::explain(&base, events, &rest_nm, listener);
+    let explanation = explain::explain(&base, events, &rest_nm, listener);
     begins(Phase::Verdict);
-    let mut floor = explanation.floor(&columns);
-    let mut resamples = Resamples::new(&data.folds, &floor);
-    let evidence = Account::new(&base, &explanation, &resamples, &floor).evidence;
-    if let Some(agreement) = verdict::too_weak(&explanation.choice, &evidence) {
-        explanation = explanation.given_up(agreement);
-        floor = explanation.floor(&columns);
-        resamples = Resamples::new(&data.folds, &floor);
-    }
+    let (explanation, floor, resamples) = weighed(&base, explanation, &columns);
     if floor.source == FloorSource::Unforeseen {
         warnings.push(UNFORESEEN.to_string());
     }
@@ -251,4 +244,26 @@ pub fn run(campaign: &Campaign, model: &Model, listener: Listener<'_>) -> Result
         next,
         blind_spots,
     })
+}
+
+/// `explanation`, its causes given up where the gap is too weak for so few resamples that agree; with the floor under what it leaves, of
+/// which `columns` are the flexible fit's, and how to resample.
+fn weighed<'d>(
+    base: &BaseModel<'d>,
+    explanation: Explanation<'d>,
+    columns: &[Vec<f64>],
+) -> (Explanation<'d>, Floor, Resamples) {
+    let under = |explanation: &Explanation<'d>| {
+        let floor = explanation.floor(columns);
+        (floor, Resamples::new(&base.data().folds, &floor))
+    };
+    let (floor, resamples) = under(&explanation);
+    let agreement = {
+        let evidence = Account::new(base, &explanation, &resamples, &floor).evidence;
+        verdict::too_weak(&explanation.choice, &evidence)
+    };
+    let Some(agreement) = agreement else { return (explanation, floor, resamples) };
+    let explanation = explanation.given_up(agreement);
+    let (floor, resamples) = under(&explanation);
+    (explanation, floor, resamples)
 }

@@ -47,6 +47,7 @@ impl Records {
     ///
     /// Errors: all that is wrong with any trial; no sample is left to judge.
     pub fn read(campaign: &Campaign, model: &Model, listener: Listener<'_>) -> Result<(Self, Option<(Self, Self)>)> {
+        listener(Progress::Ahead(campaign.trials.len()));
         let one = |index: usize| {
             let mut trial = read_trial(campaign, index).and_then(|log| prepare(campaign, index, log))?;
             let span = span_s(&trial.log);

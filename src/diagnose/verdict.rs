@@ -198,7 +198,7 @@ fn clear(kind: Kind, found: &[Found<'_>]) -> Option<Decision> {
     let least = |of: &dyn Fn(&Found<'_>) -> f64| found.iter().map(of).min_by(f64::total_cmp);
     let (value, limit) = match kind {
         Kind::None | Kind::Unknown => return None,
-        Kind::Several => (least(&|found| found.margin)?, CLEAR_MARGIN),
+        Kind::Several => (least(&|found| found.margin())?, CLEAR_MARGIN),
         Kind::Stale | Kind::Effect | Kind::Ambiguous => (least(&|found| found.distinctness)?, DISTINCT),
     };
     let outcome = if value >= limit { "clear" } else { "not clear" };

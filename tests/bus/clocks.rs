@@ -67,7 +67,7 @@ fn pulses_let_a_device_sample_and_their_absence_keeps_it_from_op() {
     master.align();
     let start_ns = master.system_ns(TERMINAL) + 5 * MS;
     master.pulses(TERMINAL, start_ns, MS as u32);
-    let past_ns = master.system_ns(DRIVE) - 5 * MS;
+    let past_ns = master.system_ns(DRIVE).wrapping_sub(5 * MS);
     master.pulses(DRIVE, past_ns, MS as u32);
     master.reach_safe_op();
     // The terminal converts with each pulse: its toggle bit turns every cycle.

@@ -129,7 +129,7 @@ fn write_device(out: &mut impl Write, device: &Found) -> io::Result<()> {
         match (has_clock, clock) {
             (false, _) => String::new(),
             (true, None) => ", with a clock".to_string(),
-            (true, Some(pulses)) => format!(", with a clock that pulses by {:#06x}", pulses.activate),
+            (true, Some(pulses)) => format!(", with a clock (AssignActivate {:#06x})", pulses.activate),
         }
     )?;
     for (direction, all) in [("takes", outputs), ("sends", inputs)] {
