@@ -2,7 +2,8 @@
 """How often the 95 % intervals of A and of B hold the truth, over simulated campaigns.
 
 usage: scripts/coverage.py [--campaigns 500] [--binary target/release/tautline] [--within 0.93 0.97]
-                           [--zero-deg 0] [--rate-hz 200] [--noise-nm 0.02] [--speeds 20] [--jobs N] [--random [WHAT]] [--first 1] [--rows FILE]
+                           [--zero-deg 0] [--rate-hz 200] [--noise-nm 0.02] [--speeds 20] [--jobs N]
+                           [--random [WHAT]] [--free] [--first 1] [--rows FILE]
 
 Each campaign is the whole protocol with white noise, seed 1, 2, ... With --zero-deg 3 the position of each campaign is off by an
 angle of its own between -3 and 3 deg that its campaign.toml does not tell. A: mean of the legs +- half width as reported.
@@ -13,7 +14,8 @@ repeats (three of the full protocol), an encoder of 4096 or 524288 counts, and w
 a motion that strays by 3 mrad, or a ripple of the torque of 5 mN m, of 1 to 6 periods per rad (WHAT: only white, coloured, tracking or ripple).
 The zero of the position of each is off by what a campaign that declares nothing of it claims: 5 deg is its 95 % interval. There A
 and B(v) are those of `functions`, and every parameter is told by its status, each also by design, with the root mean square of its
-errors over what its interval claims (1: as claimed). Campaigns that `identify` refuses are told. Seeds begin at --first; --rows appends each error to FILE, a JSON line each.
+errors over what its interval claims (1: as claimed). With --free a campaign is one to three cosine cascades, without a sweep. Campaigns
+that `identify` refuses are told. Seeds begin at --first; --rows appends each error to FILE, a JSON line each.
 Ends with status 1 when A, B, mu_c or the pinned parameters are held less or more often than `--within`. (Standard library only.)
 """
 import argparse
@@ -141,11 +143,12 @@ def drawn(a, seed):
     zero_deg, phase = rng.gauss(0, ZERO_DEG / 1.96), rng.uniform(0, 2 * math.pi)
     ripple = f"periods_per_rad={rng.uniform(1, 6)},sin_1_nm={0.005 * math.sin(phase)},cos_1_nm={0.005 * math.cos(phase)}"
     more = {"tracking": ["--tracking-error-rad", "0.003"], "ripple": ["--effect", f"torque_ripple:{ripple}"]}.get(what, [])
+    motion = ["--cosines", str(repeats), "--speeds", "0"] if a.free else ["--cosines", "1", "--speeds", str(speeds), "--repeats", str(repeats)]
     with tempfile.TemporaryDirectory() as scratch:
         scratch = pathlib.Path(scratch)
         (scratch / "truth.json").write_text(json.dumps(model))
-        subprocess.run([a.binary, "simulate", "--model", scratch / "truth.json", "-o", scratch / "c", "--rate-hz", str(a.rate_hz), "--cosines", "1",
-                        "--noise-nm", str(a.noise_nm), "--speeds", str(speeds), "--repeats", str(repeats), "--seed", str(seed),
+        subprocess.run([a.binary, "simulate", "--model", scratch / "truth.json", "-o", scratch / "c", "--rate-hz", str(a.rate_hz), *motion,
+                        "--noise-nm", str(a.noise_nm), "--seed", str(seed),
                         "--encoder-counts", str(encoder), "--quiet", *more], check=True)
         if what == "coloured":
             coloured(scratch / "c", rng, a.noise_nm)
@@ -154,32 +157,36 @@ def drawn(a, seed):
         if done.returncode:
             return [{"seed": seed, "of": [], "off": None, "refused": done.stderr.strip()}]
         found = json.load(open(scratch / "o" / "model.json"))
-    design = [what, "full protocol" if speeds == 20 else f"{repeats} of each of {'6 to 8' if speeds < 10 else '12 to 16'} speeds", f"encoder of {encoder}"]
+    sweeps = "full protocol" if speeds == 20 else f"{repeats} of each of {'6 to 8' if speeds < 10 else '12 to 16'} speeds"
+    design = [what, f"{repeats} of free motion" if a.free else sweeps, f"encoder of {encoder}"]
     rows = []
 
     def add(name, off, half, more=()):
-        rows.append({"seed": seed, "of": [name, *(f"{name}, {by}" for by in design), *more], "off": off, "half": half})
+        # What is open holds everything.
+        share = off / half if half else 0.0
+        rows.append({"seed": seed, "of": [name, *(f"{name}, {by}" for by in design), *more], "off": share, "half": half})
     zero = found["confidence"].get("dynamics.position_zero_rad")
     if zero and None not in (zero["low"], zero["high"]):
         half = (zero["high"] - zero["low"]) / 2
-        add("zero of the position", abs(zero["low"] + half - math.radians(zero_deg)) / half, half)
+        add("zero of the position", abs(zero["low"] + half - math.radians(zero_deg)), half)
     for direction, of in found["functions"].items():
         a_true, _ = true_values(model, direction, 1.0)
-        add("A", abs(of["a_nm"] - a_true) / of["a_half_width_nm"], of["a_half_width_nm"])
+        add("A", abs(of["a_nm"] - a_true), of["a_half_width_nm"])
         for i, level in enumerate(of["b"]):
             _, b_true = true_values(model, direction, level["speed_rad_s"])
-            half = math.hypot(level["half_width_nm"], of["b_common_half_width_nm"])
+            parts = (level["half_width_nm"], of["b_common_half_width_nm"])
+            half = None if None in parts else math.hypot(*parts)
             third = ("slow", "middle", "fast")[3 * i // len(of["b"])]
-            add("B(v)", abs(level["b_nm"] - b_true) / half, half, [f"B(v), {third} third"])
+            add("B(v)", abs(level["b_nm"] - b_true), half, [f"B(v), {third} third"])
         for name, truth in model["friction"][direction].items():
             known = found["confidence"].get(f"friction.{direction}.{name}")
             if known and known["status"] in ("pinned", "trade_off"):
                 value = found["friction"][direction][name]
                 # An end that is open holds everything on its side.
                 end = known["low"] if truth < value else known["high"]
-                off = 0.0 if end is None else abs(truth - value) / abs(end - value)
-                add(known["status"], off, abs((end if end is not None else math.inf) - value), [f"{known['status']}: {name}"])
-    if speeds == 20:
+                half = None if end is None else abs(end - value)
+                add(known["status"], abs(truth - value), half, [f"{known['status']}: {name}"])
+    if speeds == 20 and not a.free:
         pinned = sum(k["status"] == "pinned" for n, k in found["confidence"].items() if n.startswith("friction."))
         rows.append({"seed": seed, "of": [], "off": None, "pinned": pinned})
     return rows
@@ -232,6 +239,7 @@ def main():
     arguments.add_argument("--speeds", type=int, default=20)
     arguments.add_argument("--jobs", type=int, default=os.cpu_count())
     arguments.add_argument("--random", nargs="?", const="all", choices=("all", *DISTURBED))
+    arguments.add_argument("--free", action="store_true")
     arguments.add_argument("--first", type=int, default=1)
     arguments.add_argument("--rows", type=pathlib.Path)
     a = arguments.parse_args()

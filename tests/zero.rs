@@ -156,6 +156,24 @@ fn free_motion_finds_the_zero_too() {
 }
 
 #[test]
+fn free_motion_counts_what_the_zero_may_be_off_by() {
+    let plan = Plan { speeds: 0, cosines: 2, ..noisy(0.005) };
+    let campaign = record(&truth(), &plan);
+    let known = |zero_as_declared: bool| {
+        let settings = Settings { zero_as_declared, ..Settings::default() };
+        identified(campaign.path(), settings).model.confidence
+    };
+    let (fitted, exact) = (known(false), known(true));
+    let half = |of: &Confidence| (of.high - of.low) / 2.0;
+    for direction in ["up", "down"] {
+        let mu_c = format!("friction.{direction}.mu_c");
+        assert!(half(&fitted[&mu_c]) > 1.05 * half(&exact[&mu_c]), "{:?} {:?}", fitted[&mu_c], exact[&mu_c]);
+        // Free motion has one Stribeck term at most.
+        assert_ne!(fitted[&format!("friction.{direction}.a_j")].status, Status::Pinned);
+    }
+}
+
+#[test]
 fn a_spring_that_looks_like_a_wrong_zero_is_told() {
     let mut model = truth();
     model.effects.push(tautline::effects::Added::parse("elastic_spring:stiffness_nm_rad=0.3").unwrap());

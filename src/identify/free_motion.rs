@@ -46,11 +46,12 @@ pub(super) fn from_free_motion(
     Ok(Identification { combination, checks, rests_on, ..found })
 }
 
-/// The one Stribeck term of free motion stands for the two of (15), and a_j and d are what it leaves: none of them is the paper's alone.
+/// The one Stribeck term of free motion stands for the two of (15), and a_j and d for what it leaves, or for all where it is left out:
+/// none of them is the paper's alone.
 fn merge(model: &mut Model) {
     for direction in Direction::BOTH {
         let branch = *model.friction.of(direction);
-        if branch.lacks(Term::CableStribeck) && !branch.lacks(Term::JointStribeck) {
+        if branch.lacks(Term::CableStribeck) {
             for term in [Term::Coulomb, Term::JointStribeck, Term::JointDecay, Term::Viscous] {
                 model.confidence.entry(term.dotted(direction)).and_modify(|known| *known = merged(*known));
             }

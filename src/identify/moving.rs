@@ -2,6 +2,7 @@
 
 use super::combination::CurveKind;
 use super::predicted::Prepared;
+use super::zero::MOST_RAD;
 use crate::model::{Combination, Direction, Model, Term};
 use crate::numerics::scalar::Scalar;
 use crate::numerics::statistics::extent;
@@ -127,7 +128,7 @@ impl Limits {
             }
             Free::Friction(..) => (-10.0 * self.force_n, 10.0 * self.force_n),
             Free::Curve(kind) => kind.range().map_or((0.0, 1.0), |(low, high)| (low.ln(), high.ln())),
-            Free::Zero => (-self.zero_rad, self.zero_rad),
+            Free::Zero => (-MOST_RAD, MOST_RAD),
             Free::Backlash => {
                 let stroke_m = self.stroke_rad * self.pulley_radius_m;
                 ((1e-4 * stroke_m).ln(), (MAX_BACKLASH * stroke_m).ln())

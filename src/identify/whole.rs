@@ -7,7 +7,7 @@ use super::confidence::interval;
 use super::moving::{Free, Limits};
 use super::strokes::{Part, Stroke};
 use super::together::{Held, Together};
-use super::zero::known;
+use super::zero::{known, with_declaration};
 use crate::model::{Confidence, Model};
 use crate::numerics::cluster;
 use crate::numerics::dual::{Dual, VARIABLES};
@@ -50,13 +50,23 @@ pub fn rmse_nm(sums: &[(f64, f64)]) -> f64 {
 }
 
 /// Fits the `free` parameters of `start` to `parts`, each within its bounds, and says what is known of them.
+///
+/// Of the position's zero the declaration counts as a measurement: the others are fitted with it held at the mean of both.
 pub fn fit_whole(parts: &[Part], start: &Model, free: &[Free], limits: &Limits) -> WholeFit {
     let problem = Whole { parts, start, free };
     let minimum = problem.minimum(limits, PATIENCE);
-    let model = problem.model(&minimum.parameters);
-    let (confidence, together) = problem.confidence(&minimum, limits);
-    let rmse_nm = (minimum.residual_sum / minimum.residual_count as f64).sqrt();
-    WholeFit { model, rmse_nm, confidence, free: free.to_vec(), together, stopped: minimum.stopped }
+    let Some(at) = free.iter().position(|free| *free == Free::Zero) else {
+        return problem.known(&minimum, None, limits);
+    };
+    let (jacobian, scores) = problem.design(&minimum.parameters);
+    let by_zero: Vec<f64> = (0..free.len()).map(|i| f64::from(u8::from(i == at))).collect();
+    let half_width_rad = HALF_WIDTH * Together::new(&jacobian, &scores, None).covariance(&by_zero, &by_zero).sqrt();
+    let (zero_rad, half_width_rad) = with_declaration(minimum.parameters[at], half_width_rad, limits.zero_rad);
+    let mut start = problem.model(&minimum.parameters);
+    Free::Zero.write(&mut start, zero_rad);
+    let others: Vec<Free> = free.iter().copied().filter(|free| *free != Free::Zero).collect();
+    let problem = Whole { parts, start: &start, free: &others };
+    problem.known(&problem.minimum(limits, PATIENCE), Some(half_width_rad), limits)
 }
 
 /// The model alone of the same fit, with less patience: to be compared with others.
@@ -89,8 +99,7 @@ fn known_of(free: Free, moved: f64, half: f64, alone: f64, at_bound: bool, limit
             interval(of(moved), ends.map(of), 0.0, HALF_WIDTH, alone, at_bound)
         }
         Free::Curve(_) | Free::Backlash => interval(moved.exp(), ends.map(f64::exp), 0.0, HALF_WIDTH, alone, at_bound),
-        Free::Zero => known(moved, half.min(limits.zero_rad), limits.zero_rad),
-        Free::Friction(..) => interval(moved, ends, 0.0, HALF_WIDTH, alone / moved.abs(), at_bound),
+        Free::Friction(..) | Free::Zero => interval(moved, ends, 0.0, HALF_WIDTH, alone / moved.abs(), at_bound),
     }
 }
 
@@ -119,39 +128,71 @@ impl Whole<'_> {
         self.parts.iter().map(Part::count).sum()
     }
 
-    /// Intervals by the sandwich over strokes: errors of one stroke hang together, those of different strokes hardly.
-    fn confidence(&self, minimum: &Minimum, limits: &Limits) -> (Vec<(String, Confidence)>, Together) {
-        let errors = self.residuals(&minimum.parameters);
-        let jacobian = self.jacobian(&minimum.parameters);
-        let strokes = self.strokes();
-        let score = |stroke: &Range<usize>| {
+    /// What the fit that ended at `minimum` knows, the zero of the position held within `zero_half_width_rad` beside it.
+    fn known(&self, minimum: &Minimum, zero_half_width_rad: Option<f64>, limits: &Limits) -> WholeFit {
+        let model = self.model(&minimum.parameters);
+        let mut free = self.free.to_vec();
+        free.extend(zero_half_width_rad.map(|_| Free::Zero));
+        let all = Whole { parts: self.parts, start: &model, free: &free };
+        let parameters: Vec<f64> = free.iter().map(|free| free.read(&model)).collect();
+        let (jacobian, scores) = all.design(&parameters);
+        let held = zero_half_width_rad.map(|half| Held { at: self.free.len(), se: half / HALF_WIDTH });
+        let mut confidence = self.confidence(minimum, &jacobian, &scores, held.as_ref(), limits);
+        let zero_rad = model.dynamics.position_zero_rad;
+        confidence.extend(zero_half_width_rad.map(|half| (Free::Zero.name(), known(zero_rad, half, limits.zero_rad))));
+        WholeFit {
+            rmse_nm: (minimum.residual_sum / minimum.residual_count as f64).sqrt(),
+            confidence,
+            together: Together::new(&jacobian, &scores, held),
+            free,
+            model,
+            stopped: minimum.stopped,
+        }
+    }
+
+    /// J, and J'e of each stroke: errors of one stroke hang together, those of different strokes hardly.
+    fn design(&self, parameters: &[f64]) -> (DMatrix<f64>, Vec<DVector<f64>>) {
+        let (errors, jacobian) = (self.residuals(parameters), self.jacobian(parameters));
+        let score = |stroke: Range<usize>| {
             jacobian.rows(stroke.start, stroke.len()).tr_mul(&errors.rows(stroke.start, stroke.len()))
         };
-        let scores: Vec<DVector<f64>> = strokes.iter().map(score).collect();
+        let scores = self.strokes().into_iter().map(score).collect();
+        (jacobian, scores)
+    }
+
+    /// Intervals by the sandwich over strokes, and by what a parameter `held` beside may be off by.
+    fn confidence(
+        &self,
+        minimum: &Minimum,
+        jacobian: &DMatrix<f64>,
+        scores: &[DVector<f64>],
+        held: Option<&Held>,
+        limits: &Limits,
+    ) -> Vec<(String, Confidence)> {
+        let n = self.free.len();
         let bread = minimum.unscaled_covariance.map(|x| if x.is_nan() { 0.0 } else { x });
+        let scores: Vec<DVector<f64>> = scores.iter().map(|score| score.rows(0, n).into_owned()).collect();
         let covariance = cluster::covariance(&bread, &scores);
+        let own = jacobian.columns(0, n);
+        let moved = held.map_or_else(
+            || DVector::zeros(n),
+            |held| &bread * own.tr_mul(&jacobian.column(held.at)) * (HALF_WIDTH * held.se),
+        );
         let sigma = (minimum.residual_sum / minimum.residual_count as f64).sqrt();
-        let freedom = cluster::freedom(strokes.len(), self.free.len());
+        let freedom = cluster::freedom(scores.len(), n);
         // Were all else known: how far a parameter could move for one sigma over one stroke's worth of samples.
-        let rows_per_stroke = errors.len() as f64 / strokes.len().max(1) as f64;
+        let rows_per_stroke = jacobian.nrows() as f64 / scores.len().max(1) as f64;
         let told = |(i, free): (usize, &Free)| {
             let singular = minimum.unscaled_covariance[(i, i)].is_nan();
             let se = if singular { f64::INFINITY } else { covariance[(i, i)].max(0.0).sqrt() };
             let alone = match freedom > 0.0 {
-                true => sigma * rows_per_stroke.sqrt() / jacobian.column(i).norm(),
+                true => sigma * rows_per_stroke.sqrt() / own.column(i).norm(),
                 false => f64::INFINITY,
             };
-            let half = student_t(freedom) * se;
+            let half = (student_t(freedom) * se).hypot(moved[i]);
             (free.name(), known_of(*free, minimum.parameters[i], half, alone, minimum.at_bound[i], limits))
         };
-        let known = self.free.iter().enumerate().map(told).collect();
-        (known, Together::new(&jacobian, &scores, self.held(minimum, limits)))
-    }
-
-    /// The zero of the position where it stands at its limit: what the campaign declares of it is then all that is known.
-    fn held(&self, minimum: &Minimum, limits: &Limits) -> Option<Held> {
-        let at = self.free.iter().position(|free| *free == Free::Zero)?;
-        minimum.at_bound[at].then_some(Held { at, se: limits.zero_rad / HALF_WIDTH })
+        self.free.iter().enumerate().map(told).collect()
     }
 
     /// Rows of each stroke.
