@@ -12,6 +12,8 @@ pub mod developers {}
 pub mod diagnose {}
 #[doc = include_str!("evaluate.md")]
 pub mod evaluate {}
+#[doc = include_str!("faq.md")]
+pub mod faq {}
 #[doc = include_str!("files.md")]
 pub mod files {}
 #[doc = include_str!("gallery.md")]
@@ -71,6 +73,7 @@ pub const PAGES: &[Page] = &[
     page!("capture", "record a joint over EtherCAT: rigs, plans, safety"),
     page!("model", "the formula, model.json, export to controllers and simulators"),
     page!("files", "reference: every key of campaign.toml, model.json and the other files"),
+    page!("faq", "frequently asked questions: recording, results, verdicts, programs"),
     page!("measured", "speed, memory and accuracy, beside SciPy and beside the paper"),
     page!("security", "what is trusted, what is read and written, limits and integrity checks"),
     page!("glossary", "the terms of reports and messages"),

@@ -3,10 +3,11 @@
 use super::names::{Role, floor_source, place};
 use super::next::next_steps;
 use super::parameters::{Shown, shown};
-use super::words::{flexible_shrink, kept_together, percent, shrink, verdict};
+use super::words::{flexible_shrink, kept_together, percent, shrink, taken, verdict};
 use crate::diagnose::{Diagnosis, Kind};
 use crate::report::number::counted;
 use crate::report::plots::diagnosis::budget;
+use crate::report::plots::diagnosis::candidates::added;
 use crate::report::terminal::{BOLD, DIM, heading, picture, wrapped, write_warnings};
 use crate::report::wording::Units;
 use std::io::{self, Write};
@@ -93,12 +94,16 @@ fn candidates(out: &mut impl Write, found: &Diagnosis) -> io::Result<()> {
     if found.candidates.is_empty() {
         return Ok(());
     }
-    heading(out, "Candidate causes, ranked: how far the gap shrinks, with its 95 % interval")?;
+    heading(out, "Candidate causes, ranked: how far the gap shrinks [95 % interval]; of several, what each adds")?;
+    let together = taken(found).count() > 1;
     for candidate in found.candidates.iter().take(CANDIDATES) {
         let role = Role::of(candidate, found);
         let (bold, plain) =
             if role == Role::Taken { (format!("{BOLD}"), format!("{BOLD:#}")) } else { Default::default() };
-        let range = shrink(candidate.shrink);
+        let range = match added(candidate, found).filter(|_| together) {
+            Some(share) => format!("adds {}", percent(share)),
+            None => shrink(candidate.shrink),
+        };
         let how =
             [role.name(), candidate.how].into_iter().filter(|text| !text.is_empty()).collect::<Vec<_>>().join(", ");
         writeln!(out, "  {bold}{:<24}{plain} {range:>18}  {}", candidate.cause.name(), wrapped(&how, HOW))?;
