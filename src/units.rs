@@ -5,6 +5,13 @@
 use crate::dynamics::JointKind;
 use std::f64::consts::PI;
 
+/// m in an inch, exactly (international yard and pound agreement, 1959).
+const INCH_M: f64 = 0.0254;
+/// N that a kilogram weighs at standard gravity, exactly (ISO 80000-4).
+const KILOGRAM_FORCE_N: f64 = 9.806_65;
+/// N that a pound of 0.45359237 kg weighs at standard gravity.
+const POUND_FORCE_N: f64 = 0.453_592_37 * KILOGRAM_FORCE_N;
+
 /// What a column of a log holds.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Quantity {
@@ -54,13 +61,13 @@ impl Quantity {
         match (self, kind) {
             (Self::Time, _) => &[Second, Millisecond, Microsecond, Nanosecond],
             (Self::Position | Self::Command, Revolute) => &[Radian, Degree, Turn],
-            (Self::Position | Self::Command, Prismatic) => &[Metre, Millimetre],
-            (Self::OtherPosition, _) => &[Radian, Degree, Turn, Metre, Millimetre],
-            (Self::Velocity, Revolute) => &[RadianPerSecond, DegreePerSecond, Rpm],
-            (Self::Velocity, Prismatic) => &[MetrePerSecond, MillimetrePerSecond],
-            (Self::Torque | Self::LoadTorque, Revolute) => &[NewtonMetre, MillinewtonMetre, NewtonCentimetre],
-            (Self::ReferenceTorque, Revolute) => &[NewtonMetre, MillinewtonMetre, NewtonCentimetre, Newton, Kilonewton],
-            (Self::Torque | Self::LoadTorque | Self::ReferenceTorque, Prismatic) => &[Newton, Kilonewton],
+            (Self::Position | Self::Command, Prismatic) => &[Metre, Millimetre, Centimetre, Micrometre, Inch],
+            (Self::OtherPosition, _) => &[Radian, Degree, Turn, Metre, Millimetre, Centimetre, Micrometre, Inch],
+            (Self::Velocity, Revolute) => &[RadianPerSecond, DegreePerSecond, Rpm, TurnPerSecond],
+            (Self::Velocity, Prismatic) => &[MetrePerSecond, MillimetrePerSecond, CentimetrePerSecond],
+            (Self::Torque | Self::LoadTorque, Revolute) => &Unit::TORQUES,
+            (Self::ReferenceTorque, Revolute) => &Unit::TORQUES_OR_FORCES,
+            (Self::Torque | Self::LoadTorque | Self::ReferenceTorque, Prismatic) => &Unit::FORCES,
             (Self::Current, _) => &[Ampere, Milliampere],
             (Self::Temperature, _) => &[Celsius],
         }
@@ -106,26 +113,50 @@ pub enum Unit {
     Metre,
     /// mm
     Millimetre,
+    /// cm
+    Centimetre,
+    /// um
+    Micrometre,
+    /// in
+    Inch,
     /// rad/s
     RadianPerSecond,
     /// deg/s
     DegreePerSecond,
     /// Revolutions per minute.
     Rpm,
+    /// turn/s
+    TurnPerSecond,
     /// m/s
     MetrePerSecond,
     /// mm/s
     MillimetrePerSecond,
+    /// cm/s
+    CentimetrePerSecond,
     /// N m
     NewtonMetre,
     /// mN m
     MillinewtonMetre,
     /// N cm
     NewtonCentimetre,
+    /// kgf cm
+    KilogramForceCentimetre,
+    /// kgf m
+    KilogramForceMetre,
+    /// lbf in
+    PoundForceInch,
+    /// lbf ft
+    PoundForceFoot,
+    /// ozf in
+    OunceForceInch,
     /// N
     Newton,
     /// kN
     Kilonewton,
+    /// kgf
+    KilogramForce,
+    /// lbf
+    PoundForce,
     /// A
     Ampere,
     /// mA
@@ -136,7 +167,7 @@ pub enum Unit {
 
 impl Unit {
     /// All of them.
-    pub const ALL: [Self; 22] = [
+    pub const ALL: [Self; 34] = [
         Self::Second,
         Self::Millisecond,
         Self::Microsecond,
@@ -146,20 +177,51 @@ impl Unit {
         Self::Turn,
         Self::Metre,
         Self::Millimetre,
+        Self::Centimetre,
+        Self::Micrometre,
+        Self::Inch,
         Self::RadianPerSecond,
         Self::DegreePerSecond,
         Self::Rpm,
+        Self::TurnPerSecond,
         Self::MetrePerSecond,
         Self::MillimetrePerSecond,
+        Self::CentimetrePerSecond,
         Self::NewtonMetre,
         Self::MillinewtonMetre,
         Self::NewtonCentimetre,
+        Self::KilogramForceCentimetre,
+        Self::KilogramForceMetre,
+        Self::PoundForceInch,
+        Self::PoundForceFoot,
+        Self::OunceForceInch,
         Self::Newton,
         Self::Kilonewton,
+        Self::KilogramForce,
+        Self::PoundForce,
         Self::Ampere,
         Self::Milliampere,
         Self::Celsius,
     ];
+
+    const FORCES: [Self; 4] = [Self::Newton, Self::Kilonewton, Self::KilogramForce, Self::PoundForce];
+
+    const TORQUES: [Self; 8] = [
+        Self::NewtonMetre,
+        Self::MillinewtonMetre,
+        Self::NewtonCentimetre,
+        Self::KilogramForceCentimetre,
+        Self::KilogramForceMetre,
+        Self::PoundForceInch,
+        Self::PoundForceFoot,
+        Self::OunceForceInch,
+    ];
+
+    const TORQUES_OR_FORCES: [Self; 12] = {
+        let [a, b, c, d, e, f, g, h] = Self::TORQUES;
+        let [i, j, k, l] = Self::FORCES;
+        [a, b, c, d, e, f, g, h, i, j, k, l]
+    };
 
     /// The unit that `text` is a way to write, whatever it measures.
     pub fn written(text: &str) -> Option<Self> {
@@ -205,7 +267,9 @@ impl Unit {
             Self::Radian => &[],
             Self::Degree => &["\u{b0}", "\u{ba}"],
             Self::Turn => &["rev", "U"],
-            Self::Metre | Self::Millimetre => &[],
+            Self::Metre | Self::Millimetre | Self::Centimetre => &[],
+            Self::Micrometre => &["\u{b5}m", "\u{3bc}m"],
+            Self::Inch => &["in", "\""],
             Self::RadianPerSecond => &["rads", "rad/sec", "rads^-1", "rads-1", "rads**-1", "rads\u{207b}\u{b9}"],
             Self::DegreePerSecond => &[
                 "dps",
@@ -218,10 +282,19 @@ impl Unit {
                 "degs**-1",
                 "degs\u{207b}\u{b9}",
             ],
-            Self::Rpm => &["1/min", "r/min", "rev/min", "U/min", "min^-1", "min-1"],
+            Self::Rpm => &["1/min", "r/min", "rev/min", "U/min", "tr/min", "min^-1", "min-1"],
+            Self::TurnPerSecond => &["rev/s", "r/s", "rps", "U/s", "tr/s"],
             Self::MetrePerSecond => &["m/sec", "mps", "ms^-1", "ms**-1"],
             Self::MillimetrePerSecond => &["mm/sec", "mms^-1", "mms**-1"],
+            Self::CentimetrePerSecond => &["cm/sec", "cms^-1", "cms**-1"],
             Self::MillinewtonMetre => &["Nmm"],
+            Self::KilogramForceCentimetre => &["kgcm", "kpcm"],
+            Self::KilogramForceMetre => &["kgm", "kpm"],
+            Self::PoundForceInch => &["lbin", "inlb", "inlbf", "inlbs", "lbsin"],
+            Self::PoundForceFoot => &["lbft", "ftlb", "ftlbf", "ftlbs", "lbsft"],
+            Self::OunceForceInch => &["ozin", "inoz"],
+            Self::KilogramForce => &["kp"],
+            Self::PoundForce => &["lb", "lbs"],
             Self::NewtonMetre | Self::NewtonCentimetre | Self::Newton | Self::Kilonewton => &[],
             Self::Ampere => &["Amp", "Amps"],
             Self::Milliampere => &[],
@@ -232,23 +305,36 @@ impl Unit {
     /// Its name in words, whatever the capitals.
     fn words(self) -> &'static [&'static str] {
         match self {
-            Self::Second => &["sec", "second", "seconds", "sekunden"],
+            Self::Second => &["sec", "second", "seconds", "sekunden", "seg", "segundos", "secondes", "secondi"],
             Self::Millisecond => &["msec", "millis", "millisecond", "milliseconds"],
             Self::Microsecond => &["usec", "micros", "microsecond", "microseconds"],
             Self::Nanosecond => &["nsec", "nanos", "nanosecond", "nanoseconds"],
             Self::Radian => &["rad", "radian", "radians"],
-            Self::Degree => &["deg", "degs", "degree", "degrees", "grad"],
-            Self::Turn => &["turn", "turns", "rev", "revs", "revolution", "revolutions"],
+            Self::Degree => {
+                &["deg", "degs", "degree", "degrees", "grad", "grados", "gradi", "graus", "degr\u{e9}s", "degres"]
+            }
+            Self::Turn => &["turn", "turns", "rev", "revs", "revolution", "revolutions", "tours", "vueltas"],
             Self::Metre => &["metre", "metres", "meter", "meters"],
             Self::Millimetre => &["millimetre", "millimetres", "millimeter", "millimeters"],
-            Self::RadianPerSecond => &["rad/s", "rad/sec", "radians/s", "radians/sec", "radians per second"],
+            Self::Centimetre => &["centimetre", "centimetres", "centimeter", "centimeters"],
+            Self::Micrometre => &["micron", "microns"],
+            Self::Inch => &["inch", "inches"],
+            Self::RadianPerSecond => &["rad/s", "rad/sec", "rad/seg", "radians/s", "radians/sec", "radians per second"],
             Self::DegreePerSecond => &["deg/s", "deg/sec", "degrees/s", "degrees/sec", "degrees per second"],
             Self::Rpm => &["rpm"],
+            Self::TurnPerSecond => &["turns/s", "revs/s"],
             Self::MetrePerSecond => &["metres per second", "meters per second"],
-            Self::MillimetrePerSecond => &[],
+            Self::MillimetrePerSecond | Self::CentimetrePerSecond => &[],
             Self::NewtonMetre => &["newtonmetre", "newtonmetres", "newtonmeter", "newtonmeters"],
             Self::MillinewtonMetre => &["millinewtonmetre", "millinewtonmeter"],
-            Self::NewtonCentimetre => &[],
+            Self::NewtonCentimetre
+            | Self::KilogramForceCentimetre
+            | Self::KilogramForceMetre
+            | Self::PoundForceInch
+            | Self::PoundForceFoot
+            | Self::OunceForceInch
+            | Self::KilogramForce
+            | Self::PoundForce => &[],
             Self::Newton => &["newton", "newtons"],
             Self::Kilonewton => &["kilonewton", "kilonewtons"],
             Self::Ampere => &["amp", "amps", "ampere", "amperes"],
@@ -268,16 +354,28 @@ impl Unit {
             Self::Turn => ("turn", 2.0 * PI),
             Self::Metre => ("m", 1.0),
             Self::Millimetre => ("mm", 1e-3),
+            Self::Centimetre => ("cm", 1e-2),
+            Self::Micrometre => ("um", 1e-6),
+            Self::Inch => ("inch", INCH_M),
             Self::RadianPerSecond => ("rad/s", 1.0),
             Self::DegreePerSecond => ("deg/s", PI / 180.0),
             Self::Rpm => ("rpm", 2.0 * PI / 60.0),
+            Self::TurnPerSecond => ("turn/s", 2.0 * PI),
             Self::MetrePerSecond => ("m/s", 1.0),
             Self::MillimetrePerSecond => ("mm/s", 1e-3),
+            Self::CentimetrePerSecond => ("cm/s", 1e-2),
             Self::NewtonMetre => ("N m", 1.0),
             Self::MillinewtonMetre => ("mN m", 1e-3),
             Self::NewtonCentimetre => ("N cm", 1e-2),
+            Self::KilogramForceCentimetre => ("kgf cm", KILOGRAM_FORCE_N * 1e-2),
+            Self::KilogramForceMetre => ("kgf m", KILOGRAM_FORCE_N),
+            Self::PoundForceInch => ("lbf in", POUND_FORCE_N * INCH_M),
+            Self::PoundForceFoot => ("lbf ft", POUND_FORCE_N * 12.0 * INCH_M),
+            Self::OunceForceInch => ("ozf in", POUND_FORCE_N / 16.0 * INCH_M),
             Self::Newton => ("N", 1.0),
             Self::Kilonewton => ("kN", 1e3),
+            Self::KilogramForce => ("kgf", KILOGRAM_FORCE_N),
+            Self::PoundForce => ("lbf", POUND_FORCE_N),
             Self::Ampere => ("A", 1.0),
             Self::Milliampere => ("mA", 1e-3),
             Self::Celsius => ("degC", 1.0),
@@ -285,10 +383,15 @@ impl Unit {
     }
 }
 
-/// `text` without blanks and signs of multiplication.
+/// `text` without blanks and signs of multiplication; a hyphen before a letter is one too (`N-m`), before a digit a minus (`s-1`).
 fn plain(text: &str) -> String {
     let text = text.replace("**", "^");
-    text.replace([' ', '.', '*', '_', '\u{b7}', '\u{22c5}', '\u{a0}'], "")
+    let is_dropped = |sign: char, next: Option<&char>| match sign {
+        '-' => next.is_some_and(|next| next.is_alphabetic()),
+        _ => [' ', '.', '*', '_', '\u{b7}', '\u{22c5}', '\u{30fb}', '\u{a0}'].contains(&sign),
+    };
+    let signs: Vec<char> = text.chars().collect();
+    signs.iter().enumerate().filter(|(at, sign)| !is_dropped(**sign, signs.get(at + 1))).map(|(_, sign)| sign).collect()
 }
 
 #[cfg(test)]
@@ -304,6 +407,14 @@ mod tests {
             ("mNm", Unit::MillinewtonMetre),
             ("mN*m", Unit::MillinewtonMetre),
             ("Ncm", Unit::NewtonCentimetre),
+            ("N-m", Unit::NewtonMetre),
+            ("kgf-cm", Unit::KilogramForceCentimetre),
+            ("lb-in", Unit::PoundForceInch),
+            ("in-lbf", Unit::PoundForceInch),
+            ("oz-in", Unit::OunceForceInch),
+            ("N\u{30fb}m", Unit::NewtonMetre),
+            ("grados", Unit::Degree),
+            ("rev/s", Unit::TurnPerSecond),
             ("ns", Unit::Nanosecond),
             ("\u{b5}s", Unit::Microsecond),
             ("rad s^-1", Unit::RadianPerSecond),

@@ -209,3 +209,78 @@ fn logs_of_command_and_position_ask_for_no_torque() {
     let done = tautline(&["validate", out.to_str().unwrap(), "--strict"]);
     assert!(done.status.success(), "{}", String::from_utf8_lossy(&done.stderr));
 }
+
+#[test]
+fn counts_other_languages_subfolders_and_what_is_no_log() {
+    let folder = logs(|name, rows| {
+        let mut text = "Tiempo (s);Encoder;Par (kgf cm)\n".to_string();
+        for [t, q, y] in rows {
+            let counts = (q / 360.0 * 65536.0).round();
+            writeln!(text, "{t:.3};{counts};{:.5}", y / 0.0980665).unwrap();
+        }
+        (format!("{name}.csv"), text.into_bytes())
+    });
+    let inner = folder.path().join("cosenos");
+    std::fs::create_dir(&inner).unwrap();
+    for name in ["cosine_1.csv", "cosine_2.csv"] {
+        std::fs::rename(folder.path().join(name), inner.join(name)).unwrap();
+    }
+    for (name, bytes) in [("notas.docx", b"PK\x03\x04".as_slice()), ("vacio.csv", b""), ("leame.txt", b"prueba\n")] {
+        std::fs::write(folder.path().join(name), bytes).unwrap();
+    }
+    let out = TempDir::new().unwrap();
+    let asked = init(folder.path(), &out.path().join("asked"), &["--json"]);
+    assert!(keys(&asked).contains(&"columns.position".to_string()), "{asked:#}");
+    let question = asked["questions"].to_string();
+    assert!(question.contains("1/4096 turn"), "{question}");
+
+    let campaign = out.path().join("campaign");
+    let found = init(folder.path(), &campaign, &[&ANSWERS[..], &["--position-unit=1/65536 turn"]].concat());
+    assert_eq!(keys(&found), Vec::<String>::new());
+    assert_protocols(&found);
+    let notes = found["notes"].to_string();
+    assert!(["notas.docx", "vacio.csv", "leame.txt"].iter().all(|name| notes.contains(name)), "{notes}");
+    assert_leads_to_identify(&campaign);
+}
+
+#[test]
+fn japanese_headers_keep_their_letters() {
+    let folder = logs(|name, rows| {
+        // Shift-JIS for time [s], angle [deg], torque [N m], the units' dot as Japanese write it.
+        let mut bytes = b"\x8e\x9e\x8a\xd4[s],\x8ap\x93x[deg],\x83g\x83\x8b\x83N[N\x81Em]\r\n".to_vec();
+        rows.iter().for_each(|[t, q, y]| bytes.extend(format!("{t:.3},{q:.6},{y:.6}\r\n").bytes()));
+        (format!("{name}.csv"), bytes)
+    });
+    let out = TempDir::new().unwrap();
+    let campaign = out.path().join("campaign");
+    let found = init(folder.path(), &campaign, &ANSWERS);
+    assert_eq!(found["columns"][1]["name"], "\u{89d2}\u{5ea6}[deg]");
+    assert_eq!(found["columns"][2]["unit"], "N m");
+    assert_leads_to_identify(&campaign);
+}
+
+#[test]
+fn a_joint_that_stands_still_beside_the_one_that_moves_asks_nothing() {
+    let folder = logs(|name, rows| {
+        let mut text = "t_s,shoulder_pos_deg,elbow_pos_deg,elbow_torque_nm\n".to_string();
+        let noise = |at: usize| 1e-3 * (at * 7919 % 13) as f64;
+        let line = |(at, [t, q, y]): (usize, &[f64; 3])| format!("{t:.3},{:.4},{q:.5},{y:.6}\n", 30.0 + noise(at));
+        text.extend(rows.iter().enumerate().map(line));
+        (format!("{name}.csv"), text.into_bytes())
+    });
+    let out = TempDir::new().unwrap();
+    let found = init(folder.path(), &out.path().join("campaign"), &ANSWERS);
+    assert_eq!(keys(&found), Vec::<String>::new());
+    assert_eq!(found["columns"][1]["name"], "elbow_pos_deg");
+    assert!(found["columns"].as_array().unwrap().iter().all(|column| column["key"] != "other_position"), "{found:#}");
+}
+
+#[test]
+fn formats_that_are_not_read_say_how_to_make_one_that_is() {
+    let folder = TempDir::new().unwrap();
+    std::fs::write(folder.path().join("run.xlsx"), b"PK\x03\x04").unwrap();
+    let done = tautline(&["init", &folder.path().to_string_lossy(), "-o", &folder.path().join("c").to_string_lossy()]);
+    let errors = String::from_utf8_lossy(&done.stderr).into_owned();
+    assert_eq!(done.status.code(), Some(2));
+    assert!(errors.contains("run.xlsx") && errors.contains("save the sheet as CSV"), "{errors}");
+}

@@ -3,11 +3,12 @@
 use super::interrupt;
 use super::outcome::Talk;
 use crate::dynamics::JointKind;
-use crate::import::Series;
+use crate::import::{self, Series};
 use crate::init::{self, Answers, Draft, DraftTrial, Known, Question, Source, Survey};
 use crate::log::table::{Numbers, parquet_bytes};
 use crate::model::Drive;
 use crate::problem::{Problem, Result};
+use crate::report::output::MANIFEST;
 use crate::trajectory::Protocol;
 use clap::ValueEnum;
 use rayon::prelude::*;
@@ -18,6 +19,8 @@ use std::process::ExitCode;
 
 /// Digits kept after the point in logs that are written anew: float64 has 15 to 17 significant ones.
 const DECIMALS: usize = 15;
+/// The answer that leaves a question to the data.
+const BY_DATA: &str = "data";
 
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Examples:
@@ -43,9 +46,9 @@ pub struct Arguments {
     /// How the joint moves [default: as the position's unit says]
     #[arg(long, value_enum)]
     kind: Option<KindChoice>,
-    /// What drives it
-    #[arg(long, value_enum, default_value_t = DriveChoice::Cable)]
-    drive: DriveChoice,
+    /// What drives it [default: cable]
+    #[arg(long, value_enum)]
+    drive: Option<DriveChoice>,
     /// Radius of the winch, mm
     #[arg(long, value_name = "MM")]
     winch_radius_mm: Option<f64>,
@@ -88,12 +91,15 @@ pub struct Arguments {
     /// Sample rate, where no column holds time
     #[arg(long, value_name = "HZ")]
     rate_hz: Option<f64>,
-    /// Unit of the torque, where the header names none
-    #[arg(long, value_name = "UNIT")]
+    /// Unit of the torque, where the header names none or the wrong one; or what a reading of 1 is, such as `0.0123 N m`
+    #[arg(long, value_name = "UNIT", allow_hyphen_values = true)]
     torque_unit: Option<String>,
-    /// Unit of the position, where the header names none
-    #[arg(long, value_name = "UNIT")]
+    /// Unit of the position, likewise; of an encoder with 4096 counts a turn `1/4096 turn`
+    #[arg(long, value_name = "UNIT", allow_hyphen_values = true)]
     position_unit: Option<String>,
+    /// Unit of the current, likewise
+    #[arg(long, value_name = "UNIT", allow_hyphen_values = true)]
+    current_unit: Option<String>,
     /// Unit of time, where the header names none
     #[arg(long, value_name = "UNIT")]
     time_unit: Option<String>,
@@ -120,28 +126,26 @@ enum DriveChoice {
 }
 
 pub fn run(arguments: &Arguments, talk: &Talk) -> Result<ExitCode> {
-    let files = files(&arguments.files)?;
-    let base = common_folder(&files);
+    let Named { logs, others } = files(&arguments.files)?;
+    let base = common_folder(&logs);
     let read = |file: &PathBuf| match init::read(file, &name_from(&base, file)) {
-        // A folder may hold notes and licences beside its logs.
-        Err(_) if is_perhaps_text(file) && !arguments.files.contains(file) => Ok(None),
+        // A folder may hold notes, licences and runs that were never recorded beside its logs.
+        Err(_) if is_perhaps_no_log(file) && !arguments.files.contains(file) => Ok(None),
         read => read.map(Some),
     };
-    let sources = files.par_iter().map(read).collect::<Result<Vec<Option<Source>>>>()?;
-    let sources: Vec<Source> = sources.into_iter().flatten().collect();
+    let found = logs.par_iter().map(read).collect::<Result<Vec<Option<Source>>>>()?;
+    let unread = logs.iter().zip(&found).filter(|(_, source)| source.is_none()).map(|(file, _)| file);
+    let left_out: Vec<String> = unread.chain(&others).map(|file| name_from(&base, file)).collect();
+    let sources: Vec<Source> = found.into_iter().flatten().collect();
     if sources.is_empty() {
         return Problem::error(&base, "holds no log", "name files with a column for each signal").alone();
     }
-    let kind = arguments.kind.map(|kind| match kind {
-        KindChoice::Revolute => JointKind::Revolute,
-        KindChoice::Prismatic => JointKind::Prismatic,
-    });
-    let known = Known { joint: arguments.joint.clone(), kind };
-    let survey = init::survey(sources, &known, arguments.rate_hz)?;
-    let mut answers = answers(arguments, &survey)?;
+    let mut answers = answers(arguments)?;
+    let mut survey = survey(arguments, &answers, sources, &left_out)?;
+    answer_by_data(arguments, &survey, &mut answers)?;
     let mut draft = init::draft(&survey, &answers);
     if talk.shows_progress() && !arguments.no_questions && std::io::stdin().is_terminal() {
-        draft = ask(&survey, draft, &mut answers);
+        (survey, draft) = ask(arguments, survey, answers, &left_out)?;
     }
     let is_in_place = is_in_place(&arguments.output, &base, &survey.sources);
     if is_in_place {
@@ -153,41 +157,81 @@ pub fn run(arguments: &Arguments, talk: &Talk) -> Result<ExitCode> {
     Ok(ExitCode::SUCCESS)
 }
 
-/// Every log that the arguments name: files, those in folders, those that patterns match; sorted, each once.
-fn files(named: &[PathBuf]) -> Result<Vec<PathBuf>> {
-    const ENDINGS: [&str; 8] = ["csv", "parquet", "mat", "mcap", "txt", "tsv", "dat", "asc"];
-    let is_log = |file: &Path| {
-        let ending = file.extension().map(|ending| ending.to_string_lossy().to_ascii_lowercase());
-        file.is_file() && ending.is_some_and(|ending| ENDINGS.contains(&ending.as_str()))
-    };
-    let mut found = Vec::new();
+/// What `sources` hold, with what is answered so far.
+fn survey(arguments: &Arguments, answers: &Answers, sources: Vec<Source>, left_out: &[String]) -> Result<Survey> {
+    let kind = arguments.kind.map(|kind| match kind {
+        KindChoice::Revolute => JointKind::Revolute,
+        KindChoice::Prismatic => JointKind::Prismatic,
+    });
+    let (measures, rate_hz) = (answers.measures(), answers.number("files.rate_hz"));
+    let known = Known { joint: arguments.joint.clone(), kind, measures, rate_hz };
+    let mut survey = init::survey(sources, &known)?;
+    if !left_out.is_empty() {
+        let names = crate::limits::listed(left_out.iter().map(String::as_str));
+        survey.chosen.notes.push(format!("no logs, left out: {names}"));
+    }
+    Ok(survey)
+}
+
+/// The files that the arguments name, sorted, each once.
+struct Named {
+    /// What may be a log, going by its ending, or by its being named itself.
+    logs: Vec<PathBuf>,
+    /// What else lies in the folders.
+    others: Vec<PathBuf>,
+}
+
+/// Every file that the arguments name: files, those in folders at any depth, those that patterns match.
+fn files(named: &[PathBuf]) -> Result<Named> {
+    let mut all: Vec<PathBuf> = Vec::new();
     for path in named {
         if path.is_dir() {
-            let entries = std::fs::read_dir(path).or_else(|error| {
-                Problem::error(path, format!("cannot be read: {error}"), "check the path and its permissions").alone()
-            })?;
-            found.extend(entries.flatten().map(|entry| entry.path()).filter(|file| is_log(file)));
+            all.extend(files_in(path)?);
         } else if path.exists() {
-            found.push(path.clone());
+            all.push(path.clone());
         } else {
             let matched: Vec<PathBuf> = glob::glob(&path.to_string_lossy()).into_iter().flatten().flatten().collect();
             if matched.is_empty() {
                 return Problem::error(path, "there is no such file", "name logs, their folder or a pattern").alone();
             }
-            found.extend(matched.into_iter().filter(|file| is_log(file)));
+            all.extend(matched.into_iter().filter(|file| file.is_file()));
         }
     }
-    found.sort();
-    found.dedup();
-    match found.is_empty() {
-        true => Problem::error(&named[0], "holds no log", "logs end in .csv, .parquet, .mat, .mcap or .txt").alone(),
-        false => Ok(found),
+    all.sort();
+    all.dedup();
+    let (logs, others): (Vec<PathBuf>, Vec<PathBuf>) =
+        all.into_iter().partition(|file| import::is_log(file) || named.contains(file));
+    match (logs.is_empty(), others.first()) {
+        (false, _) => Ok(Named { logs, others }),
+        (true, Some(other)) => import::unsupported(other).alone(),
+        (true, None) => Problem::error(&named[0], "holds no log", "name files with a column for each signal").alone(),
     }
 }
 
-/// Whether a file's name leaves open that it is no log.
-fn is_perhaps_text(file: &Path) -> bool {
-    file.extension().is_some_and(|ending| ["txt", "dat", "asc"].iter().any(|text| ending.eq_ignore_ascii_case(text)))
+/// The files below `folder`, but for hidden ones and for folders that hold a campaign or what a command wrote.
+fn files_in(folder: &Path) -> Result<Vec<PathBuf>> {
+    let entries = std::fs::read_dir(folder).or_else(|error| {
+        Problem::error(folder, format!("cannot be read: {error}"), "check the path and its permissions").alone()
+    })?;
+    let is_own = |inner: &Path| [MANIFEST, "campaign.toml"].iter().any(|own| inner.join(own).exists());
+    let mut found = Vec::new();
+    for entry in entries.flatten() {
+        let name = entry.file_name();
+        match entry.path() {
+            _ if name.to_string_lossy().starts_with('.') || name == "campaign.toml" => {}
+            inner if inner.is_dir() && is_own(&inner) => {}
+            inner if inner.is_dir() => found.extend(files_in(&inner)?),
+            file => found.push(file),
+        }
+    }
+    Ok(found)
+}
+
+/// Whether a file with a log's ending may be none: a text, or one that holds nothing.
+fn is_perhaps_no_log(file: &Path) -> bool {
+    let is_empty = || file.metadata().is_ok_and(|about| about.len() == 0);
+    let is_table = file.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("csv"));
+    import::is_text(file) && !is_table || is_empty()
 }
 
 /// The folder that all files lie in, at whatever depth.
@@ -206,7 +250,7 @@ fn name_from(base: &Path, file: &Path) -> String {
 fn is_in_place(output: &Path, base: &Path, sources: &[Source]) -> bool {
     let base = if base.as_os_str().is_empty() { Path::new(".") } else { base };
     let is_same = matches!((output.canonicalize(), base.canonicalize()), (Ok(a), Ok(b)) if a == b);
-    is_same && sources.iter().all(|source| source.is_table && source.repeated == 0)
+    is_same && sources.iter().all(Source::stays)
 }
 
 /// Writes campaign.toml beside the logs.
@@ -228,7 +272,7 @@ fn write_new(arguments: &Arguments, survey: &Survey, draft: &Draft) -> Result<()
     let output = interrupt::output(&arguments.output, arguments.force, "init")?;
     for source in &survey.sources {
         let name = source.log_name();
-        if source.is_table && source.repeated == 0 {
+        if source.stays() {
             let bytes = std::fs::read(&source.path)
                 .or_else(|error| Problem::error(&source.path, format!("cannot be read: {error}"), "").alone())?;
             output.copy(&name, &bytes)?;
@@ -248,25 +292,11 @@ fn write_new(arguments: &Arguments, survey: &Survey, draft: &Draft) -> Result<()
 }
 
 /// The answers that options give.
-fn answers(arguments: &Arguments, survey: &Survey) -> Result<Answers> {
-    let drive = match arguments.drive {
-        DriveChoice::Cable => Drive::Cable,
-        DriveChoice::Gear => Drive::Gear,
-        DriveChoice::Direct => Drive::Direct,
-        DriveChoice::Screw => Drive::Screw,
-    };
-    let mut answers = Answers { name: arguments.name.clone(), drive, ..Answers::default() };
-    let data = |asked: &Option<String>, found: Option<String>, option: &str| match asked.as_deref() {
-        Some("data") => found
-            .map(Some)
-            .ok_or_else(|| Problem::error(option, "is `data`, and the data do not tell it", "give a number")),
-        other => Ok(other.map(str::to_string)),
-    };
-    let unit = survey.chosen.of(crate::units::Quantity::Position).map_or(1.0, |choice| choice.unit.factor());
-    let sign = data(&arguments.torque_sign, survey.hints.torque_sign.map(|sign| sign.to_string()), "--torque-sign")?;
-    let zero = data(&arguments.zero, survey.hints.zero_rad.map(|zero| (zero / unit).to_string()), "--zero")?;
+fn answers(arguments: &Arguments) -> Result<Answers> {
+    let mut answers = Answers { name: arguments.name.clone(), drive: drive(arguments), ..Answers::default() };
     let number = |value: Option<f64>| value.map(|value| value.to_string());
     let metres = |value: Option<f64>| number(value.map(|mm| mm * 1e-3));
+    let given = |text: &Option<String>| text.clone().filter(|text| text != BY_DATA);
     for (key, value) in [
         ("joint.winch_radius_m", metres(arguments.winch_radius_mm)),
         ("joint.pulley_radius_m", metres(arguments.pulley_radius_mm)),
@@ -279,11 +309,13 @@ fn answers(arguments: &Arguments, survey: &Survey) -> Result<Answers> {
         ("controller.torque_limit_nm", number(arguments.torque_limit_nm)),
         ("dynamics.gravity_nm", number(arguments.gravity_nm)),
         ("dynamics.inertia_kg_m2", number(arguments.inertia_kg_m2)),
-        ("signal.torque_sign", sign),
-        ("columns.position.offset", zero),
+        ("signal.torque_sign", given(&arguments.torque_sign)),
+        ("columns.position.offset", given(&arguments.zero)),
         ("files.rate_hz", number(arguments.rate_hz)),
         ("columns.torque", arguments.torque_unit.clone()),
         ("columns.position", arguments.position_unit.clone()),
+        ("columns.current", arguments.current_unit.clone()),
+        ("columns.current", arguments.current_unit.clone()),
         ("columns.time", arguments.time_unit.clone()),
     ] {
         if let Some(value) = value {
@@ -293,36 +325,84 @@ fn answers(arguments: &Arguments, survey: &Survey) -> Result<Answers> {
     Ok(answers)
 }
 
-/// Asks each question on the terminal; Enter takes what the data suggest, or leaves the question open.
-fn ask(survey: &Survey, mut draft: Draft, answers: &mut Answers) -> Draft {
-    let mut input = std::io::stdin().lock();
-    for question in draft.questions.clone() {
-        loop {
-            let offer = question.suggested.as_ref().map_or("later".to_string(), Clone::clone);
-            let mut out = anstream::stderr().lock();
-            let _ = write!(out, "{}: {} [{offer}] ", question.key, question.asks);
-            let _ = out.flush();
-            let mut line = String::new();
-            if input.read_line(&mut line).unwrap_or(0) == 0 {
-                return init::draft(survey, answers);
-            }
-            let given = match (line.trim(), &question.suggested) {
-                ("", None) => break,
-                ("", Some(suggested)) => suggested.clone(),
-                (text, _) => text.to_string(),
-            };
-            match answers.set(&question.key, &given) {
-                Ok(()) => break,
-                Err(what) => _ = writeln!(out, "{what}"),
-            }
-        }
+/// What drives the joint, as an option says it or needs it.
+fn drive(arguments: &Arguments) -> Drive {
+    match arguments.drive {
+        Some(DriveChoice::Cable) => Drive::Cable,
+        Some(DriveChoice::Gear) => Drive::Gear,
+        Some(DriveChoice::Direct) => Drive::Direct,
+        Some(DriveChoice::Screw) => Drive::Screw,
+        None if arguments.gear_ratio.is_some() => Drive::Gear,
+        None if arguments.lead_mm.is_some() => Drive::Screw,
+        None => Drive::Cable,
     }
-    draft = init::draft(survey, answers);
-    draft
+}
+
+/// The answers that options leave to the data.
+fn answer_by_data(arguments: &Arguments, survey: &Survey, answers: &mut Answers) -> Result<()> {
+    let unit = survey.chosen.of(crate::units::Quantity::Position).map_or(1.0, |choice| choice.measure.unit.factor());
+    let sign = survey.hints.torque_sign;
+    let zero = survey.hints.zero_rad.map(|zero_rad| zero_rad / unit);
+    for (option, asked, key, found) in [
+        ("--torque-sign", &arguments.torque_sign, "signal.torque_sign", sign),
+        ("--zero", &arguments.zero, "columns.position.offset", zero),
+    ] {
+        if asked.as_deref() != Some(BY_DATA) {
+            continue;
+        }
+        let Some(found) = found else {
+            return Problem::error(option, "is `data`, and the data do not tell it", "give a number").alone();
+        };
+        answers.values.insert(key.to_string(), found.to_string());
+    }
+    Ok(())
+}
+
+/// Asks each question on the terminal; Enter takes what the data suggest, or leaves the question open. A unit or a rate changes
+/// what is found, and with it what is asked next.
+fn ask(arguments: &Arguments, survey: Survey, mut answers: Answers, left_out: &[String]) -> Result<(Survey, Draft)> {
+    let mut survey = survey;
+    let has_drive = arguments.drive.is_some() || answers.drive != Drive::Cable;
+    if let Some(text) =
+        (!has_drive).then(|| prompt("what drives the joint: cable, gear, direct or screw?", "cable")).flatten()
+    {
+        let known = [Drive::Gear, Drive::Direct, Drive::Screw].into_iter().find(|drive| drive.name() == text);
+        answers.drive = known.unwrap_or_default();
+    }
+    let mut asked: Vec<String> = Vec::new();
+    let mut draft = init::draft(&survey, &answers);
+    while let Some(question) = draft.questions.iter().find(|question| !asked.contains(&question.key)).cloned() {
+        let Question { key, asks, suggested } = question;
+        let Some(text) = prompt(&format!("{key}: {asks}"), suggested.as_deref().unwrap_or("later")) else { break };
+        let given = if text.is_empty() { suggested } else { Some(text) };
+        match given.map(|given| answers.set(&key, &given)) {
+            Some(Err(what)) => {
+                let _ = writeln!(anstream::stderr(), "{what}");
+                continue;
+            }
+            Some(Ok(())) if key.starts_with("columns.") || key.starts_with("files.") => {
+                survey = self::survey(arguments, &answers, survey.sources, left_out)?;
+            }
+            _ => {}
+        }
+        asked.push(key);
+        draft = init::draft(&survey, &answers);
+    }
+    Ok((survey, draft))
+}
+
+/// What is typed after a question; nothing at the end of the input.
+fn prompt(question: &str, offer: &str) -> Option<String> {
+    let mut out = anstream::stderr().lock();
+    let _ = write!(out, "{question} [{offer}] ");
+    let _ = out.flush();
+    let mut line = String::new();
+    let read = std::io::stdin().lock().read_line(&mut line).unwrap_or(0);
+    (read > 0).then(|| line.trim().to_string())
 }
 
 fn to_json(arguments: &Arguments, survey: &Survey, draft: &Draft) -> Value {
-    let column = |choice: &init::Choice| json!({ "key": choice.key, "name": choice.name, "unit": choice.unit.name(), "why": choice.why });
+    let column = |choice: &init::Choice| json!({ "key": choice.key, "name": choice.name, "unit": choice.measure.unit.name(), "scale": choice.measure.scale, "why": choice.why });
     let trial = |trial: &DraftTrial| {
         let speed = match trial.protocol {
             Protocol::Uniform { speed_rad_s } => Some(speed_rad_s),
@@ -340,8 +420,7 @@ fn to_json(arguments: &Arguments, survey: &Survey, draft: &Draft) -> Value {
     };
     let question =
         |question: &Question| json!({ "key": question.key, "asks": question.asks, "suggested": question.suggested });
-    let source =
-        |source: &Source| json!({ "file": source.path, "form": source.form, "repeated_rows": source.repeated });
+    let source = |source: &Source| json!({ "file": source.path, "form": source.form, "repeated_rows": source.repeated, "missing_rows": source.missing });
     json!({
         "format": "init/1",
         "campaign": arguments.output,
@@ -358,9 +437,13 @@ fn to_json(arguments: &Arguments, survey: &Survey, draft: &Draft) -> Value {
 
 fn tell(out: &mut Vec<u8>, arguments: &Arguments, survey: &Survey, draft: &Draft) -> std::io::Result<()> {
     let file = arguments.output.join("campaign.toml");
-    writeln!(out, "{} files at {:.6} Hz, {} trials", survey.sources.len(), survey.rate_hz, survey.trials.len())?;
+    let rate = match survey.rate_hz {
+        0.0 => "an unknown rate".to_string(),
+        rate_hz => format!("{rate_hz:.6} Hz"),
+    };
+    writeln!(out, "{} files at {rate}, {} trials", survey.sources.len(), survey.trials.len())?;
     for choice in &survey.chosen.columns {
-        writeln!(out, "  {:<12} `{}`, {}", choice.key, choice.name, choice.unit.name())?;
+        writeln!(out, "  {:<12} `{}`, {}", choice.key, choice.name, choice.measure)?;
     }
     for note in &survey.chosen.notes {
         writeln!(out, "  {note}")?;

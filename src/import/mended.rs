@@ -17,8 +17,24 @@ pub fn without_repeated_rows(columns: &mut [Series], time: Option<&str>) -> usiz
             && columns.iter().all(|series| series.values[*row].to_bits() == series.values[row - 1].to_bits())
     };
     let repeated: Vec<usize> = (1..rows).filter(is_same).collect();
-    for series in columns.iter_mut().filter(|_| !repeated.is_empty()) {
-        let mut next = repeated.iter().copied().peekable();
+    drop_rows(columns, &repeated);
+    repeated.len()
+}
+
+/// Drops rows in which a column that `is_wanted` holds no number; gives how many.
+pub fn without_missing_rows(columns: &mut [Series], is_wanted: impl Fn(&str) -> bool) -> usize {
+    let wanted: Vec<&Series> = columns.iter().filter(|series| is_wanted(&series.name)).collect();
+    let rows = wanted.iter().map(|series| series.values.len()).min().unwrap_or(0);
+    let is_missing = |row: &usize| wanted.iter().any(|series| !series.values[*row].is_finite());
+    let missing: Vec<usize> = (0..rows).filter(is_missing).collect();
+    drop_rows(columns, &missing);
+    missing.len()
+}
+
+/// Drops `rows`, in order, of every column.
+fn drop_rows(columns: &mut [Series], rows: &[usize]) {
+    for series in columns.iter_mut().filter(|_| !rows.is_empty()) {
+        let mut next = rows.iter().copied().peekable();
         let mut row = 0;
         series.values.retain(|_| {
             let is_kept = next.next_if_eq(&row).is_none();
@@ -26,7 +42,6 @@ pub fn without_repeated_rows(columns: &mut [Series], time: Option<&str>) -> usiz
             is_kept
         });
     }
-    repeated.len()
 }
 
 /// The stretches of `time` without gaps, in rows; all of it where it does not grow.
@@ -51,6 +66,10 @@ mod tests {
         // The last row has another position at the same time: no repetition, and not ours to decide.
         assert_eq!(without_repeated_rows(&mut columns, Some("t")), 1);
         assert_eq!(columns[1].values, [1.0, 2.0, 3.0, 4.0]);
+        let mut columns =
+            [series("t", &[0.0, 0.1, 0.2]), series("q", &[1.0, f64::NAN, 3.0]), series("note", &[f64::NAN; 3])];
+        assert_eq!(without_missing_rows(&mut columns, |name| name != "note"), 1);
+        assert_eq!(columns[0].values, [0.0, 0.2]);
         assert_eq!(stretches(&[0.0, 0.1, 0.2, 0.8, 0.9, 1.0]), [0..3, 3..6]);
     }
 }

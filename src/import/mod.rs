@@ -16,7 +16,7 @@ mod mended;
 mod picked;
 mod scope;
 
-pub use mended::{stretches, without_repeated_rows};
+pub use mended::{stretches, without_missing_rows, without_repeated_rows};
 pub use picked::{Picked, picked};
 
 use crate::problem::{Problem, Result};
@@ -36,6 +36,39 @@ pub struct Series {
     pub first_row: u64,
 }
 
+/// Endings of text: tables, exports of TwinCAT's Scope, of LabVIEW and the like.
+const TEXTS: [&str; 8] = ["csv", "txt", "tsv", "dat", "asc", "lvm", "prn", "log"];
+
+fn ending(file: &Path) -> String {
+    file.extension().and_then(|ending| ending.to_str()).unwrap_or_default().to_ascii_lowercase()
+}
+
+/// Whether `file` is text, going by its ending.
+pub fn is_text(file: &Path) -> bool {
+    TEXTS.contains(&ending(file).as_str())
+}
+
+/// Whether `file` may be a log that is read here, going by its ending.
+pub fn is_log(file: &Path) -> bool {
+    is_text(file) || ["parquet", "mat", "mcap"].contains(&ending(file).as_str())
+}
+
+/// That `file` is of a format that is not read here, and how to make another of it.
+pub fn unsupported(file: &Path) -> Problem {
+    let cure = match ending(file).as_str() {
+        "xlsx" | "xls" | "ods" => "save the sheet as CSV",
+        "tdms" => {
+            "export it as CSV; in Python: `nptdms.TdmsFile.read(file).as_dataframe().to_parquet(\"log.parquet\")`"
+        }
+        "bag" | "db3" => "convert it to MCAP: `rosbags-convert`, or `ros2 bag convert` with `storage_id: mcap`",
+        "npy" | "npz" | "pkl" | "h5" | "hdf5" | "feather" | "json" => {
+            "save its columns as CSV or Parquet, in Python with pandas' `to_parquet`"
+        }
+        _ => "it takes .csv, .txt, .tsv, .dat, .lvm, .parquet, .mat (MATLAB) and .mcap (ROS 2)",
+    };
+    Problem::error(file, "is of an unsupported log format", cure)
+}
+
 /// Whether `file` is a table that a campaign can hold as it is: Parquet, or CSV that is no export of TwinCAT's Scope.
 pub fn is_table(file: &Path) -> bool {
     let begins = || -> std::io::Result<bool> {
@@ -43,18 +76,13 @@ pub fn is_table(file: &Path) -> bool {
         std::fs::File::open(file)?.take(4096).read_to_end(&mut begin)?;
         Ok(!scope::is_export(&begin))
     };
-    match file.extension().and_then(|e| e.to_str()).unwrap_or_default().to_ascii_lowercase().as_str() {
-        "parquet" => true,
-        "csv" | "txt" | "tsv" | "dat" | "asc" => begins().unwrap_or(false),
-        _ => false,
-    }
+    ending(file) == "parquet" || is_text(file) && begins().unwrap_or(false)
 }
 
 /// The columns of `file`, or nothing where it is a table that a campaign can hold as it is (CSV or Parquet).
 ///
 /// Errors: the file cannot be read, is of no kind known here, or is damaged.
 pub fn read(file: &Path) -> Result<Option<Vec<Series>>> {
-    let extension = file.extension().and_then(|e| e.to_str()).unwrap_or_default().to_ascii_lowercase();
     let bytes = || {
         std::fs::read(file).or_else(|error| {
             Problem::error(file, format!("cannot be read: {error}"), "check the path and its permissions").alone()
@@ -63,13 +91,10 @@ pub fn read(file: &Path) -> Result<Option<Vec<Series>>> {
     if is_table(file) {
         return Ok(None);
     }
-    match extension.as_str() {
+    match ending(file).as_str() {
         "mat" => matlab::read(file, bytes()?).map(Some),
         "mcap" => joint_states::read(file, &bytes()?).map(Some),
-        "csv" | "txt" | "tsv" | "dat" | "asc" => scope::read(file, &bytes()?).map(Some),
-        _ => {
-            let cure = "it takes .mat (MATLAB), .mcap (ROS 2), .csv and .txt (TwinCAT Scope), .csv and .parquet";
-            Problem::error(file, "is of an unsupported log format", cure).alone()
-        }
+        _ if is_text(file) => scope::read(file, &bytes()?).map(Some),
+        _ => unsupported(file).alone(),
     }
 }

@@ -1,11 +1,13 @@
 //! Which column holds what: by its name, its unit, and what it does: time grows evenly, a velocity is a position's derivative.
 
+use super::measure::Measure;
+use super::motion::is_rest;
 use super::names::{Label, label};
 use crate::dynamics::JointKind;
 use crate::import::Series;
 use crate::numerics::statistics::{extent, quantile};
 use crate::units::{Quantity, Unit};
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 
 /// Time grows evenly if this share of its steps is near the common one.
 const EVEN_SHARE: f64 = 0.8;
@@ -15,6 +17,8 @@ const PERIOD_S: std::ops::Range<f64> = 2e-5..0.05;
 const RADIAN_MOST: f64 = 7.0;
 /// Angles within this could be either.
 const RADIAN_LEAST: f64 = 0.35;
+/// Turns within which a joint moves.
+const TURNS_MOST: f64 = 2.0;
 /// Slope of a velocity on the derivative of a position at which they are one motion in one unit.
 const SAME: std::ops::Range<f64> = 0.9..1.1;
 /// Correlation of a velocity with the derivative of the position it belongs to.
@@ -27,8 +31,8 @@ pub struct Choice {
     pub key: String,
     /// Its name in the file.
     pub name: String,
-    /// Its unit.
-    pub unit: Unit,
+    /// What a reading of 1 is.
+    pub measure: Measure,
     /// Why this column and this unit.
     pub why: String,
     /// What data cannot tell of it.
@@ -72,6 +76,10 @@ pub struct Known {
     pub joint: Option<String>,
     /// How it moves.
     pub kind: Option<JointKind>,
+    /// What a reading of 1 is, by key under `[columns]`.
+    pub measures: BTreeMap<String, Measure>,
+    /// Sample rate where no column holds time, Hz.
+    pub rate_hz: Option<f64>,
 }
 
 struct Labelled<'a> {
@@ -87,11 +95,12 @@ pub fn choose(columns: &[Series], units: &[String], known: &Known) -> Chosen {
         .enumerate()
         .map(|(at, series)| Labelled { label: label(&series.name, unit_row(at)), series })
         .collect();
-    let mut chooser = Chooser { all: labelled, taken: BTreeSet::new(), chosen: Vec::new(), notes: Vec::new() };
+    let (taken, chosen, notes) = (BTreeSet::new(), Vec::new(), Vec::new());
+    let mut chooser = Chooser { all: labelled, known, taken, chosen, notes };
     let time = chooser.time();
     let joints = chooser.joints();
     let kind = known.kind.unwrap_or_else(|| chooser.kind());
-    let joint = chooser.position(kind, &joints, known);
+    let joint = chooser.position(kind, &joints);
     chooser.torque(kind, &joint);
     chooser.current(&joint);
     chooser.velocity(kind, &joint, time);
@@ -102,6 +111,7 @@ pub fn choose(columns: &[Series], units: &[String], known: &Known) -> Chosen {
 
 struct Chooser<'a> {
     all: Vec<Labelled<'a>>,
+    known: &'a Known,
     taken: BTreeSet<usize>,
     chosen: Vec<Choice>,
     notes: Vec<String>,
@@ -112,10 +122,20 @@ impl Chooser<'_> {
         self.all.iter().enumerate().filter(|(at, _)| !self.taken.contains(at))
     }
 
-    fn take(&mut self, at: usize, key: &str, unit: Unit, why: impl Into<String>, question: Option<String>) {
+    /// Takes a column; what is known of its unit counts before what was found.
+    fn take(
+        &mut self,
+        at: usize,
+        key: &str,
+        found: impl Into<Measure>,
+        why: impl Into<String>,
+        question: Option<String>,
+    ) {
         self.taken.insert(at);
         let name = self.all[at].series.name.clone();
-        self.chosen.push(Choice { key: key.to_string(), name, unit, why: why.into(), question });
+        let known = self.known.measures.get(key).map(|known| (*known, "unit as given".to_string(), None));
+        let (measure, why, question) = known.unwrap_or_else(|| (found.into(), why.into(), question));
+        self.chosen.push(Choice { key: key.to_string(), name, measure, why, question });
     }
 
     /// The time: even and growing. Gives its step in s.
@@ -129,9 +149,13 @@ impl Chooser<'_> {
             label.unit.is_none() && (label.is_counter || label.quantity.is_none()) && counts()
         };
         let named = growing.iter().find(is_named).copied();
-        // A position that only grows is growing too: unnamed, only what begins every recording's columns is taken.
-        let found = named
-            .or_else(|| growing.iter().copied().find(|at| self.all[*at].label.quantity.is_none() && !is_counter(*at)));
+        // A position that only grows is growing too: unnamed, only what begins every recording's columns is taken, and an x axis
+        // only where another column is the position.
+        let is_unnamed = |at: &usize| self.all[*at].label.quantity.is_none() && !is_counter(*at);
+        let positions = self.all.iter().filter(|l| l.label.quantity == Some(Quantity::Position)).count();
+        let is_axis = |at: &usize| *at == 0 && self.all[*at].label.is_axis && positions > 1;
+        let unnamed = || growing.iter().copied().find(is_unnamed);
+        let found = named.or_else(unnamed).or_else(|| growing.iter().copied().find(is_axis));
         for at in growing.iter().filter(|at| Some(**at) != found && is_counter(**at)) {
             self.taken.insert(*at);
         }
@@ -142,7 +166,7 @@ impl Chooser<'_> {
             None => time_unit(step),
         };
         self.take(at, Quantity::Time.name(), unit, why, question);
-        Some(step * unit.factor())
+        self.chosen.last().map(|time| step * time.measure.factor())
     }
 
     /// The joints that have a position, in the order of their columns.
@@ -157,25 +181,26 @@ impl Chooser<'_> {
     }
 
     fn kind(&self) -> JointKind {
-        let is_length = |unit: Option<Unit>| matches!(unit, Some(Unit::Metre | Unit::Millimetre));
+        let lengths = Quantity::Position.units(JointKind::Prismatic);
+        let is_length = |unit: Option<Unit>| unit.is_some_and(|unit| lengths.contains(&unit));
+        if let Some(known) = self.known.measures.get(Quantity::Position.name()) {
+            return if is_length(Some(known.unit)) { JointKind::Prismatic } else { JointKind::Revolute };
+        }
         let mut positions = self.free().filter(|(_, l)| l.label.quantity == Some(Quantity::Position)).peekable();
         let is_slide = positions.peek().is_some() && positions.all(|(_, l)| is_length(l.label.unit));
         if is_slide { JointKind::Prismatic } else { JointKind::Revolute }
     }
 
     /// Takes the position; gives its joint.
-    fn position(&mut self, kind: JointKind, joints: &[String], known: &Known) -> String {
+    fn position(&mut self, kind: JointKind, joints: &[String]) -> String {
+        let known = self.known;
         let named: Vec<usize> = self
             .free()
             .filter(|(_, l)| l.label.quantity == Some(Quantity::Position))
             .filter(|(_, l)| known.joint.as_ref().is_none_or(|joint| l.label.joint == *joint))
             .map(|(at, _)| at)
             .collect();
-        let travel = |at: usize| {
-            let (low, high) = extent(&self.all[at].series.values);
-            high - low
-        };
-        let moving: Vec<usize> = named.iter().copied().filter(|at| travel(*at) > 0.0).collect();
+        let moving: Vec<usize> = named.iter().copied().filter(|at| !is_rest(&self.all[*at].series.values)).collect();
         let at = moving.first().or(named.first()).copied().or_else(|| self.smoothest());
         let Some(at) = at else {
             self.notes.push("no column could be told to be the position".to_string());
@@ -184,17 +209,20 @@ impl Chooser<'_> {
         let Labelled { label, series } = &self.all[at];
         let joint = label.joint.clone();
         let (unit, why, mut question) = match label.unit {
-            Some(unit) => (unit, "unit from the header".to_string(), None),
+            Some(unit) => (unit, "unit from the header".to_string(), too_far(kind, unit, &series.values)),
             None => position_unit(kind, &series.values),
         };
         if named.is_empty() {
             question = Some("which column is the position, and in which unit? This one is the smoothest".to_string());
-        } else if joints.len() > 1 && known.joint.is_none() {
+        } else if joints.len() > 1 && known.joint.is_none() && moving.len() != 1 {
             let all: Vec<&str> = joints.iter().map(String::as_str).collect();
             question = Some(format!("which joint? The files hold {} (--joint)", all.join(", ")));
         } else if moving.len() > 1 && named.len() > 1 {
             let all: Vec<&str> = moving.iter().map(|at| self.all[*at].series.name.as_str()).collect();
             question = Some(format!("which of {} is the joint's position?", all.join(", ")));
+        }
+        if joints.len() > 1 && known.joint.is_none() && moving.len() == 1 {
+            self.notes.push(format!("of the joints {} only {joint} moves", joints.join(", ")));
         }
         self.take(at, Quantity::Position.name(), unit, why, question);
         joint
@@ -277,15 +305,15 @@ impl Chooser<'_> {
             return;
         };
         let label = &self.all[at].label;
-        let position_unit = self.chosen[position].unit;
-        let fits = |unit: &Unit| SAME.contains(&(slope * unit.factor() / position_unit.factor()));
+        let position_factor = self.chosen[position].measure.factor();
+        let fits = |unit: &Unit| SAME.contains(&(slope * unit.factor() / position_factor));
         match label.unit {
             Some(unit) if fits(&unit) => {
                 self.take(at, Quantity::Velocity.name(), unit, "is the position's derivative", None)
             }
-            Some(unit) if self.told_by_header(position) => {
+            Some(unit) if self.is_told(position) => {
                 self.taken.insert(at);
-                let times = slope * unit.factor() / position_unit.factor();
+                let times = slope * unit.factor() / position_factor;
                 self.notes.push(format!(
                     "`{name}` is left out: in {} it is {times:.3} times the position's derivative",
                     unit.name()
@@ -298,7 +326,7 @@ impl Chooser<'_> {
                     .iter()
                     .find(|p| SAME.contains(&(slope * unit.factor() / p.factor())));
                 if let Some(found) = found {
-                    self.chosen[position].unit = *found;
+                    self.chosen[position].measure = (*found).into();
                     self.chosen[position].why = format!("unit such that `{name}` is its derivative");
                     self.take(at, Quantity::Velocity.name(), unit, "is the position's derivative", None);
                 } else {
@@ -327,9 +355,10 @@ impl Chooser<'_> {
         }
     }
 
-    /// Whether the unit of a chosen column stands in the header.
-    fn told_by_header(&self, chosen: usize) -> bool {
-        self.all.iter().any(|l| l.series.name == self.chosen[chosen].name && l.label.unit.is_some())
+    /// Whether the unit of a chosen column is known or stands in the header.
+    fn is_told(&self, chosen: usize) -> bool {
+        self.known.measures.contains_key(&self.chosen[chosen].key)
+            || self.all.iter().any(|l| l.series.name == self.chosen[chosen].name && l.label.unit.is_some())
     }
 
     /// The command, temperature, and the positions of other joints.
@@ -339,10 +368,11 @@ impl Chooser<'_> {
         }
         if let Some(at) = self.find(Quantity::Command, joint) {
             let unit = self.all[at].label.unit.filter(|unit| Quantity::Command.units(kind).contains(unit));
-            let unit = unit.or_else(|| self.chosen.iter().find(|c| c.key == Quantity::Position.name()).map(|c| c.unit));
-            self.take(at, Quantity::Command.name(), unit.unwrap_or(Unit::Radian), "", None);
+            let of_position = || self.chosen.iter().find(|c| c.key == Quantity::Position.name()).map(|c| c.measure);
+            let measure = unit.map(Measure::from).or_else(of_position).unwrap_or(Unit::Radian.into());
+            self.take(at, Quantity::Command.name(), measure, "", None);
         }
-        let moves = |l: &Labelled<'_>| extent(&l.series.values).0 < extent(&l.series.values).1;
+        let moves = |l: &Labelled<'_>| !is_rest(&l.series.values);
         let is_other =
             |l: &Labelled<'_>| l.label.quantity == Some(Quantity::Position) && l.label.joint != joint && moves(l);
         let others: Vec<usize> = self.free().filter(|(_, l)| is_other(l)).map(|(at, _)| at).collect();
@@ -396,7 +426,8 @@ fn position_unit(kind: JointKind, values: &[f64]) -> (Unit, String, Option<Strin
     }
     match () {
         () if most > 4.0 * 360.0 => {
-            (Unit::Degree, spans, Some("unit? No joint turns that far: counts need `scale`".to_string()))
+            let asks = "unit? No joint turns that far. For counts say what one is, such as `1/4096 turn`".to_string();
+            (Unit::Degree, spans, Some(asks))
         }
         () if most > RADIAN_MOST => (Unit::Degree, spans, None),
         () if high - low < RADIAN_LEAST => {
@@ -404,6 +435,16 @@ fn position_unit(kind: JointKind, values: &[f64]) -> (Unit, String, Option<Strin
         }
         () => (Unit::Radian, spans, None),
     }
+}
+
+/// What is to be asked of a position that turns farther than joints do: a motor's, before its gear.
+fn too_far(kind: JointKind, unit: Unit, values: &[f64]) -> Option<String> {
+    let (low, high) = extent(values);
+    let turns = (high - low) * unit.factor() / Unit::Turn.factor();
+    (kind == JointKind::Revolute && turns > TURNS_MOST).then(|| {
+        let name = unit.name();
+        format!("it turns {turns:.1} times: if it is the motor's, say what a reading is at the joint, such as `1/50 {name}`; else `{name}`")
+    })
 }
 
 /// Slope of `velocity` on the derivative of `position`, sampled every `step_s`; `None` where they do not go together.

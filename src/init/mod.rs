@@ -3,6 +3,7 @@
 //! | file | what it finds |
 //! |---|---|
 //! | `names` | what a column's name says |
+//! | `measure` | what a reading of 1 is |
 //! | `columns` | which column holds what |
 //! | `motion` | sweeps, cosines, free motion, rests |
 //! | `physics` | what friction and gravity say of sign and zero |
@@ -10,6 +11,7 @@
 //! | `text` | the draft as text |
 
 mod columns;
+mod measure;
 mod motion;
 mod names;
 mod physics;
@@ -17,12 +19,13 @@ mod text;
 mod trials;
 
 pub use columns::{Choice, Chosen, Known};
+pub use measure::Measure;
 pub use physics::Hints;
 pub use text::{Answers, Draft, Question, draft};
 pub use trials::DraftTrial;
 
 use crate::dynamics::JointKind;
-use crate::import::{self, Series, without_repeated_rows};
+use crate::import::{self, Series, without_missing_rows, without_repeated_rows};
 use crate::log::{Files, raw};
 use crate::problem::{Problem, Result};
 use crate::units::Quantity;
@@ -45,12 +48,19 @@ pub struct Source {
     pub is_table: bool,
     /// Rows that repeated the row before and were dropped.
     pub repeated: usize,
+    /// Rows without a reading of a chosen column that were dropped.
+    pub missing: usize,
 }
 
 impl Source {
+    /// Whether a campaign takes it as it is.
+    pub fn stays(&self) -> bool {
+        self.is_table && self.repeated == 0 && self.missing == 0
+    }
+
     /// What its log is called in a campaign: as it is, or as the Parquet that is made of it.
     pub fn log_name(&self) -> String {
-        match self.is_table && self.repeated == 0 {
+        match self.stays() {
             true => self.name.clone(),
             false => Path::new(&self.name).with_extension("parquet").to_string_lossy().into_owned(),
         }
@@ -90,9 +100,22 @@ pub fn read(path: &Path, name: &str) -> Result<Source> {
     };
     if columns.len() < 2 {
         let what = format!("holds {} columns of numbers; a position and a torque are needed", columns.len());
-        return Problem::error(path, what, "name logs with a column for each signal").alone();
+        let cure = match path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("mat")) {
+            true => "save each signal as a vector, the fields of a structure with `save -struct`, or all with `-v7.3`",
+            false => "name logs with a column for each signal",
+        };
+        return Problem::error(path, what, cure).alone();
     }
-    Ok(Source { path: path.to_path_buf(), name: name.to_string(), form, columns, units, is_table, repeated: 0 })
+    Ok(Source {
+        path: path.to_path_buf(),
+        name: name.to_string(),
+        form,
+        columns,
+        units,
+        is_table,
+        repeated: 0,
+        missing: 0,
+    })
 }
 
 /// The clock that most columns share.
@@ -101,10 +124,10 @@ fn longest_clock(all: &[Series]) -> usize {
     all.iter().map(|series| series.clock).max_by_key(|clock| (count(*clock), usize::MAX - clock)).unwrap_or(0)
 }
 
-/// Finds columns and motions in `sources`, at least one, with what is `known`; `rate_hz` where no column holds time.
+/// Finds columns and motions in `sources`, at least one, with what is `known`.
 ///
 /// Errors: files whose columns differ.
-pub fn survey(mut sources: Vec<Source>, known: &Known, rate_hz: Option<f64>) -> Result<Survey> {
+pub fn survey(mut sources: Vec<Source>, known: &Known) -> Result<Survey> {
     let first = &sources[0];
     let mut chosen = columns::choose(&first.columns, &first.units, known);
     if let Some(joint) = known.joint.as_ref().filter(|joint| !chosen.joints.contains(joint)) {
@@ -118,16 +141,31 @@ pub fn survey(mut sources: Vec<Source>, known: &Known, rate_hz: Option<f64>) -> 
             return Problem::error(&source.path, what, "make a campaign of files with the same columns").alone();
         }
     }
-    for source in &mut sources {
-        source.repeated = without_repeated_rows(&mut source.columns, time_name(&chosen));
-    }
-    if let Some(source) = sources.iter().find(|source| source.repeated > 0) {
-        chosen.notes.push(format!("{} repeats {} rows, which are dropped", source.path.display(), source.repeated));
-    }
-    let (trials, found_hz) = trials::list(&sources, &mut chosen, rate_hz);
+    mend(&mut sources, &mut chosen);
+    let (trials, found_hz) = trials::list(&sources, &mut chosen, known.rate_hz);
     let recordings = recordings(&sources, &chosen, &trials);
     let hints = physics::hints(&recordings, chosen.kind == JointKind::Revolute);
     Ok(Survey { sources, chosen, trials, hints, rate_hz: found_hz })
+}
+
+/// Drops rows that repeat, and, where time tells what is lacking, rows without a reading; notes how many.
+fn mend(sources: &mut [Source], chosen: &mut Chosen) {
+    let is_chosen = |name: &str| chosen.columns.iter().any(|choice| choice.name == name);
+    for source in sources.iter_mut() {
+        source.repeated += without_repeated_rows(&mut source.columns, time_name(chosen));
+        if !chosen.lacks_time {
+            source.missing += without_missing_rows(&mut source.columns, is_chosen);
+        }
+    }
+    for source in sources.iter() {
+        let (name, Source { repeated, missing, .. }) = (source.path.display(), source);
+        if *repeated > 0 {
+            chosen.notes.push(format!("{name} repeats {repeated} rows, which are dropped"));
+        }
+        if *missing > 0 {
+            chosen.notes.push(format!("{name} lacks a reading in {missing} rows, which are dropped"));
+        }
+    }
 }
 
 /// The name of the column of time, if there is one.
@@ -156,5 +194,5 @@ fn recordings(sources: &[Source], chosen: &Chosen, trials: &[DraftTrial]) -> Vec
 /// The column of `choice` in a file, in SI.
 fn values(source: &Source, choice: &Choice) -> Option<Vec<f64>> {
     let series = source.columns.iter().find(|series| series.name == choice.name)?;
-    Some(series.values.iter().map(|value| value * choice.unit.factor()).collect())
+    Some(series.values.iter().map(|value| value * choice.measure.factor()).collect())
 }

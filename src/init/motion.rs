@@ -3,15 +3,19 @@
 //! The position is cut at its turning points into strokes. A stroke is at constant speed if most of its travel is passed near
 //! its median speed: a cosine passes a fifth of its travel within 5 % of any one speed. Strokes of one kind in a row are one part.
 
-use crate::numerics::statistics::{extent, quantile, root_mean_square};
+use crate::numerics::statistics::{extent, mean, quantile, reading_noise, root_mean_square};
 use std::ops::Range;
 
 /// A turn back by this share of the whole travel ends a stroke.
 const TURN_TRAVEL: f64 = 0.05;
 /// A joint at rest moves by less than this many times its common step from sample to sample.
 const REST_STEPS: f64 = 20.0;
-/// Speed is the mean over this share of a stroke's travel either side.
-const WINDOW_TRAVEL: f64 = 0.01;
+/// Speed is the mean over this share of a stroke's samples either side ...
+const WINDOW_SHARE: f64 = 0.01;
+/// ... or, where the position is noisy or coarse, over as many as keep its error below this share, ...
+const SPEED_ERROR: f64 = 0.01;
+/// ... at most this share.
+const WINDOW_SHARE_MOST: f64 = 0.08;
 /// A speed within this share of the stroke's own counts as that speed.
 const SPEED_TOLERANCE: f64 = 0.05;
 /// A stroke at constant speed passes this share of its travel at that speed.
@@ -20,8 +24,10 @@ const CONSTANT_SHARE: f64 = 0.7;
 const SAME_SPEED: f64 = 0.06;
 /// A stroke shorter than this share of the longest one beside it is a way to where the motion begins, or what is left at its end.
 const STUB_TRAVEL: f64 = 0.3;
-/// A cosine leaves less than this share of its amplitude.
-const COSINE_MISFIT: f64 = 0.08;
+/// A cosine leaves less than this share of its amplitude; a motion at constant speed leaves 0.075.
+const COSINE_MISFIT: f64 = 0.04;
+/// This share of a cosine's travel at either end is not compared: the joint may rest there.
+const COSINE_ENDS: f64 = 0.03;
 /// Half periods that a cosine has at least.
 const COSINE_STROKES: usize = 3;
 /// Samples by which a motion is fitted or compared at most.
@@ -97,7 +103,8 @@ pub(super) fn parts(position: &[f64], rate_hz: f64) -> Vec<Motion> {
     found
 }
 
-fn is_rest(position: &[f64]) -> bool {
+/// Whether the joint stands still, but for noise.
+pub(super) fn is_rest(position: &[f64]) -> bool {
     let (low, high) = extent(position);
     let mut steps: Vec<f64> = position.windows(2).map(|pair| (pair[1] - pair[0]).abs()).filter(|s| *s > 0.0).collect();
     steps.is_empty() || high - low < REST_STEPS * quantile(&mut steps, 0.5)
@@ -106,7 +113,8 @@ fn is_rest(position: &[f64]) -> bool {
 fn strokes(position: &[f64], rate_hz: f64) -> Vec<Stroke> {
     let (low, high) = extent(position);
     let turns = turning_points(position, TURN_TRAVEL * (high - low));
-    turns.windows(2).map(|pair| stroke(position, rate_hz, pair[0]..pair[1])).collect()
+    let noise = reading_noise(position);
+    turns.windows(2).map(|pair| stroke(position, noise, rate_hz, pair[0]..pair[1])).collect()
 }
 
 /// The first sample, each sample at which the joint turns back by more than `back`, and the last.
@@ -142,10 +150,13 @@ fn turning_points(position: &[f64], back: f64) -> Vec<usize> {
     turns
 }
 
-fn stroke(position: &[f64], rate_hz: f64, samples: Range<usize>) -> Stroke {
+/// One stroke of a `position` whose readings are off by `noise`.
+fn stroke(position: &[f64], noise: f64, rate_hz: f64, samples: Range<usize>) -> Stroke {
     let at = |i: usize| position[i];
     let travel = (at(samples.end) - at(samples.start)).abs();
-    let half = ((WINDOW_TRAVEL * samples.len() as f64) as usize).max(1);
+    // Over 2 half samples the joint moves by 2 half travel / n, and the difference of two readings is off by sqrt(2) noise.
+    let needed = noise / (2f64.sqrt() * SPEED_ERROR * travel);
+    let half = ((needed.clamp(WINDOW_SHARE, WINDOW_SHARE_MOST) * samples.len() as f64) as usize).max(1);
     if samples.len() < 8 * half || travel == 0.0 {
         return Stroke { samples, travel, speed: None };
     }
@@ -164,9 +175,10 @@ fn stroke(position: &[f64], rate_hz: f64, samples: Range<usize>) -> Stroke {
         passed >= whole / 2.0
     });
     let speed = middle.map_or(0.0, |step| step.0);
-    let near = steps.iter().filter(|step| (step.0 / speed - 1.0).abs() <= SPEED_TOLERANCE).map(|step| step.0);
-    let is_constant = speed > 0.0 && near.sum::<f64>() >= CONSTANT_SHARE * whole;
-    Stroke { samples, travel, speed: is_constant.then_some(speed) }
+    let near: Vec<f64> =
+        steps.iter().map(|step| step.0).filter(|step| (step / speed - 1.0).abs() <= SPEED_TOLERANCE).collect();
+    let is_constant = speed > 0.0 && near.iter().sum::<f64>() >= CONSTANT_SHARE * whole;
+    Stroke { samples, travel, speed: is_constant.then(|| mean(&near)) }
 }
 
 /// Strokes in a row that belong together.
@@ -215,27 +227,32 @@ fn free_or_cosine(position: &[f64], rate_hz: f64, strokes: &[Stroke]) -> Kind {
     if whole.len() < COSINE_STROKES || strokes.len() > whole.len() + 2 {
         return Kind::Free;
     }
-    if whole.iter().any(|stroke| misfit_of_half_cosine(&position[stroke.samples.clone()]) > COSINE_MISFIT) {
+    // The way to where the cosines begin may have run into the first of them, the way back into the last.
+    let halves: Vec<Option<f64>> = whole.iter().map(|stroke| half_period(&position[stroke.samples.clone()])).collect();
+    let is_cosine = halves[1..halves.len() - 1].iter().all(Option::is_some);
+    let halves: Vec<f64> = halves.into_iter().flatten().collect();
+    if !is_cosine || halves.len() < COSINE_STROKES {
         return Kind::Free;
     }
-    let hz = |stroke: &&Stroke| rate_hz / (2.0 * stroke.samples.len() as f64);
-    let frequencies: Vec<f64> = whole.iter().map(hz).collect();
+    let frequencies: Vec<f64> = halves.iter().map(|samples| rate_hz / (2.0 * samples)).collect();
     let (slowest_hz, fastest_hz) = extent(&frequencies);
     Kind::Cosine { amplitude: (high - low) / 2.0, slowest_hz, fastest_hz }
 }
 
-/// What half a cosine from the first to the last of `position` leaves, over its amplitude.
-fn misfit_of_half_cosine(position: &[f64]) -> f64 {
-    let n = position.len();
-    let (first, last) = (position[0], position[n - 1]);
-    let (middle, amplitude) = ((first + last) / 2.0, (first - last) / 2.0);
-    let step = (n / SAMPLES_COMPARED).max(1);
-    let error = |i: usize| {
-        let phase = std::f64::consts::PI * i as f64 / (n - 1).max(1) as f64;
-        position[i] - middle - amplitude * phase.cos()
-    };
-    let errors: Vec<f64> = (0..n).step_by(step).map(error).collect();
-    root_mean_square(&errors) / amplitude.abs()
+/// Samples that half a cosine from the first to the last of `position` takes, whatever rests before and after it; `None` where it
+/// is no cosine.
+fn half_period(position: &[f64]) -> Option<f64> {
+    let (first, last) = (*position.first()?, *position.last()?);
+    let share = |i: usize| (position[i] - first) / (last - first);
+    let begin = (0..position.len()).find(|i| share(*i) > COSINE_ENDS)?;
+    let end = (begin..position.len()).rev().find(|i| share(*i) < 1.0 - COSINE_ENDS)?;
+    let from = (1.0 - 2.0 * share(begin)).acos();
+    let to = (1.0 - 2.0 * share(end)).acos();
+    let phase = |i: usize| from + (to - from) * (i - begin) as f64 / (end - begin).max(1) as f64;
+    let step = ((end - begin) / SAMPLES_COMPARED).max(1);
+    let errors: Vec<f64> = (begin..=end).step_by(step).map(|i| 2.0 * share(i) - 1.0 + phase(i).cos()).collect();
+    let samples = std::f64::consts::PI * (end - begin) as f64 / (to - from);
+    (root_mean_square(&errors) < COSINE_MISFIT).then_some(samples)
 }
 
 /// Whether two motions are the same but for noise: as long as each other, and never far apart.
@@ -298,6 +315,36 @@ mod tests {
 
         let still: Vec<f64> = (0..2000).map(|i| 0.4 + 1e-5 * ((i * 7919 % 13) as f64)).collect();
         assert_eq!(parts(&still, RATE_HZ)[0].kind, Kind::Rest);
+    }
+
+    #[test]
+    fn cosines_may_begin_and_end_at_rest() {
+        let still = |at: f64| vec![at; 300];
+        let cosine = (0..4000).map(|i| 0.6 - 0.5 * (TAU * 0.25 * i as f64 / RATE_HZ).cos());
+        let found = parts(&[still(0.1), cosine.collect(), still(0.1)].concat(), RATE_HZ);
+        assert!(
+            matches!(found[..], [Motion { kind: Kind::Cosine { slowest_hz, fastest_hz, .. }, .. }]
+                if (slowest_hz - 0.25).abs() < 0.005 && (fastest_hz - 0.25).abs() < 0.005),
+            "{found:?}"
+        );
+    }
+
+    #[test]
+    fn sweeps_are_found_under_noise_and_in_coarse_steps() {
+        // An encoder of 4096 counts with 1.5 counts of noise, at 50 Hz.
+        let count = TAU / 4096.0;
+        let coarse = |(i, q): (usize, &f64)| {
+            let noise = ((i * 7919 % 101) as f64 / 50.0 - 1.0) * 2.6;
+            (q / count + noise).round() * count
+        };
+        for speed in [0.05, 0.3] {
+            let exact: Vec<f64> = sweeps(&[speed], 2).into_iter().step_by(4).collect();
+            let found = parts(&exact.iter().enumerate().map(coarse).collect::<Vec<_>>(), RATE_HZ / 4.0);
+            assert!(
+                matches!(found[..], [Motion { kind: Kind::Sweep { speed: s }, .. }] if (s / speed - 1.0).abs() < 0.02),
+                "{found:?}"
+            );
+        }
     }
 
     #[test]

@@ -13,16 +13,39 @@ pub(super) struct Label {
     pub joint: String,
     /// Whether it counts samples.
     pub is_counter: bool,
+    /// Whether it is called x and nothing else: a position, or what a plot has below.
+    pub is_axis: bool,
 }
 
-const TIME: [&str; 9] = ["time", "t", "zeit", "timestamp", "stamp", "ts", "zeitstempel", "clock", "secs"];
-const POSITION: [&str; 17] = [
+const TIME: [&str; 19] = [
+    "time",
+    "t",
+    "zeit",
+    "timestamp",
+    "stamp",
+    "ts",
+    "zeitstempel",
+    "clock",
+    "secs",
+    "datetime",
+    "date",
+    "tiempo",
+    "temps",
+    "tempo",
+    "jikan",
+    "millis",
+    "micros",
+    "nanos",
+    "czas",
+];
+const POSITION: [&str; 32] = [
     "position",
     "pos",
     "angle",
     "ang",
     "winkel",
     "theta",
+    "th",
     "q",
     "phi",
     "encoder",
@@ -34,8 +57,22 @@ const POSITION: [&str; 17] = [
     "displacement",
     "travel",
     "x",
+    "posicion",
+    "angulo",
+    "angolo",
+    "posizione",
+    "posicao",
+    "kakudo",
+    "kaku",
+    "ichi",
+    "poz",
+    "deplacement",
+    "course",
+    "drehwinkel",
+    "gelenkwinkel",
+    "schlittenposition",
 ];
-const VELOCITY: [&str; 14] = [
+const VELOCITY: [&str; 22] = [
     "velocity",
     "vel",
     "speed",
@@ -48,14 +85,47 @@ const VELOCITY: [&str; 14] = [
     "geschw",
     "drehzahl",
     "winkelgeschwindigkeit",
+    "winkelgeschw",
     "v",
     "dtheta",
+    "thetadot",
+    "velocidad",
+    "vitesse",
+    "velocita",
+    "velocidade",
+    "sokudo",
+    "kakusokudo",
 ];
-const TORQUE: [&str; 13] =
-    ["torque", "tau", "trq", "tq", "moment", "drehmoment", "effort", "force", "kraft", "mom", "m", "f", "load"];
-const CURRENT: [&str; 8] = ["current", "curr", "i", "iq", "strom", "amps", "motorstrom", "cur"];
-const TEMPERATURE: [&str; 3] = ["temperature", "temp", "temperatur"];
-const COMMAND: [&str; 14] = [
+const TORQUE: [&str; 24] = [
+    "torque",
+    "tau",
+    "trq",
+    "tq",
+    "moment",
+    "drehmoment",
+    "effort",
+    "eff",
+    "force",
+    "kraft",
+    "mom",
+    "m",
+    "f",
+    "load",
+    "couple",
+    "par",
+    "momento",
+    "coppia",
+    "esfuerzo",
+    "fuerza",
+    "forza",
+    "toruku",
+    "motormoment",
+    "sensormoment",
+];
+const CURRENT: [&str; 12] =
+    ["current", "curr", "i", "iq", "strom", "amps", "motorstrom", "cur", "corriente", "courant", "corrente", "denryu"];
+const TEMPERATURE: [&str; 4] = ["temperature", "temp", "temperatur", "temperatura"];
+const COMMAND: [&str; 20] = [
     "command",
     "cmd",
     "target",
@@ -70,15 +140,22 @@ const COMMAND: [&str; 14] = [
     "commanded",
     "set",
     "sollposition",
+    "sollwinkel",
+    "consigna",
+    "consigne",
+    "mokuhyo",
+    "reff",
+    "sp",
 ];
 const COUNTER: [&str; 9] = ["sample", "index", "counter", "count", "nr", "cycle", "row", "frame", "idx"];
 /// Words that say nothing of which joint it is.
-const GENERIC: [&str; 24] = [
+const GENERIC: [&str; 32] = [
     "actual", "ist", "act", "measured", "meas", "mess", "value", "wert", "joint", "raw", "filt", "filtered", "state",
-    "states", "sensor", "signal", "channel", "kanal", "column", "of", "in", "the", "unnamed", "istwert",
+    "states", "sensor", "signal", "channel", "kanal", "column", "of", "in", "the", "unnamed", "istwert", "present",
+    "data", "field", "header", "motor", "real", "mesure", "medido",
 ];
 /// Units as the end of a name: `torque_nm` is in N m, though `nm` alone would be no unit.
-const SUFFIXES: [(&str, Unit); 22] = [
+const SUFFIXES: [(&str, Unit); 30] = [
     ("s", Unit::Second),
     ("sec", Unit::Second),
     ("ms", Unit::Millisecond),
@@ -101,16 +178,24 @@ const SUFFIXES: [(&str, Unit); 22] = [
     ("c", Unit::Celsius),
     ("rad s", Unit::RadianPerSecond),
     ("deg s", Unit::DegreePerSecond),
+    ("mm s", Unit::MillimetrePerSecond),
+    ("cm s", Unit::CentimetrePerSecond),
+    ("m s", Unit::MetrePerSecond),
+    ("n m", Unit::NewtonMetre),
+    ("kgfcm", Unit::KilogramForceCentimetre),
+    ("lbfin", Unit::PoundForceInch),
+    ("ozin", Unit::OunceForceInch),
+    ("cm", Unit::Centimetre),
 ];
 
 /// What a column called `name` holds, with what a row of units says of it.
 pub(super) fn label(name: &str, unit_row: &str) -> Label {
     let (base, in_name) = split_unit(name);
     let of_row = Unit::written(unit_row.trim().trim_matches(['[', ']', '(', ')']));
-    let mut words = words(&base);
     let mut unit = of_row.or(in_name);
+    let mut words = words(&base);
     if unit.is_none() {
-        unit = take_suffix(&mut words);
+        (words, unit) = suffix(&base, words);
     }
     let is_one_of = |list: &[&str], word: &String| list.contains(&word.as_str());
     let told: Vec<Quantity> = QUANTITIES
@@ -125,7 +210,8 @@ pub(super) fn label(name: &str, unit_row: &str) -> Label {
     let is_other =
         |word: &&String| !is_one_of(&GENERIC, word) && !QUANTITIES.iter().any(|(_, list)| is_one_of(list, word));
     let joint = words.iter().filter(is_other).cloned().collect::<Vec<_>>().join("_");
-    Label { quantity, unit, joint, is_counter }
+    let is_axis = unit.is_none() && words.iter().all(|word| word == "x" || is_one_of(&GENERIC, word));
+    Label { quantity, unit, joint, is_counter, is_axis }
 }
 
 /// What each word may mean; the first that the unit allows counts.
@@ -173,6 +259,20 @@ fn split_unit(name: &str) -> (String, Option<Unit>) {
     (name.to_string(), None)
 }
 
+/// The letter that a Latin one is written with: names are `posicion` as often as `posici\u{f3}n`.
+fn without_accent(sign: char) -> char {
+    match sign {
+        '\u{e0}'..='\u{e5}' => 'a',
+        '\u{e7}' => 'c',
+        '\u{e8}'..='\u{eb}' => 'e',
+        '\u{ec}'..='\u{ef}' => 'i',
+        '\u{f1}' => 'n',
+        '\u{f2}'..='\u{f6}' => 'o',
+        '\u{f9}'..='\u{fc}' => 'u',
+        other => other,
+    }
+}
+
 /// The words of a name in small letters: `actualPosition_1` is actual, position, 1.
 fn words(name: &str) -> Vec<String> {
     let mut words = vec![String::new()];
@@ -187,7 +287,7 @@ fn words(name: &str) -> Vec<String> {
         if sign.is_alphanumeric()
             && let Some(word) = words.last_mut()
         {
-            word.extend(sign.to_lowercase());
+            word.extend(sign.to_lowercase().map(without_accent));
         }
         last = sign;
     }
@@ -195,19 +295,26 @@ fn words(name: &str) -> Vec<String> {
     words
 }
 
-/// Takes a unit off the end of `words`, at least one word being left.
-fn take_suffix(words: &mut Vec<String>) -> Option<Unit> {
-    for count in [2, 1] {
-        if words.len() <= count {
-            continue;
-        }
-        let end = words[words.len() - count..].join(" ");
-        if let Some((_, unit)) = SUFFIXES.iter().find(|(suffix, _)| *suffix == end) {
-            words.truncate(words.len() - count);
-            return Some(*unit);
-        }
-    }
-    None
+/// The unit that ends `name`, whose words are `words`, and the words before it, at least one.
+///
+/// Two words tell more than one (`deg_s`), and signs as they were written more than small letters: `torque_mNm` is not in N m.
+fn suffix(name: &str, words: Vec<String>) -> (Vec<String>, Option<Unit>) {
+    let in_small_letters = |count: usize| {
+        let (before, end) = words.split_at_checked(words.len().checked_sub(count)?)?;
+        let unit = SUFFIXES.iter().find(|(suffix, _)| *suffix == end.join(" ")).map(|(_, unit)| *unit)?;
+        (!before.is_empty()).then(|| (before.to_vec(), Some(unit)))
+    };
+    let as_written = |count: usize| {
+        let (at, _) = name.rmatch_indices(['_', ' ', '.', '-']).nth(count - 1)?;
+        let before = self::words(&name[..at]);
+        let unit = Unit::written(&name[at + 1..])?;
+        (!before.is_empty()).then_some((before, Some(unit)))
+    };
+    in_small_letters(2)
+        .or_else(|| as_written(2))
+        .or_else(|| as_written(1))
+        .or_else(|| in_small_letters(1))
+        .unwrap_or((words, None))
 }
 
 #[cfg(test)]
@@ -229,11 +336,21 @@ mod tests {
             ("tau1", "", Torque, None, "1"),
             ("velocity_rad_s", "", Velocity, Some(Unit::RadianPerSecond), ""),
             ("current_position_deg", "", Position, Some(Unit::Degree), ""),
-            ("motor current [mA]", "", Current, Some(Unit::Milliampere), "motor"),
+            ("motor current [mA]", "", Current, Some(Unit::Milliampere), ""),
             ("q_cmd", "", Command, None, ""),
             ("M [Nm]", "", Torque, Some(Unit::NewtonMetre), ""),
             ("timestamp", "", Time, None, ""),
             ("slide_pos_mm", "", Position, Some(Unit::Millimetre), "slide"),
+            ("torque_mNm", "", Torque, Some(Unit::MillinewtonMetre), ""),
+            ("motor_current_mA", "", Current, Some(Unit::Milliampere), ""),
+            ("torque_kgfcm", "", Torque, Some(Unit::KilogramForceCentimetre), ""),
+            ("torque_lbf_in", "", Torque, Some(Unit::PoundForceInch), ""),
+            ("torque_n_m", "", Torque, Some(Unit::NewtonMetre), ""),
+            ("v_mm_s", "", Velocity, Some(Unit::MillimetrePerSecond), ""),
+            ("Geschw_deg_s", "", Velocity, Some(Unit::DegreePerSecond), ""),
+            ("Posici\u{f3}n (grados)", "", Position, Some(Unit::Degree), ""),
+            ("Vitesse", "rad/s", Velocity, Some(Unit::RadianPerSecond), ""),
+            ("present_position", "", Position, None, ""),
         ] {
             let found = label(name, row);
             assert_eq!((found.quantity, found.unit, found.joint.as_str()), (Some(quantity), unit, joint), "{name}");

@@ -2,10 +2,12 @@
 
 use super::Survey;
 use super::columns::Choice;
+use super::measure::Measure;
 use super::trials::{DraftTrial, digits};
 use crate::dynamics::JointKind;
 use crate::log::MARK;
 use crate::model::Drive;
+use crate::problem::acts;
 use crate::trajectory::Protocol;
 use crate::units::{Quantity, Unit};
 use std::collections::BTreeMap;
@@ -36,30 +38,46 @@ impl Answers {
     /// Errors: it is no value of that kind; says what is expected.
     pub fn set(&mut self, key: &str, text: &str) -> Result<(), String> {
         let text = text.trim();
-        let is_unit = key.starts_with("columns.") && !key.ends_with(".offset");
-        let value = match is_unit {
-            true => {
-                Unit::written(text).map(|unit| unit.name().to_string()).ok_or("expected a unit, such as N m or deg")
+        let value = match quantity_of(key) {
+            Some(quantity) => measure(quantity, text)?.to_string(),
+            None => {
+                let number = text.replace(',', ".").parse::<f64>().ok().filter(|number| number.is_finite());
+                number.ok_or("expected a number")?.to_string()
             }
-            false => text
-                .replace(',', ".")
-                .parse::<f64>()
-                .ok()
-                .filter(|number| number.is_finite())
-                .map(|number| number.to_string())
-                .ok_or("expected a number"),
         };
-        self.values.insert(key.to_string(), value?);
+        self.values.insert(key.to_string(), value);
         Ok(())
     }
 
-    fn number(&self, key: &str) -> Option<f64> {
-        self.values.get(key)?.parse().ok()
+    /// What a reading of 1 is, of each column of which that was answered.
+    pub fn measures(&self) -> BTreeMap<String, Measure> {
+        let of_column = |(key, text): (&String, &String)| {
+            Some((key.strip_prefix("columns.")?.to_string(), Measure::written(text)?))
+        };
+        self.values.iter().filter_map(of_column).collect()
     }
 
-    fn unit(&self, key: &str) -> Option<Unit> {
-        Unit::written(self.values.get(key)?)
+    /// The value given for `key`.
+    pub fn number(&self, key: &str) -> Option<f64> {
+        self.values.get(key)?.parse().ok()
     }
+}
+
+/// The quantity whose unit is the answer to the question `key`.
+fn quantity_of(key: &str) -> Option<Quantity> {
+    let column = key.strip_prefix("columns.")?;
+    let asked = [Quantity::Time, Quantity::Position, Quantity::Torque, Quantity::Current, Quantity::Command];
+    asked.into_iter().find(|quantity| quantity.name() == column)
+}
+
+/// What `text` says a reading of 1 of `quantity` is. Errors: it is no unit of that quantity, nor a number of them.
+fn measure(quantity: Quantity, text: &str) -> Result<Measure, String> {
+    let units = [JointKind::Revolute, JointKind::Prismatic].map(|kind| quantity.units(kind));
+    let is_of_it = |measure: &Measure| units.iter().any(|units| units.contains(&measure.unit));
+    let mut names: Vec<&str> = units.concat().iter().map(|unit| unit.name()).collect();
+    names.dedup();
+    let expected = || format!("expected a unit ({}) or a number of them, such as `0.5 {}`", names.join(", "), names[0]);
+    Measure::written(text).filter(is_of_it).ok_or_else(expected)
 }
 
 /// What no data tell.
@@ -143,7 +161,13 @@ impl Writer<'_> {
     fn files(&mut self, survey: &Survey) {
         if survey.chosen.lacks_time {
             self.line("\n[files]");
-            self.number("files", "rate_hz", 1000.0, "sample rate in Hz: no column holds time", None);
+            self.number(
+                "files",
+                "rate_hz",
+                1000.0,
+                "sample rate in Hz: no column holds time; --rate-hz also gives the speeds below",
+                None,
+            );
         }
     }
 
@@ -152,12 +176,17 @@ impl Writer<'_> {
         let of_files = Some(survey.chosen.joint.clone()).filter(|joint| !joint.is_empty());
         let name = name.clone().or(of_files).unwrap_or_else(|| "joint".to_string());
         self.line("\n[joint]");
-        self.line(format!("name = {}", Value::from(name)));
+        self.line(format!("name = {}", quoted(&name)));
         self.line(format!("kind = \"{}\"", survey.chosen.kind.name()));
         match (drive, survey.chosen.kind) {
             (Drive::Cable, JointKind::Revolute) => {
-                self.line("# A joint that no cable drives: drive = \"gear\" with gear_ratio, or drive = \"direct\", instead of the radii.");
-                self.number("joint", "winch_radius_m", 1.0, "radius of the winch, m", None);
+                self.number(
+                    "joint",
+                    "winch_radius_m",
+                    1.0,
+                    "radius of the winch, m; a joint without cable: --drive gear, direct or screw",
+                    None,
+                );
                 self.number("joint", "pulley_radius_m", 1.0, "radius of the pulley at the joint, m", None);
             }
             (Drive::Cable, JointKind::Prismatic) => {
@@ -267,15 +296,17 @@ impl Writer<'_> {
 
     fn column(&mut self, choice: &Choice, survey: &Survey) {
         let id = format!("columns.{}", choice.key);
-        let given = self.answers.unit(&id);
         let mut asks: Vec<String> = Vec::new();
-        if let Some(question) = choice.question.as_ref().filter(|_| given.is_none()) {
+        if let Some(question) = &choice.question {
             asks.push(question.clone());
-            let suggested = Some(choice.unit.name().to_string());
+            let suggested = Some(choice.measure.to_string());
             self.questions.push(Question { key: id.clone(), asks: question.clone(), suggested });
         }
-        let unit = given.unwrap_or(choice.unit);
-        let mut table = format!("name = {}, unit = {}", Value::from(choice.name.as_str()), Value::from(unit.name()));
+        let Measure { scale, unit } = choice.measure;
+        let mut table = format!("name = {}, unit = {}", quoted(&choice.name), quoted(unit.name()));
+        if scale != 1.0 {
+            let _ = write!(table, ", scale = {}", Value::from(scale));
+        }
         let is_angle = survey.chosen.kind == JointKind::Revolute && choice.key == Quantity::Position.name();
         if is_angle {
             let offset_key = format!("{id}.offset");
@@ -303,7 +334,7 @@ impl Writer<'_> {
     fn trials(&mut self, survey: &Survey) {
         for DraftTrial { source, rows, protocol, repeat, trajectory, found } in &survey.trials {
             self.line(format!("\n[[trials]]  # {found}"));
-            self.line(format!("file = {}", Value::from(survey.sources[*source].log_name())));
+            self.line(format!("file = {}", quoted(&survey.sources[*source].log_name())));
             if let Some(rows) = rows {
                 self.line(format!("rows = [{}, {}]", rows.start, rows.end));
             }
@@ -313,10 +344,20 @@ impl Writer<'_> {
             }
             self.line(format!("repeat = {repeat}"));
             if let Some(trajectory) = trajectory {
-                self.line(format!("trajectory = {}", Value::from(trajectory.as_str())));
+                self.line(format!("trajectory = {}", quoted(trajectory)));
             }
         }
     }
+}
+
+/// `text` as a TOML string, what acts instead of being shown by its code.
+fn quoted(text: &str) -> String {
+    let signs = text.chars().map(|sign| match sign {
+        '"' | '\\' => format!("\\{sign}"),
+        sign if acts(sign) => format!("\\U{:08X}", sign as u32),
+        sign => sign.to_string(),
+    });
+    format!("\"{}\"", signs.collect::<String>())
 }
 
 /// The question about the zero of the position, and what the data suggest, in `unit`.

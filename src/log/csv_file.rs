@@ -1,5 +1,6 @@
 //! CSV -> readings: only the wanted columns are parsed, straight into their vectors.
 
+use super::blanks::Squeezed;
 use super::columns::Wanted;
 use super::dialect::{Dialect, SAMPLE_BYTES};
 use super::files::Files;
@@ -161,7 +162,10 @@ fn beyond(text: Box<dyn Read>, dialect: &Dialect) -> io::Result<Box<dyn Read>> {
     while dialect.has_header && text.fill_buf()?.first().is_some_and(|byte| b"#% ".contains(byte)) {
         text.consume(1);
     }
-    Ok(Box::new(text))
+    match dialect.delimiter {
+        b' ' => Ok(Box::new(Squeezed::new(text))),
+        _ => Ok(Box::new(text)),
+    }
 }
 
 /// Bytes up to the end of the last whole row: a recorder that was killed leaves part of one, a power cut zeros.

@@ -7,8 +7,9 @@
 use super::csv_file::number;
 use super::files::Files;
 use crate::units::Unit;
+use chardetng::{EncodingDetector, Iso2022JpDetection, Utf8Detection};
 use csv::{ReaderBuilder, StringRecord};
-use encoding_rs::{Encoding, UTF_8, UTF_16BE, UTF_16LE, WINDOWS_1252};
+use encoding_rs::{Encoding, UTF_8, UTF_16BE, UTF_16LE};
 use std::collections::BTreeMap;
 use std::fmt;
 
@@ -102,7 +103,9 @@ impl Dialect {
     /// The cells of one line, blanks around them and a sign of comment before the first left out.
     fn cells(&self, line: &str) -> Vec<String> {
         let line = line.trim_start_matches(['#', '%']);
-        let line = if self.delimiter == b' ' { line.trim() } else { line };
+        if self.delimiter == b' ' {
+            return line.split_whitespace().map(str::to_string).collect();
+        }
         if !line.contains('"') {
             return line.split(char::from(self.delimiter)).map(|cell| cell.trim().to_string()).collect();
         }
@@ -142,7 +145,7 @@ impl fmt::Display for Dialect {
     }
 }
 
-/// What a byte order mark, or the bytes themselves, say: UTF-8 where they are, else what Windows writes in Western Europe.
+/// What a byte order mark, or the bytes themselves, say: UTF-8 where they are, else what their letters are likeliest in.
 fn encoding_of(sample: &[u8]) -> &'static Encoding {
     if let Some((encoding, _)) = Encoding::for_bom(sample) {
         return encoding;
@@ -154,7 +157,11 @@ fn encoding_of(sample: &[u8]) -> &'static Encoding {
         Ok(_) => UTF_8,
         // The sample may end within a character.
         Err(error) if error.error_len().is_none() => UTF_8,
-        Err(_) => WINDOWS_1252,
+        Err(_) => {
+            let mut detector = EncodingDetector::new(Iso2022JpDetection::Deny);
+            detector.feed(sample, false);
+            detector.guess(None, Utf8Detection::Deny)
+        }
     }
 }
 
@@ -167,10 +174,12 @@ fn whole_lines(text: &str, is_cut: bool) -> String {
     }
 }
 
-/// Whether a row holds units and nothing else, each as it is or in brackets.
+/// Whether a row holds units and nothing else, each as it is or in brackets; in brackets a word may stand before them: `Unit;[s];[N m]`.
 fn is_units(cells: &[String]) -> bool {
-    let mut told = cells.iter().filter(|cell| !cell.is_empty() && cell.as_str() != "-").peekable();
-    told.peek().is_some() && told.all(|cell| unit_of_cell(cell).is_some())
+    let told: Vec<&String> = cells.iter().filter(|cell| !cell.is_empty() && cell.as_str() != "-").collect();
+    let are_units = |cells: &[&String]| !cells.is_empty() && cells.iter().all(|cell| unit_of_cell(cell).is_some());
+    let is_bracketed = |cell: &&String| cell.starts_with(['[', '(']);
+    are_units(&told) || told.len() > 2 && told[1..].iter().all(is_bracketed) && are_units(&told[1..])
 }
 
 /// The unit that a cell of a row of units names.

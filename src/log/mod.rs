@@ -1,6 +1,7 @@
 //! A recorded campaign: `campaign.toml` -> `Campaign`; trial by trial, a CSV or Parquet log -> `Log` in SI.
 
 mod arm;
+mod blanks;
 mod campaign;
 mod captured;
 mod checks;
@@ -44,6 +45,7 @@ pub use samples::{Sample, Samples};
 pub use uncertainty::{POSITION_ZERO_RAD, Uncertainty};
 
 use crate::dynamics::JointKind;
+use crate::import::is_text;
 use crate::model::Drive;
 use crate::problem::{Problem, Problems, Result};
 use crate::units::{Quantity, Unit};
@@ -174,13 +176,12 @@ fn read_columns(
     faults: &mut Faults<'_>,
 ) -> Result<Readings> {
     let rows = entry.part.as_ref().map(|part| &part.rows);
-    let extension = file.extension().and_then(|extension| extension.to_str()).unwrap_or_default();
-    match extension.to_ascii_lowercase().as_str() {
-        "csv" | "txt" | "tsv" | "dat" | "asc" => {
-            csv_file::read(file, files, rows, entry.is_incomplete(), wanted, faults)
-        }
-        "parquet" => parquet_file::read(file, rows, wanted, faults),
-        _ => {
+    if is_text(file) {
+        return csv_file::read(file, files, rows, entry.is_incomplete(), wanted, faults);
+    }
+    match file.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("parquet")) {
+        true => parquet_file::read(file, rows, wanted, faults),
+        false => {
             let cure = "save it as .csv or .parquet; `tautline import` reads MATLAB, ROS 2 and TwinCAT Scope";
             Problem::error(file, "is of an unsupported log format", cure).alone()
         }

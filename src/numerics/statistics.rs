@@ -93,3 +93,9 @@ pub fn chi_squared_tail(value: f64, freedom: f64) -> f64 {
 pub fn fisher_tail(value: f64, over: f64, under: f64) -> f64 {
     FisherSnedecor::new(over, under).map_or(1.0, |f| f.sf(value.max(0.0)))
 }
+/// Root mean square error of evenly sampled `readings` of something smooth, as second differences show it: where errors are
+/// independent of each other, the square of a second difference is six times theirs.
+pub fn reading_noise(readings: &[f64]) -> f64 {
+    let bends: Vec<f64> = readings.windows(3).map(|three| three[0] - 2.0 * three[1] + three[2]).collect();
+    root_mean_square(&bends) / 6f64.sqrt()
+}

@@ -3,12 +3,16 @@
 use crate::dynamics::JointKind;
 use crate::log::Log;
 use crate::model::{Direction, Joint};
-use crate::numerics::statistics::{extent, quantile};
+use crate::numerics::statistics::{extent, quantile, reading_noise};
 use crate::problem::{Problem, Result};
 use std::ops::Range;
 
-/// Speed is the mean over this share of the whole travel: long enough for a coarse encoder, short enough for a ramp to show.
+/// Speed is the mean over this share of the whole travel, long enough for a coarse encoder, short enough for a ramp to show ...
 const WINDOW_TRAVEL: f64 = 0.02;
+/// ... or over so many times the noise of a reading: the difference of two is off by 5 % of it at 3.5 standard deviations, ...
+const WINDOW_NOISES: f64 = 99.0;
+/// ... at most over this share of the travel.
+const WINDOW_TRAVEL_MOST: f64 = 0.1;
 /// A plateau's speed is within this share of the declared one.
 const SPEED_TOLERANCE: f64 = 0.05;
 /// A leg covers at least this share of the whole travel.
@@ -78,7 +82,9 @@ pub(super) fn cut(position_rad: &[f64], rate_hz: f64, speed_rad_s: f64, joint: &
     let (low, high) = extent(position_rad);
     let range_rad = high - low;
     // Where the declared speed is far too slow, still a window that fits into the log.
-    let window = (WINDOW_TRAVEL * range_rad / speed_rad_s * rate_hz).min(WINDOW_TRAVEL * position_rad.len() as f64);
+    let noisy = WINDOW_NOISES * reading_noise(position_rad) / range_rad;
+    let share = noisy.clamp(WINDOW_TRAVEL, WINDOW_TRAVEL_MOST);
+    let window = (share * range_rad / speed_rad_s * rate_hz).min(share * position_rad.len() as f64);
     let half = ((window / 2.0) as usize).max(2);
     let margin = (FILTER_PERIODS / lowpass_hz * rate_hz) as usize;
     let speed = |i: usize| window_speed(position_rad, half, rate_hz, i);

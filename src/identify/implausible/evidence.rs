@@ -21,6 +21,9 @@ const ENDS: f64 = 0.1;
 /// The load must change by this share of itself for gravity to be told from an offset.
 const LOAD_CHANGE: f64 = 0.2;
 
+/// The load, as declared or as found, must make this share of the torque.
+const LOAD_SHARE: f64 = 0.05;
+
 /// What the data say of gravity, friction and zero.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Evidence {
@@ -32,7 +35,7 @@ pub struct Evidence {
     pub zero_rad: f64,
     /// Root mean square of y, N m.
     pub torque_nm: f64,
-    /// Whether the load changes enough along the motion for `gain` to mean something.
+    /// Whether the load changes enough along the motion, and is enough of the torque, for `gain` to mean something.
     pub has_load: bool,
 }
 
@@ -127,11 +130,14 @@ pub(super) fn fit(rows: &[Row]) -> Option<Evidence> {
     let y = column(4);
     let found = solve(&design, &DVector::from_column_slice(&y))?.coefficients;
     let of = |term: Option<usize>| term.map_or(0.0, |at| found[at]);
+    let (gain, torque_nm) = (of(of_load), root_mean_square(&y));
+    let middle = mean(&load);
+    let swing = root_mean_square(&load.iter().map(|load| load - middle).collect::<Vec<f64>>());
     Some(Evidence {
-        gain: of(of_load),
+        gain,
         friction_nm: found[0] + of(by_speed) * mean(&speed) + of(by_load) * mean(&load),
         zero_rad: of(of_slope).atan2(of(of_load)),
-        torque_nm: root_mean_square(&y),
-        has_load,
+        torque_nm,
+        has_load: has_load && gain.abs().max(1.0) * swing > LOAD_SHARE * torque_nm,
     })
 }
