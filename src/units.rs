@@ -38,6 +38,10 @@ pub enum Quantity {
 }
 
 impl Quantity {
+    /// Those that a log of a joint may be asked for.
+    pub const ASKED: [Self; 6] =
+        [Self::Time, Self::Position, Self::Velocity, Self::Torque, Self::Current, Self::Command];
+
     /// The key under `[columns]`.
     pub fn name(self) -> &'static str {
         match self {

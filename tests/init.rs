@@ -276,6 +276,56 @@ fn a_joint_that_stands_still_beside_the_one_that_moves_asks_nothing() {
 }
 
 #[test]
+fn columns_without_names_are_found_or_named() {
+    let folder = logs(|name, rows| {
+        let mut text = String::new();
+        for (at, [t, q, y]) in rows.iter().enumerate() {
+            let (before, after) = (rows[at.saturating_sub(1)][1], rows[(at + 1).min(rows.len() - 1)][1]);
+            // As Fortran and `savetxt` write it: columns aligned by blanks.
+            let speed = (after - before).to_radians() * 50.0;
+            writeln!(text, "{t:10.3} {:12.7} {speed:12.7} {y:10.6}", q.to_radians()).unwrap();
+        }
+        (format!("{name}.txt"), text.into_bytes())
+    });
+    let out = TempDir::new().unwrap();
+    let found = init(folder.path(), &out.path().join("asked"), &["--json"]);
+    let of = |found: &Value, key: &str| {
+        let all = found["columns"].as_array().unwrap();
+        all.iter().find(|column| column["key"] == key).map(|column| column["name"].clone()).unwrap_or_default()
+    };
+    assert_eq!((of(&found, "time"), of(&found, "position")), ("column_1".into(), "column_2".into()), "{found:#}");
+    let named =
+        ["--column=position=column_2", "--column=velocity=column_3", "--column=torque=column_4", "--torque-unit=Nm"];
+    let campaign = out.path().join("campaign");
+    let found = init(folder.path(), &campaign, &[&ANSWERS[..], &named].concat());
+    assert_eq!((keys(&found), of(&found, "velocity")), (Vec::new(), "column_3".into()), "{found:#}");
+    assert_protocols(&found);
+    assert_leads_to_identify(&campaign);
+}
+
+#[test]
+fn a_motors_position_and_rows_without_a_reading_are_asked_and_told() {
+    let folder = logs(|name, rows| {
+        let mut text = "time_s,motor_angle_rad,torque_mNm\n".to_string();
+        for (at, [t, q, y]) in rows.iter().enumerate() {
+            let torque = if at == 321 { "NaN".to_string() } else { format!("{:.4}", 1e3 * y) };
+            writeln!(text, "{t:.3},{:.6},{torque}", 50.0 * q.to_radians()).unwrap();
+        }
+        (format!("{name}.csv"), text.into_bytes())
+    });
+    let out = TempDir::new().unwrap();
+    let asked = init(folder.path(), &out.path().join("asked"), &["--json"]);
+    assert!(asked["questions"].to_string().contains("if it is the motor's"), "{asked:#}");
+    assert!(asked["notes"].to_string().contains("lacks a reading in 1 rows"), "{asked:#}");
+    let campaign = out.path().join("campaign");
+    let found = init(folder.path(), &campaign, &[&ANSWERS[..], &["--position-unit=1/50 rad"]].concat());
+    assert_eq!(found["columns"][2]["unit"], "mN m");
+    assert_protocols(&found);
+    let done = tautline(&["validate", campaign.to_str().unwrap()]);
+    assert!(done.status.success(), "{}", String::from_utf8_lossy(&done.stderr));
+}
+
+#[test]
 fn formats_that_are_not_read_say_how_to_make_one_that_is() {
     let folder = TempDir::new().unwrap();
     std::fs::write(folder.path().join("run.xlsx"), b"PK\x03\x04").unwrap();

@@ -69,6 +69,27 @@ except ValueError as refused:
     assert 'differ in length' in str(refused), refused
 else:
     raise SystemExit('arrays of different lengths were taken')
+class Number:
+    def item(self):
+        return 1
+tautline.Campaign.from_arrays([{**trial, 'repeat': Number()}], joint={'drive': 'direct'}, dynamics={}, torque_sign=1)
+def refused(words, make):
+    try:
+        make()
+    except (TypeError, ValueError) as found:
+        assert words in str(found), found
+    else:
+        raise SystemExit('taken: ' + words)
+declared = dict(joint={'drive': 'direct'}, dynamics={}, torque_sign=1)
+refused('into a list', lambda: tautline.Campaign.from_arrays(trial, **declared))
+refused('two dimensions', lambda: tautline.Campaign.from_arrays([{**trial, 'torque_nm': [[0.0]] * 2000}], **declared))
+refused('SI and radians', lambda: tautline.Campaign.from_arrays([{'position_deg': [0.0]}], **declared))
+refused('position_rad', lambda: tautline.Campaign.from_dataframe(Frame({'time_s': [0.0]}), columns={'time_s': 'time_s'}, **declared))
+import warnings
+with warnings.catch_warnings(record=True) as told:
+    warnings.simplefilter('always')
+    found = tautline.Campaign('data/elbow').identify()
+assert any(issubclass(warning.category, tautline.Doubt) for warning in told) == bool(found['warnings']), told
 assert rows['value'][0] == 0.012 and rows['low'][0] is None and rows['name'][0] == 'joint.winch_radius_m', rows
 ";
     let folder = TempDir::new().unwrap();

@@ -10,6 +10,7 @@ use crate::model::Drive;
 use crate::problem::{Problem, Result};
 use crate::report::output::MANIFEST;
 use crate::trajectory::Protocol;
+use crate::units::Quantity;
 use clap::ValueEnum;
 use rayon::prelude::*;
 use serde_json::{Value, json};
@@ -91,6 +92,9 @@ pub struct Arguments {
     /// Sample rate, where no column holds time
     #[arg(long, value_name = "HZ")]
     rate_hz: Option<f64>,
+    /// Which column holds what, where names do not tell: `position=column_2`; may be given several times
+    #[arg(long, value_name = "QUANTITY=NAME", value_parser = column)]
+    column: Vec<(String, String)>,
     /// Unit of the torque, where the header names none or the wrong one; or what a reading of 1 is, such as `0.0123 N m`
     #[arg(long, value_name = "UNIT", allow_hyphen_values = true)]
     torque_unit: Option<String>,
@@ -164,13 +168,32 @@ fn survey(arguments: &Arguments, answers: &Answers, sources: Vec<Source>, left_o
         KindChoice::Prismatic => JointKind::Prismatic,
     });
     let (measures, rate_hz) = (answers.measures(), answers.number("files.rate_hz"));
-    let known = Known { joint: arguments.joint.clone(), kind, measures, rate_hz };
+    let columns = answers.columns.clone();
+    if let Some((key, name)) = columns.iter().find(|(_, name)| !has_column(&sources, name)) {
+        let held: Vec<&str> = sources[0].columns.iter().map(|series| series.name.as_str()).collect();
+        let cure = format!("the files hold {}", crate::limits::listed(held.into_iter()));
+        return Problem::error(&sources[0].path, format!("has no column `{name}` for the {key}"), cure).alone();
+    }
+    let known = Known { joint: arguments.joint.clone(), kind, columns, measures, rate_hz };
     let mut survey = init::survey(sources, &known)?;
     if !left_out.is_empty() {
         let names = crate::limits::listed(left_out.iter().map(String::as_str));
         survey.chosen.notes.push(format!("no logs, left out: {names}"));
     }
     Ok(survey)
+}
+
+/// `position=column_2` as a key under `[columns]` and a name.
+fn column(text: &str) -> std::result::Result<(String, String), String> {
+    let keys = || Quantity::ASKED.map(Quantity::name).join(", ");
+    let found = text.split_once('=').filter(|(key, _)| Quantity::ASKED.iter().any(|asked| asked.name() == *key));
+    found
+        .map(|(key, name)| (key.to_string(), name.to_string()))
+        .ok_or_else(|| format!("expected QUANTITY=NAME, QUANTITY one of {}", keys()))
+}
+
+fn has_column(sources: &[Source], name: &str) -> bool {
+    sources[0].columns.iter().any(|series| series.name == name)
 }
 
 /// The files that the arguments name, sorted, each once.
@@ -293,7 +316,8 @@ fn write_new(arguments: &Arguments, survey: &Survey, draft: &Draft) -> Result<()
 
 /// The answers that options give.
 fn answers(arguments: &Arguments) -> Result<Answers> {
-    let mut answers = Answers { name: arguments.name.clone(), drive: drive(arguments), ..Answers::default() };
+    let columns = arguments.column.iter().cloned().collect();
+    let mut answers = Answers { name: arguments.name.clone(), drive: drive(arguments), columns, ..Answers::default() };
     let number = |value: Option<f64>| value.map(|value| value.to_string());
     let metres = |value: Option<f64>| number(value.map(|mm| mm * 1e-3));
     let given = |text: &Option<String>| text.clone().filter(|text| text != BY_DATA);
@@ -340,7 +364,7 @@ fn drive(arguments: &Arguments) -> Drive {
 
 /// The answers that options leave to the data.
 fn answer_by_data(arguments: &Arguments, survey: &Survey, answers: &mut Answers) -> Result<()> {
-    let unit = survey.chosen.of(crate::units::Quantity::Position).map_or(1.0, |choice| choice.measure.unit.factor());
+    let unit = survey.chosen.of(Quantity::Position).map_or(1.0, |choice| choice.measure.unit.factor());
     let sign = survey.hints.torque_sign;
     let zero = survey.hints.zero_rad.map(|zero_rad| zero_rad / unit);
     for (option, asked, key, found) in [
@@ -375,6 +399,14 @@ fn ask(arguments: &Arguments, survey: Survey, mut answers: Answers, left_out: &[
         let Question { key, asks, suggested } = question;
         let Some(text) = prompt(&format!("{key}: {asks}"), suggested.as_deref().unwrap_or("later")) else { break };
         let given = if text.is_empty() { suggested } else { Some(text) };
+        if let Some((column, name)) =
+            key.strip_prefix("columns.").zip(given.clone()).filter(|(_, name)| has_column(&survey.sources, name))
+        {
+            answers.columns.insert(column.to_string(), name);
+            survey = self::survey(arguments, &answers, survey.sources, left_out)?;
+            draft = init::draft(&survey, &answers);
+            continue;
+        }
         match given.map(|given| answers.set(&key, &given)) {
             Some(Err(what)) => {
                 let _ = writeln!(anstream::stderr(), "{what}");

@@ -7,9 +7,10 @@ use crate::dynamics::JointKind;
 use crate::log::{self, Campaign, Consequence, Fingerprint, TrialEntry, copies};
 use crate::model::Direction;
 use crate::numerics::statistics::root_mean_square;
-use crate::prepare::{Series, Trial, prepare};
+use crate::prepare::{Series, Trial, prepare, sweep_speeds};
 use crate::problem::{Problem, Problems, Result, Severity};
 use rayon::prelude::*;
+use std::borrow::Cow;
 
 /// Samples kept of the sweep to look at.
 const TRACE_SAMPLES: usize = 3000;
@@ -37,6 +38,17 @@ pub struct Reading {
     pub warnings: Vec<Problem>,
     /// The trial to look at, if it is this one.
     pub trace: Option<Trace>,
+}
+
+impl Reading {
+    /// Speed at each sample of the thinned trial, rad/s; of a sweep as its legs are judged by.
+    pub fn speeds_rad_s(&self) -> Cow<'_, [f64]> {
+        let series = &self.prepared.series;
+        match self.entry.protocol.speed_rad_s() {
+            Some(speed_rad_s) => sweep_speeds(&series.position_rad, series.rate_hz, speed_rad_s).into(),
+            None => (&series.velocity_rad_s).into(),
+        }
+    }
 }
 
 /// One sweep, to look at.

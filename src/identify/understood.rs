@@ -73,9 +73,9 @@ impl UnderstoodTrial {
     fn of(reading: &Reading) -> Self {
         let series = &reading.prepared.series;
         let (first, last) = (series.time_s.first().copied(), series.time_s.last().copied());
-        let fastest = series.velocity_rad_s.iter().fold(0.0, |most: f64, v| most.max(v.abs()));
-        let mut steady: Vec<f64> =
-            series.velocity_rad_s.iter().map(|v| v.abs()).filter(|v| *v > AT_SPEED * fastest).collect();
+        let speeds_rad_s = reading.speeds_rad_s();
+        let fastest = speeds_rad_s.iter().fold(0.0, |most: f64, v| most.max(v.abs()));
+        let mut steady: Vec<f64> = speeds_rad_s.iter().map(|v| v.abs()).filter(|v| *v > AT_SPEED * fastest).collect();
         Self {
             file: reading.entry.file.clone(),
             protocol: reading.entry.protocol,

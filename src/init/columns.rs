@@ -23,6 +23,8 @@ const TURNS_MOST: f64 = 2.0;
 const SAME: std::ops::Range<f64> = 0.9..1.1;
 /// Correlation of a velocity with the derivative of the position it belongs to.
 const DERIVATIVE: f64 = 0.6;
+/// Correlation from which a column without a name is taken for another one's derivative.
+const IS_DERIVATIVE: f64 = 0.95;
 
 /// A column chosen for a quantity.
 #[derive(Debug, Clone, PartialEq)]
@@ -76,6 +78,8 @@ pub struct Known {
     pub joint: Option<String>,
     /// How it moves.
     pub kind: Option<JointKind>,
+    /// Names of columns, by key under `[columns]`.
+    pub columns: BTreeMap<String, String>,
     /// What a reading of 1 is, by key under `[columns]`.
     pub measures: BTreeMap<String, Measure>,
     /// Sample rate where no column holds time, Hz.
@@ -93,7 +97,7 @@ pub fn choose(columns: &[Series], units: &[String], known: &Known) -> Chosen {
     let labelled: Vec<Labelled<'_>> = columns
         .iter()
         .enumerate()
-        .map(|(at, series)| Labelled { label: label(&series.name, unit_row(at)), series })
+        .map(|(at, series)| Labelled { label: told(label(&series.name, unit_row(at)), &series.name, known), series })
         .collect();
     let (taken, chosen, notes) = (BTreeSet::new(), Vec::new(), Vec::new());
     let mut chooser = Chooser { all: labelled, known, taken, chosen, notes };
@@ -107,6 +111,16 @@ pub fn choose(columns: &[Series], units: &[String], known: &Known) -> Chosen {
     chooser.others(kind, &joint);
     let Chooser { chosen, notes, .. } = chooser;
     Chosen { kind, columns: chosen, lacks_time: time.is_none(), joints, joint, notes }
+}
+
+/// `label` of the column `name`, where it is known which column holds what.
+fn told(mut label: Label, name: &str, known: &Known) -> Label {
+    let of = |key: &str| known.columns.get(key).is_some_and(|column| column == name);
+    match Quantity::ASKED.into_iter().find(|quantity| of(quantity.name())) {
+        Some(quantity) => (label.quantity, label.joint) = (Some(quantity), known.joint.clone().unwrap_or_default()),
+        None => label.quantity = label.quantity.filter(|quantity| !known.columns.contains_key(quantity.name())),
+    }
+    label
 }
 
 struct Chooser<'a> {
@@ -213,7 +227,10 @@ impl Chooser<'_> {
             None => position_unit(kind, &series.values),
         };
         if named.is_empty() {
-            question = Some("which column is the position, and in which unit? This one is the smoothest".to_string());
+            question = Some(
+                "which column is the position (--column position=NAME), and in which unit? This one is the likeliest"
+                    .to_string(),
+            );
         } else if joints.len() > 1 && known.joint.is_none() && moving.len() != 1 {
             let all: Vec<&str> = joints.iter().map(String::as_str).collect();
             question = Some(format!("which joint? The files hold {} (--joint)", all.join(", ")));
@@ -228,15 +245,22 @@ impl Chooser<'_> {
         joint
     }
 
-    /// The column that changes least from sample to sample, of those that move.
+    /// The column whose derivative is another one, or that changes least from sample to sample, of those that move.
     fn smoothest(&self) -> Option<usize> {
         let roughness = |values: &[f64]| {
             let (low, high) = extent(values);
             let steps: f64 = values.windows(2).map(|pair| (pair[1] - pair[0]).abs()).sum();
             if high > low { steps / (high - low) } else { f64::INFINITY }
         };
-        let unnamed = self.free().filter(|(_, l)| l.label.quantity.is_none());
-        unnamed
+        let unnamed = || self.free().filter(|(_, l)| l.label.quantity.is_none());
+        // A column whose derivative is another one is the position.
+        let has_derivative = |values: &[f64]| {
+            unnamed().any(|(_, other)| slope_on_derivative(&other.series.values, values, 1.0, IS_DERIVATIVE).is_some())
+        };
+        if let Some((at, _)) = unnamed().find(|(_, l)| has_derivative(&l.series.values)) {
+            return Some(at);
+        }
+        unnamed()
             .map(|(at, l)| (at, roughness(&l.series.values)))
             .filter(|(_, roughness)| roughness.is_finite())
             .min_by(|a, b| a.1.total_cmp(&b.1))
@@ -276,7 +300,7 @@ impl Chooser<'_> {
             }
         };
         if named.is_none() {
-            question = Some("is this column the torque, and in which unit?".to_string());
+            question = Some("is this column the torque (else --column torque=NAME), and in which unit?".to_string());
         }
         self.take(at, Quantity::Torque.name(), unit, why, question);
     }
@@ -297,7 +321,7 @@ impl Chooser<'_> {
             return;
         };
         let from = self.all.iter().find(|l| l.series.name == self.chosen[position].name).map(|l| &l.series.values);
-        let slope = from.and_then(|from| slope_on_derivative(&self.all[at].series.values, from, step_s));
+        let slope = from.and_then(|from| slope_on_derivative(&self.all[at].series.values, from, step_s, DERIVATIVE));
         let name = self.all[at].series.name.clone();
         let Some(slope) = slope else {
             self.taken.insert(at);
@@ -447,8 +471,8 @@ fn too_far(kind: JointKind, unit: Unit, values: &[f64]) -> Option<String> {
     })
 }
 
-/// Slope of `velocity` on the derivative of `position`, sampled every `step_s`; `None` where they do not go together.
-fn slope_on_derivative(velocity: &[f64], position: &[f64], step_s: f64) -> Option<f64> {
+/// Slope of `velocity` on the derivative of `position`, sampled every `step_s`; `None` where their correlation is not above `least`.
+fn slope_on_derivative(velocity: &[f64], position: &[f64], step_s: f64, least: f64) -> Option<f64> {
     /// Samples over which differences are taken, to leave an encoder's steps behind.
     const HALF: usize = 10;
     let n = position.len().min(velocity.len());
@@ -464,5 +488,5 @@ fn slope_on_derivative(velocity: &[f64], position: &[f64], step_s: f64) -> Optio
     }
     let correlation = dv / (dd * vv).sqrt();
     // What is asked for is position's unit per velocity's: a velocity in rad/s of a position in deg has a slope of pi / 180.
-    (correlation > DERIVATIVE && dd > 0.0).then(|| dv / dd)
+    (correlation > least && dd > 0.0).then(|| dv / dd)
 }

@@ -30,6 +30,8 @@ pub struct Answers {
     pub drive: Drive,
     /// Values by their key, as they stand in the file.
     pub values: BTreeMap<String, String>,
+    /// Names of columns, by key under `[columns]`.
+    pub columns: BTreeMap<String, String>,
 }
 
 impl Answers {
@@ -66,8 +68,7 @@ impl Answers {
 /// The quantity whose unit is the answer to the question `key`.
 fn quantity_of(key: &str) -> Option<Quantity> {
     let column = key.strip_prefix("columns.")?;
-    let asked = [Quantity::Time, Quantity::Position, Quantity::Torque, Quantity::Current, Quantity::Command];
-    asked.into_iter().find(|quantity| quantity.name() == column)
+    Quantity::ASKED.into_iter().find(|quantity| quantity.name() == column)
 }
 
 /// What `text` says a reading of 1 of `quantity` is. Errors: it is no unit of that quantity, nor a number of them.

@@ -81,11 +81,7 @@ pub(super) struct Cut {
 pub(super) fn cut(position_rad: &[f64], rate_hz: f64, speed_rad_s: f64, joint: &Joint, lowpass_hz: f64) -> Cut {
     let (low, high) = extent(position_rad);
     let range_rad = high - low;
-    // Where the declared speed is far too slow, still a window that fits into the log.
-    let noisy = WINDOW_NOISES * reading_noise(position_rad) / range_rad;
-    let share = noisy.clamp(WINDOW_TRAVEL, WINDOW_TRAVEL_MOST);
-    let window = (share * range_rad / speed_rad_s * rate_hz).min(share * position_rad.len() as f64);
-    let half = ((window / 2.0) as usize).max(2);
+    let half = half_window(position_rad, rate_hz, speed_rad_s);
     let margin = (FILTER_PERIODS / lowpass_hz * rate_hz) as usize;
     let speed = |i: usize| window_speed(position_rad, half, rate_hz, i);
     let mut legs: Vec<Leg> = Vec::new();
@@ -101,6 +97,23 @@ pub(super) fn cut(position_rad: &[f64], rate_hz: f64, speed_rad_s: f64, joint: &
     }
     legs.sort_by_key(|leg| leg.samples.start);
     Cut { legs, half, longest_rad }
+}
+
+/// Speed at each sample of a sweep at `speed_rad_s`, rad/s, as its legs are judged by: the joint's own under a noisy or coarse
+/// position too.
+pub fn sweep_speeds(position_rad: &[f64], rate_hz: f64, speed_rad_s: f64) -> Vec<f64> {
+    let half = half_window(position_rad, rate_hz, speed_rad_s);
+    (0..position_rad.len()).map(|i| window_speed(position_rad, half, rate_hz, i)).collect()
+}
+
+/// Samples either side over which the speed of a sweep is taken.
+fn half_window(position_rad: &[f64], rate_hz: f64, speed_rad_s: f64) -> usize {
+    let (low, high) = extent(position_rad);
+    let range_rad = (high - low).max(f64::MIN_POSITIVE);
+    let share = (WINDOW_NOISES * reading_noise(position_rad) / range_rad).clamp(WINDOW_TRAVEL, WINDOW_TRAVEL_MOST);
+    // Where the declared speed is far too slow, still a window that fits into the log.
+    let window = (share * range_rad / speed_rad_s * rate_hz).min(share * position_rad.len() as f64);
+    ((window / 2.0) as usize).max(2)
 }
 
 /// Mean speed over `half` samples either side of sample `i`, rad/s; zero where there are too few.

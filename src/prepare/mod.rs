@@ -7,7 +7,7 @@ mod series;
 mod set_aside;
 mod stumps;
 
-pub use legs::{Leg, find_legs};
+pub use legs::{Leg, find_legs, sweep_speeds};
 pub use series::Series;
 pub use stumps::{left_out, read_campaign};
 

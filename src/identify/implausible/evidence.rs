@@ -79,19 +79,19 @@ pub(super) fn moving(campaign: &Campaign, reading: &Reading) -> Vec<Row> {
     let (before_nm, after_nm) =
         (series.joint_torque_nm(&turned(-FRAC_PI_2)), series.joint_torque_nm(&turned(FRAC_PI_2)));
     let slope_nm_rad = |i: usize| (after_nm(i) - before_nm(i)) / 2.0;
-    let fastest = series.velocity_rad_s.iter().fold(0.0, |most: f64, v| most.max(v.abs()));
+    let velocity_rad_s = reading.speeds_rad_s();
+    let fastest = velocity_rad_s.iter().fold(0.0, |most: f64, v| most.max(v.abs()));
     let (low, high) = extent(&series.position_rad);
     let inner = low + ENDS * (high - low)..high - ENDS * (high - low);
     let is_used = |i: &usize| {
-        let is_moving = series.velocity_rad_s[*i].abs() > MOVING * fastest;
+        let is_moving = velocity_rad_s[*i].abs() > MOVING * fastest;
         is_moving && series.in_range[*i] && inner.contains(&series.position_rad[*i])
     };
     let used: Vec<usize> = (0..series.torque_nm.len()).filter(is_used).collect();
     let step = used.len().div_ceil(SAMPLES).max(1);
     let row = |i: usize| {
         let (load, slope) = (ratio * load_nm(i), ratio * slope_nm_rad(i));
-        let velocity_rad_s = series.velocity_rad_s[i];
-        [load, slope, velocity_rad_s.signum(), velocity_rad_s.abs(), series.torque_nm[i]]
+        [load, slope, velocity_rad_s[i].signum(), velocity_rad_s[i].abs(), series.torque_nm[i]]
     };
     used.into_iter().step_by(step).map(row).collect()
 }

@@ -22,7 +22,11 @@ import shutil
 import subprocess
 import sysconfig
 
-__all__ = ["Campaign", "Refused", "Result", "program", "run", "table"]
+__all__ = ["Campaign", "Doubt", "Refused", "Result", "program", "run", "table"]
+
+
+class Doubt(UserWarning):
+    """What the program warns of in a result that it gave all the same."""
 
 
 class Refused(Exception):
@@ -66,9 +70,9 @@ def run(*command, accept=(0, 1), **options):
 def table(file):
     """A CSV that the program wrote, as a dict of columns: numbers where all of a column are, else texts; None where empty."""
     with open(file, newline="", encoding="utf-8") as opened:
-        rows = list(csv.DictReader(opened))
-        names = list(rows[0]) if rows else []
-    return {name: _numbers([row[name] for row in rows]) for name in names}
+        rows = csv.reader(opened)
+        names = next(rows, [])
+        return {name: _numbers(cells) for name, cells in zip(names, zip(*rows))}
 
 
 def _numbers(cells):

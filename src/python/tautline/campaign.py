@@ -8,9 +8,10 @@ from __future__ import annotations
 import json
 import pathlib
 import tempfile
+import warnings
 from typing import Any, Iterable, Mapping, Optional, Sequence, Union
 
-from . import run, table
+from . import Doubt, run, table
 
 Numbers = Sequence[float]
 PathLike = Union[str, "pathlib.Path"]
@@ -72,6 +73,8 @@ class Campaign:
         `interaction`), `repeat` and `trajectory` to values. `joint`, `dynamics`, `uncertainty` and `controller` (for `command_rad`
         without a torque) hold the keys of these sections of campaign.toml. Without a `folder` the logs live as long as the object.
         """
+        if isinstance(trials, Mapping):
+            raise TypeError("trials is a list with a dict of arrays for each trial: put a single one into a list")
         trials = list(trials)
         if not trials:
             raise ValueError("a campaign has at least one trial")
@@ -81,7 +84,8 @@ class Campaign:
         names = [name for name in trials[0] if name not in TRIAL_KEYS]
         unknown = [name for name in names if name not in UNITS]
         if unknown:
-            raise ValueError(f"unknown quantity {unknown[0]!r}; known: {', '.join([*UNITS, *TRIAL_KEYS])}")
+            known = ", ".join([*UNITS, *TRIAL_KEYS])
+            raise ValueError(f"unknown quantity {unknown[0]!r}: arrays are in SI and radians under these names: {known}")
         is_slide = joint.get("kind") == "prismatic"
         units = {name: _of_slide(unit) if is_slide else unit for name, (_, unit) in UNITS.items()}
         lines = ['format = "campaign/1"', ""]
@@ -123,6 +127,8 @@ class Campaign:
         lacking = [name for name in [*named.values(), *([by] if by else [])] if name not in held]
         if lacking or not named:
             raise ValueError(f"the frame has no column {lacking[0] if lacking else 'time_s'!r}; it has {', '.join(held)}")
+        if "position_rad" not in named:
+            raise ValueError(f"no column for 'position_rad': say columns={{'position_rad': ..., ...}}; the frame has {', '.join(held)}")
         data = {quantity: _list(frame[name]) for quantity, name in named.items()}
         keys = _list(frame[by]) if by else [None] * len(next(iter(data.values())))
         rows: "dict[Any, list[int]]" = {}
@@ -155,7 +161,7 @@ class Campaign:
         """What `model` makes of every sample: per trial the columns `time_s`, `torque_nm`, `predicted_nm`, ... as arrays (NumPy's where
         it is installed)."""
         result = self._command("predict", output, model=_model(model), **options)
-        return {file.stem: {name: _array(values) for name, values in table(file).items()} for file in sorted(result.folder.glob("*.csv"))}
+        return {file.stem: _arrays(file) for file in sorted(result.folder.glob("*.csv"))}
 
     def _command(self, command: str, output: Optional[PathLike], **options: Any) -> Result:
         if output is None:
@@ -163,6 +169,8 @@ class Campaign:
                 self._scratch = tempfile.TemporaryDirectory(prefix="tautline-")
             output = tempfile.mkdtemp(prefix=f"{command}-", dir=self._scratch.name) + "/out"
         found = run(command, self.folder, output=output, **options)
+        if found.get("warnings"):
+            warnings.warn("\n".join(map(str, found["warnings"])), Doubt, stacklevel=3)
         return Result(found, pathlib.Path(output))
 
 
@@ -183,12 +191,18 @@ def _list(values: Any) -> "list[Any]":
     return list(values)
 
 
-def _array(values: Any) -> Any:
+def _arrays(file: pathlib.Path) -> "dict[str, Any]":
+    """The columns of a CSV of numbers, as NumPy's arrays where it is installed."""
     try:
         import numpy
     except ImportError:
-        return values
-    return numpy.array(values, dtype=float)
+        return table(file)
+    try:
+        with open(file, encoding="utf-8") as opened:
+            names = opened.readline().strip().split(",")
+            return dict(zip(names, numpy.loadtxt(opened, delimiter=",", ndmin=2).T))
+    except ValueError:  # a cell is empty: there is no number
+        return {name: numpy.array(values, dtype=float) for name, values in table(file).items()}
 
 
 def _write(file: pathlib.Path, names: "list[str]", columns: "list[list[float]]", number: int) -> None:
@@ -198,7 +212,10 @@ def _write(file: pathlib.Path, names: "list[str]", columns: "list[list[float]]",
         raise ValueError(f"the arrays of trial {number} differ in length: {told}")
     with open(file, "w", encoding="utf-8") as out:
         out.write(",".join(names) + "\n")
-        out.writelines(",".join(map(repr, map(float, row))) + "\n" for row in zip(*columns))
+        try:
+            out.writelines(",".join(map(repr, map(float, row))) + "\n" for row in zip(*columns))
+        except TypeError:
+            raise ValueError(f"the arrays of trial {number} are to hold one number for each sample: none of two dimensions, no texts") from None
 
 
 def _section(name: str, values: Mapping[str, Any]) -> "list[str]":
@@ -207,4 +224,11 @@ def _section(name: str, values: Mapping[str, Any]) -> "list[str]":
 
 def _pairs(values: Mapping[str, Any]) -> "list[str]":
     # TOML's texts, numbers and booleans are written as JSON writes them.
-    return [f"{key} = {json.dumps(value)}" for key, value in values.items()]
+    return [f"{key} = {json.dumps(value, default=_plain)}" for key, value in values.items()]
+
+
+def _plain(value: Any) -> Any:
+    """A NumPy number as Python's own."""
+    if not hasattr(value, "item"):
+        raise TypeError(f"{value!r} is no number, text or table")
+    return value.item()
