@@ -5,7 +5,7 @@
 use super::candidates::{Cause, FittedCause};
 use super::fit::Fit;
 use super::folds::Folds;
-use super::perturbation::SAME_TORQUE;
+use super::stale::SAME_TORQUE;
 use crate::model::groups;
 use crate::numerics::statistics::standard_deviation;
 

@@ -26,6 +26,7 @@ mod mask;
 mod motion;
 mod next;
 mod pairs;
+mod parameter_ref;
 mod parameters;
 mod perturbation;
 mod probability;
@@ -36,6 +37,7 @@ mod ripple;
 mod rounds;
 mod settle;
 mod spectrum;
+mod stale;
 mod verdict;
 
 pub use answer::{Answer, Form, Kind};

@@ -4,7 +4,8 @@ use super::bootstrap::Resamples;
 use super::candidates::Cause;
 use super::choose::Choice;
 use super::fit::Fit;
-use super::perturbation::{self, ParameterRef};
+use super::parameter_ref::{ParameterRef, group_of};
+use super::stale::WHOLE_LINE;
 use crate::model::{Model, Term, groups};
 
 /// Resamplings for a parameter's error.
@@ -45,9 +46,8 @@ pub fn of_cause(resamples: &Resamples, fit: &Fit<'_>, (cause, how): (Cause, &str
             let belongs = match (parameter, cause) {
                 (ParameterRef::Effect(at, _), Cause::Effect(id)) => fit.model.effects[at].id() == id,
                 (ParameterRef::Effect(..), Cause::Stale(_)) | (_, Cause::Effect(_)) => false,
-                (_, Cause::Stale(name)) => perturbation::group_of(parameter).is_some_and(|group| {
-                    group.name == name || how == perturbation::WHOLE_LINE && group.name == groups::COULOMB.name
-                }),
+                (_, Cause::Stale(name)) => group_of(parameter)
+                    .is_some_and(|group| group.name == name || how == WHOLE_LINE && group.name == groups::COULOMB.name),
             };
             if belongs && deviation.is_finite() {
                 let at = |x: f64| {

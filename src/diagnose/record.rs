@@ -174,22 +174,22 @@ impl Record {
     /// K~ followed at the log's full rate and averaged over what each thinned sample stands for: a reversal between two of
     /// them then comes at its own time.
     pub fn passage(&self, model: &Model) -> Vec<f64> {
-        let (mut sums, mut weights) = (vec![0.0; self.own.len()], vec![0.0_f64; self.own.len()]);
-        let (last, step) = (self.own.len() - 1, self.step);
-        model.k_tilde_along(&self.strokes, |samples, k_tilde| {
-            // What lies midway between two thinned samples belongs to both: the average would else come half a sample early.
-            for early in [(step - 1) / 2, step / 2] {
-                let (mut from, end) = (samples.start + early, samples.end + early);
-                while from < end {
-                    let at = from / step;
-                    let to = ((at + 1) * step).min(end);
-                    sums[at.min(last)] += (to - from) as f64 * k_tilde;
-                    weights[at.min(last)] += (to - from) as f64;
-                    from = to;
-                }
-            }
-        });
-        sums.iter().zip(weights).map(|(sum, weight)| sum / weight.max(1.0)).collect()
+        let mut along = Vec::with_capacity(self.own.len() * self.step);
+        model.k_tilde_along(&self.strokes, |samples, k_tilde| along.resize(samples.end, k_tilde));
+        let (last, step, n) = (self.own.len() - 1, self.step, along.len());
+        // What lies midway between two thinned samples belongs to both: the average would else come half a sample early.
+        let halves = [(step - 1) / 2, step / 2];
+        let averaged = |at: usize| {
+            let around = halves.map(|early| {
+                let end = if at == last { n } else { (at + 1) * step - early };
+                &along[(at * step).saturating_sub(early)..end.min(n)]
+            });
+            let [sum, weight] = around.iter().fold([0.0, 0.0], |[sum, weight], around| {
+                [sum + around.iter().sum::<f64>(), weight + around.len() as f64]
+            });
+            sum / f64::max(weight, 1.0)
+        };
+        (0..=last).map(averaged).collect()
     }
 
     /// The unloaded friction of both branches at each thinned sample.

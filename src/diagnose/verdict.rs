@@ -5,8 +5,8 @@ use super::bootstrap::{Numbers, Resamples, Shrink, above};
 use super::candidates::Cause;
 use super::choose::{Choice, Found};
 use super::criteria::{DISTINCT, Decision};
-use super::perturbation::{DOWN_ONLY, UP_ONLY};
 use super::probability::{probabilities, said};
+use super::stale::{DOWN_ONLY, UP_ONLY};
 use crate::effects::Region;
 use crate::model::groups::LOAD_COEFFICIENT;
 

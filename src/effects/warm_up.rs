@@ -75,10 +75,13 @@ impl Effect for WarmUp {
 
 impl<S: Scalar> Hooks<S> for WarmUp {
     fn friction_factor(&self, p: &[S], sample: &Sample<'_, S>) -> S {
-        p[1] * cold(p, sample) + 1.0
+        if p[1].is_zero() { S::from(1.0) } else { p[1] * cold(p, sample) + 1.0 }
     }
 
     fn friction_nm(&self, p: &[S], sample: &Sample<'_, S>, _carried: Carried<S>) -> Both<S> {
+        if p[2].is_zero() && p[3].is_zero() {
+            return Both { up: S::from(0.0), down: S::from(0.0) };
+        }
         let more_nm = (p[2] + p[3] * sample.own.velocity.abs()) * cold(p, sample);
         Both { up: more_nm, down: -more_nm }
     }

@@ -124,7 +124,10 @@ fn between<S: Scalar>(
         return between(way_rad, seen, to, of, then);
     }
     for (from, to) in [(from, seen), (seen, to)] {
-        (from.0 + 1..=to.0).for_each(|at| then(at..at + 1, chord(from, to, at)));
+        let [from_rad, to_rad] = [from.0, to.0].map(|i| f64::from(way_rad[i]));
+        let per_rad = if to_rad == from_rad { S::from(0.0) } else { (to.1 - from.1) / (to_rad - from_rad) };
+        let rows = from.0 + 1..=to.0;
+        rows.for_each(|at| then(at..at + 1, from.1 + per_rad * (f64::from(way_rad[at]) - from_rad)));
     }
 }
 

@@ -35,7 +35,11 @@ pub fn page(found: &Diagnosis, campaign: &str, model: &str) -> Page {
         kicker: format!("tautline diagnose · campaign {campaign} · model {model}"),
         title: found.before.joint.name.clone(),
         subject: "diagnosis".to_string(),
-        short: format!("{} This verdict is right with a probability of {}.", verdict(found), percent(found.verdict.confidence)),
+        short: format!(
+            "{} This verdict is right with a probability of {}.",
+            verdict(found),
+            percent(found.verdict.confidence)
+        ),
         lead: std::iter::once(budget).chain(map).collect(),
         next: next_steps(found),
         cards: cards(found),
