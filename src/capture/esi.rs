@@ -10,19 +10,34 @@ use super::rig::{Entry, Kind, Pdo, ProcessData, Pulses};
 use crate::document::bytes;
 use crate::limits::ESI_BYTES;
 use crate::problem::{Problem, Result};
+use encoding_rs::{Encoding, UTF_8};
 use quick_xml::Reader;
+use quick_xml::escape::resolve_predefined_entity;
 use quick_xml::events::{BytesStart, Event};
 use std::path::Path;
+
+/// Bytes of a file that hold its XML declaration.
+const HEAD_BYTES: usize = 200;
 
 /// The devices that `file` describes, in its order; their place is their number there.
 ///
 /// Errors: it cannot be read, is no ESI file, or a number in it cannot be read.
 pub fn read(file: &Path) -> Result<Vec<Found>> {
-    let text = String::from_utf8_lossy(&bytes(file, ESI_BYTES)?).into_owned();
+    let bytes = bytes(file, ESI_BYTES)?;
+    // A byte order mark counts for more than what the file declares.
+    let (text, _, _) = encoding(&bytes).decode(&bytes);
     parse(&text).or_else(|(row, what)| {
         let cure = "name an EtherCAT slave information file (ESI, XML) as the maker publishes it";
         Problem::error(file, what, cure).at_row(row).alone()
     })
+}
+
+/// The encoding that an XML file declares in its first line, else UTF-8.
+fn encoding(bytes: &[u8]) -> &'static Encoding {
+    let head = String::from_utf8_lossy(&bytes[..bytes.len().min(HEAD_BYTES)]);
+    let declared = head.split_once("encoding=").map(|(_, rest)| rest.trim_start_matches(['"', '\'']));
+    let label = declared.and_then(|label| label.split(['"', '\'']).next());
+    label.and_then(|label| Encoding::for_label(label.as_bytes())).unwrap_or(UTF_8)
 }
 
 /// The same of a file's text.
@@ -44,6 +59,11 @@ fn parse(text: &str) -> std::result::Result<Vec<Found>, (u64, String)> {
             }
             Ok(Event::CData(part)) => {
                 open.text.push_str(&part.decode().unwrap_or_default());
+                Ok(())
+            }
+            Ok(Event::GeneralRef(part)) => {
+                open.text.extend(part.resolve_char_ref().ok().flatten());
+                open.text.push_str(part.decode().ok().and_then(|name| resolve_predefined_entity(&name)).unwrap_or(""));
                 Ok(())
             }
             Ok(_) => Ok(()),
@@ -158,9 +178,10 @@ impl Open {
                     u16::try_from(number(&text)?).map_err(|_| format!("has an AssignActivate {text}"))?;
             }
             [.., "OpMode", "ShiftTimeSync0"] => {
-                self.mode.sync0_shift_ns = text.parse().map_err(|_| format!("has a ShiftTimeSync0 {text}"))?;
+                let shift_ns = text.strip_prefix('-').map_or_else(|| time_ns(&text), |text| Ok(-time_ns(text)?));
+                self.mode.sync0_shift_ns = shift_ns?;
             }
-            [.., "OpMode", "CycleTimeSync1"] => self.mode.sync1_ns = number(&text)?,
+            [.., "OpMode", "CycleTimeSync1"] => self.mode.sync1_ns = time_ns(&text)?.unsigned_abs(),
             [.., "Dc", "OpMode"] => self.pulses(),
             [.., "Device", "RxPdo" | "TxPdo", "Index"] => {
                 let index = u16::try_from(number(&text)?).map_err(|_| format!("has a PDO {text}"))?;
@@ -222,10 +243,16 @@ impl EntryText {
     }
 }
 
-/// A number as ESI files write it: `#x1A00` or decimal.
+/// A time of a clock's mode, ns; none where the element is empty.
+fn time_ns(text: &str) -> std::result::Result<i32, String> {
+    let ns = if text.is_empty() { 0 } else { number(text)? };
+    i32::try_from(ns).map_err(|_| format!("has a time of {text} ns"))
+}
+
+/// A number as ESI files write it: `#x1A00` or decimal; some have `0x1A00`.
 fn number(text: &str) -> std::result::Result<u32, String> {
     let text = text.trim();
-    let found = match text.strip_prefix("#x").or_else(|| text.strip_prefix("#X")) {
+    let found = match ["#x", "#X", "0x"].iter().find_map(|prefix| text.strip_prefix(prefix)) {
         Some(hex) => u32::from_str_radix(hex, 16),
         None => text.parse(),
     };
@@ -272,6 +299,51 @@ mod tests {
         assert_eq!(drive.inputs.entries().last().map(|entry| entry.kind), Some(Kind::Real));
         let text = starting_rig("eth1", &found).unwrap();
         assert!(text.contains("vendor = 0x000000ab") && text.contains("as = \"target_position\""), "{text}");
+    }
+
+    /// Another maker's way of writing: its own encoding and prefix, decimal numbers, references, a modular device, empty times.
+    #[test]
+    fn another_makers_file_is_read_too() {
+        const TERMINAL: &str = r##"<?xml version='1.0' encoding='ISO-8859-1'?>
+<!-- written by hand -->
+<e:EtherCATInfo xmlns:e="urn:any">
+  <e:Vendor><e:Id>4660</e:Id><e:Name LcId="1031">M@ller</e:Name></e:Vendor>
+  <e:Descriptions>
+    <e:Modules><e:Module><e:Type ModuleIdent="1"/><e:TxPdo Sm="3"><e:Index>#x1A80</e:Index></e:TxPdo></e:Module></e:Modules>
+    <e:Devices>
+      <e:Device Physics="YK">
+        <e:Type CheckRevisionNo="EQ_OR_G" RevisionNo="0x10" ProductCode="#X00FF">Kr@fte &amp; Weg&#32;1</e:Type>
+        <e:TxPdo Mandatory="1" Fixed="1" Sm="3">
+          <e:Index DependOnSlot="0">6656</e:Index>
+          <e:Entry><e:Index>24576</e:Index><e:SubIndex>17</e:SubIndex><e:BitLen>16</e:BitLen><e:DataType>INT</e:DataType></e:Entry>
+          <e:Entry><e:Index>#x6000</e:Index><e:SubIndex>1</e:SubIndex><e:BitLen>1</e:BitLen><e:DataType>BOOL</e:DataType></e:Entry>
+          <e:Entry><e:Index>0</e:Index><e:BitLen>15</e:BitLen></e:Entry>
+          <e:Exclude>#x1A01</e:Exclude>
+        </e:TxPdo>
+        <e:Dc>
+          <e:OpMode><e:Name>FreeRun</e:Name><e:AssignActivate>0</e:AssignActivate><e:ShiftTimeSync0/></e:OpMode>
+          <e:OpMode><e:AssignActivate>#x730</e:AssignActivate><e:CycleTimeSync0 Factor="1">0</e:CycleTimeSync0>
+            <e:ShiftTimeSync0> -#x10 </e:ShiftTimeSync0><e:CycleTimeSync1></e:CycleTimeSync1></e:OpMode>
+        </e:Dc>
+      </e:Device>
+    </e:Devices>
+  </e:Descriptions>
+</e:EtherCATInfo>"##;
+        let written = TERMINAL.replace('@', "\u{e4}");
+        let latin: Vec<u8> = written.chars().map(|c| u8::try_from(u32::from(c)).unwrap()).collect();
+        // The same with a byte order mark, in UTF-16, whatever it declares.
+        let wide: Vec<u8> = std::iter::once(0xFEFF).chain(written.encode_utf16()).flat_map(u16::to_le_bytes).collect();
+        let folder = tempfile::TempDir::new().unwrap();
+        for bytes in [latin, wide] {
+            let file = folder.path().join("maker.xml");
+            std::fs::write(&file, &bytes).unwrap();
+            let found = read(&file).unwrap();
+            let [terminal] = &found[..] else { panic!("{found:?}") };
+            assert_eq!((terminal.vendor, terminal.product, terminal.revision), (0x1234, 0xFF, 0x10));
+            assert_eq!((terminal.name.as_str(), terminal.has_clock), ("Kr\u{e4}fte & Weg 1", true));
+            assert_eq!((terminal.inputs.assignment(), terminal.inputs.bytes()), (vec![0x1A00], 4));
+            assert_eq!(terminal.clock, Some(Pulses { activate: 0x730, sync0_shift_ns: -16, sync1_ns: 0 }));
+        }
     }
 
     #[test]
