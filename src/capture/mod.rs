@@ -22,6 +22,7 @@
 //! | `operator`, `briefing` | who is asked before there is torque, and what is shown first |
 //! | `run`, `tried`, `session` | the trials one after the other, after a first small motion; a whole capture |
 //! | `torque` | whether it is known to be off at the end |
+//! | `commission` | a jog -> the rig's signs, scales and zero |
 //! | `folder`, `origin`, `recorder` | samples to the disk as they come; by which clock |
 //! | `evidence`, `history` | what the bus told of itself during each trial; what the drives remember of their faults |
 //! | `realtime` | what the operating system grants |
@@ -31,6 +32,7 @@ mod bound;
 mod briefing;
 pub mod cause;
 mod clock;
+pub mod commission;
 pub mod cycle;
 pub mod drive;
 pub mod esi;

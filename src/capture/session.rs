@@ -2,6 +2,7 @@
 
 use super::axis::Now;
 use super::cause::Cause;
+use super::commission::Jogged;
 use super::cycle::{Counts, Cycle};
 use super::exchange::Exchange;
 use super::folder::Folder;
@@ -94,6 +95,8 @@ pub struct Outcome {
     pub doubt: Option<Cause>,
     /// What a dry run saw of the sensor.
     pub looked: Looked,
+    /// What a jog has shown, where it ended as it was asked to.
+    pub jogged: Option<Jogged>,
     /// What was found on the bus, and what the operating system granted.
     pub report: Vec<String>,
     /// What was last seen.
@@ -242,6 +245,7 @@ impl Session<'_> {
         let (cycles, counts, now) = (run.cycle.number(), run.counts(), run.cycle.joint.now.clone());
         let (cause, doubt) = (run.cycle.joint.axis.cause().cloned(), run.cycle.doubt().cloned());
         let (declined, mut report) = (run.declined, std::mem::take(&mut run.report));
+        let jogged = run.jogged.take();
         let axes = run.cycle.axes().map(|driven| (driven.name.as_str(), &driven.axis));
         let torque = Torque::of(axes, task.rig.bus.watchdog_ms);
         let left = run.cycle.finish();
@@ -259,6 +263,7 @@ impl Session<'_> {
             cause,
             doubt,
             looked,
+            jogged,
             report,
             now,
             unwritten,

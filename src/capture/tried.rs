@@ -5,7 +5,6 @@
 //! the wrong sign. What this cannot show: both signs wrong at once, which differ only by gravity, and that vanishes where a
 //! joint hangs.
 
-use super::cause::Cause;
 use super::ramp::Ramp;
 use super::rig::Rig;
 
@@ -36,20 +35,29 @@ pub(super) fn motion(rig: &Rig, from_rad: f64) -> [Vec<f64>; 2] {
     [sampled(from_rad, to_rad), sampled(to_rad, from_rad.clamp(limits.low_rad, limits.high_rad))]
 }
 
-/// What the torques of the two ways, going up and going down, say of the signs: a cause, a line of a report, or both.
-pub(super) fn signs(rig: &Rig, up_nm: &[f64], down_nm: &[f64]) -> (Option<Cause>, String) {
+/// Whether the signs of drive and sensor fit each other.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) enum Fit {
+    /// They do.
+    Fits,
+    /// They do not: torque up less torque down, N m.
+    Opposed(f64),
+    /// There is too little friction to tell.
+    Unknown,
+}
+
+/// What the torques of the two ways, going up and going down, say of the signs, and in words.
+pub(super) fn signs(rig: &Rig, up_nm: &[f64], down_nm: &[f64]) -> (Fit, String) {
     let (up, down) = (middle(up_nm), middle(down_nm));
     let difference_nm = rig.signal.torque_sign * (up.0 - down.0);
     let error_nm = ERRORS * (up.1.powi(2) + down.1.powi(2)).sqrt() + SHARE_OF_TORQUE * rig.limits.torque_nm;
-    if difference_nm < -error_nm {
-        return (Some(Cause::Signs(difference_nm)), "first motion: SIGNS DO NOT FIT".to_string());
-    }
     let told = format!("torque up less torque down {difference_nm:+.4} N m, what it takes to tell {error_nm:.4} N m");
-    match difference_nm > error_nm {
-        true => (None, format!("first motion: the signs of drive and sensor fit each other ({told})")),
-        false => {
-            (None, format!("first motion: WHETHER THE SIGNS FIT CANNOT BE TOLD, there is too little friction ({told})"))
-        }
+    if difference_nm < -error_nm {
+        (Fit::Opposed(difference_nm), format!("THE SIGNS OF DRIVE AND SENSOR DO NOT FIT EACH OTHER ({told})"))
+    } else if difference_nm > error_nm {
+        (Fit::Fits, format!("the signs of drive and sensor fit each other ({told})"))
+    } else {
+        (Fit::Unknown, format!("WHETHER THE SIGNS FIT CANNOT BE TOLD, there is too little friction ({told})"))
     }
 }
 
@@ -91,9 +99,9 @@ mod tests {
             |mean: f64| (0..1000).map(|i| mean + 0.005 * f64::from(i * 7919 % 13 - 6) / 6.0).collect::<Vec<_>>();
         let told = |up, down| signs(&rig, &noisy(up), &noisy(down));
         assert!(told(0.1, 0.06).1.contains("fit each other"));
-        assert!(matches!(told(0.06, 0.1).0, Some(Cause::Signs(_))));
+        assert!(matches!(told(0.06, 0.1).0, Fit::Opposed(_)));
         let unknown = told(0.1, 0.0995);
-        assert!(unknown.0.is_none() && unknown.1.contains("CANNOT BE TOLD"), "{unknown:?}");
-        assert!(signs(&rig, &[], &[]).0.is_none());
+        assert!(unknown.0 == Fit::Unknown && unknown.1.contains("CANNOT BE TOLD"), "{unknown:?}");
+        assert_eq!(signs(&rig, &[], &[]).0, Fit::Unknown);
     }
 }

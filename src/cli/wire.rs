@@ -25,6 +25,8 @@ pub struct Described {
     pub text: String,
     /// Whether it is the demo: nothing can be hurt.
     pub is_demo: bool,
+    /// Whether it stands in a file of the user's, which may be written to.
+    pub has_file: bool,
 }
 
 impl Described {
@@ -32,13 +34,13 @@ impl Described {
     ///
     /// Errors: everything that is wrong with the file.
     pub fn read(file: &Path) -> Result<Self> {
-        let text = match file.to_str() {
-            Some(DEMO) => RIG.to_string(),
-            Some(DEMO_TWO) => rig_of_two(),
-            _ => text_of(file)?,
+        let (text, has_file) = match file.to_str() {
+            Some(DEMO) => (RIG.to_string(), false),
+            Some(DEMO_TWO) => (rig_of_two(), false),
+            _ => (text_of(file)?, true),
         };
         let rig = Rig::parse(file, &text)?;
-        Ok(Self { is_demo: [DEMO, DEMO_TWO].contains(&rig.bus.interface.as_str()), rig, text })
+        Ok(Self { is_demo: [DEMO, DEMO_TWO].contains(&rig.bus.interface.as_str()), rig, text, has_file })
     }
 }
 

@@ -4,7 +4,7 @@ use super::Run;
 use crate::capture::briefing::{Sight, briefing};
 use crate::capture::cause::Cause;
 use crate::capture::safety::Request;
-use crate::capture::tried;
+use crate::capture::tried::{self, Fit};
 use crate::capture::wire::Wire;
 use std::sync::atomic::Ordering;
 
@@ -73,12 +73,13 @@ impl<W: Wire, C> Run<'_, '_, W, C> {
             return false;
         }
         let (up_nm, down_nm) = if goes_up { (there, back) } else { (back, there) };
-        let (cause, told) = tried::signs(self.task.rig, &up_nm, &down_nm);
+        let (fit, told) = tried::signs(self.task.rig, &up_nm, &down_nm);
+        let told = format!("first motion: {told}");
         self.cycle.recorder().note(told.clone());
         self.report.push(told);
-        cause.is_none_or(|cause| {
-            self.cycle.joint.axis.blame(cause);
-            false
-        })
+        if let Fit::Opposed(torque_nm) = fit {
+            self.cycle.joint.axis.blame(Cause::Signs(torque_nm));
+        }
+        !matches!(fit, Fit::Opposed(_))
     }
 }

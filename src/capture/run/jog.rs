@@ -1,9 +1,9 @@
 //! A joint moved by hand from the keyboard: slow, small, and only while it is asked for.
 
 use super::Run;
+use crate::capture::commission::{Jogged, Sample};
 use crate::capture::limits::Limits;
 use crate::capture::safety::Request;
-use crate::capture::tried;
 use crate::capture::wire::Wire;
 use std::fmt::Debug;
 
@@ -61,7 +61,7 @@ impl Command {
 }
 
 impl<W: Wire, C> Run<'_, '_, W, C> {
-    /// Gives torque, once it is granted, and follows `jogger` until it ends; tells at the end what was seen of signs and scale.
+    /// Gives torque, once it is granted, and follows `jogger` until it ends; keeps what was seen.
     pub fn jog(&mut self, jogger: &dyn Jogger) {
         if !self.asks() || !self.hold() {
             return;
@@ -70,7 +70,7 @@ impl<W: Wire, C> Run<'_, '_, W, C> {
         let (limits, period_s) = (&self.task.rig.limits, self.task.rig.bus.period_s());
         let top_rad_s = SPEED_RAD_S.min(limits.approach_rad_s);
         let mut command = Command { position_rad: self.cycle.joint.axis.target_rad(), speed_rad_s: 0.0 };
-        let (mut seen_rad, mut up_nm, mut down_nm) = ((f64::MAX, f64::MIN), Vec::new(), Vec::new());
+        let mut jogged = Jogged { ends_rad: (f64::MAX, f64::MIN), ..Jogged::default() };
         for cycle in 0u64.. {
             let wanted = jogger.wanted(cycle as f64 * period_s);
             command.step(wanted, limits, period_s);
@@ -78,30 +78,30 @@ impl<W: Wire, C> Run<'_, '_, W, C> {
                 return;
             }
             if let Some(now) = &self.cycle.joint.now {
-                seen_rad = (seen_rad.0.min(now.position_rad), seen_rad.1.max(now.position_rad));
-                let side = if command.speed_rad_s > 0.0 { &mut up_nm } else { &mut down_nm };
+                let position_rad = now.position_rad;
+                jogged.end_rad = position_rad;
+                jogged.ends_rad = (jogged.ends_rad.0.min(position_rad), jogged.ends_rad.1.max(position_rad));
+                let side = if command.speed_rad_s > 0.0 { &mut jogged.up } else { &mut jogged.down };
                 let is_steady = command.speed_rad_s.abs() >= top_rad_s * (1.0 - 1e-9) && side.len() < KEPT;
-                side.extend(now.sensor.torque_nm.filter(|_| is_steady));
+                let drive_nm = now.drive_torque_nm;
+                let sample = now.sensor.torque_nm.map(|torque_nm| Sample { position_rad, torque_nm, drive_nm });
+                side.extend(sample.filter(|_| is_steady));
             }
             if wanted == Jog::End && command.speed_rad_s == 0.0 {
                 break;
             }
         }
-        self.tell_jog(seen_rad, &up_nm, &down_nm);
+        self.tell_jog(jogged.ends_rad);
+        self.jogged = Some(jogged);
     }
 
-    fn tell_jog(&mut self, (low_rad, high_rad): (f64, f64), up_nm: &[f64], down_nm: &[f64]) {
+    fn tell_jog(&mut self, (low_rad, high_rad): (f64, f64)) {
         let drive = &self.task.rig.drive;
         let (low_counts, high_counts) = (drive.counts(low_rad), drive.counts(high_rad));
         self.report.push(format!(
-            "moved between {low_rad:+.4} and {high_rad:+.4} rad, {:.0} counts ({low_counts:.0} to {high_counts:.0}); compare with the \
-             angle that you saw: counts_per_rad is these counts by that angle, and `sign` is wrong if up was down",
+            "moved between {low_rad:+.4} and {high_rad:+.4} rad, {:.0} counts ({low_counts:.0} to {high_counts:.0})",
             (high_counts - low_counts).abs()
         ));
-        if !up_nm.is_empty() && !down_nm.is_empty() {
-            let (_, told) = tried::signs(self.task.rig, up_nm, down_nm);
-            self.report.push(told.replacen("first motion", "jog", 1));
-        }
     }
 }
 

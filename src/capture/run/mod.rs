@@ -6,6 +6,7 @@ pub mod jog;
 mod release;
 
 use super::cause::Cause;
+use super::commission::Jogged;
 use super::cycle::{Counts, Cycle, Gap};
 use super::line::words;
 use super::master::Findings;
@@ -42,6 +43,8 @@ pub(super) struct Run<'a, 's, W, C> {
     pub complete: usize,
     /// What a look without torque saw.
     pub looked: Looked,
+    /// What a jog has shown.
+    pub jogged: Option<Jogged>,
     /// What the drives remember of their faults from before, by name.
     histories: Vec<(String, Value)>,
     /// What is told at the end.
@@ -64,6 +67,7 @@ impl<'a, 's, W: Wire, C> Run<'a, 's, W, C> {
             closed: None,
             complete: 0,
             looked: Looked::default(),
+            jogged: None,
             histories,
             report,
             declined: false,

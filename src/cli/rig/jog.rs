@@ -1,5 +1,6 @@
 //! `tautline rig jog`: the joint moved from the keyboard, slowly and only while a key is held.
 
+use super::propose::{self, Proposed, propose};
 use crate::capture::operator::{Agrees, Operator};
 use crate::capture::plan::Plan;
 use crate::capture::run::jog::{Jog, Jogger};
@@ -26,8 +27,11 @@ stops, q ends. Everything that `tautline capture --arm` shows and asks comes fir
 Examples:
   tautline rig jog --rig rig.toml
   tautline rig jog --rig demo --script 'up 1, rest 0.5, down 1'    without a keyboard, on the software joint
+  tautline rig jog --rig rig.toml --at-rad 0 --write               the zero from where it ends, without asking
 
-Nothing is recorded. At the end counts and torque are told: compare them with the angle that you saw."
+Nothing is recorded. Go two degrees up and two down, or farther: at the end you are asked how far it went, and where it is. From that
+follow sign and scale of the drive, the joint's zero, and by the torque of both ways the sensor's sign (with a known load its scale).
+They are shown, and written to the rig's file if you agree; its comments stay."
 )]
 pub struct Arguments {
     /// The rig: a rig.toml, or `demo`
@@ -36,6 +40,8 @@ pub struct Arguments {
     /// What is asked for, in place of keys: up, down or rest, each with its seconds (software joint only)
     #[arg(long)]
     script: Option<String>,
+    #[command(flatten)]
+    told: propose::Arguments,
 }
 
 /// For how long a key counts: the keyboard repeats it more often than that while it is held, but for its first pause.
@@ -147,12 +153,21 @@ pub fn run(arguments: &Arguments, talk: &Talk) -> Result<ExitCode> {
         Ok(outcome) if outcome.declined => {
             Problem::error("operator", "did not type the word that was asked for", "nothing was enabled").alone()
         }
-        Ok(outcome) => tell(&outcome, talk),
+        Ok(outcome) => {
+            let is_over = outcome.cause.is_none() && outcome.torque == Torque::Off;
+            let jogged = outcome.jogged.as_ref().filter(|_| is_over);
+            let propose = |jogged| propose(&arguments.told, &arguments.rig, &described, jogged, script.is_none());
+            // Whatever comes of it, the last words on the torque stand.
+            let proposed = jogged.map(propose).transpose();
+            let (proposed, refused) = proposed.map_or_else(|why| (None, Some(why)), |proposed| (proposed, None));
+            let status = tell(&outcome, &proposed.unwrap_or_default(), talk)?;
+            refused.map_or(Ok(status), Err)
+        }
         Err(why) => Problem::error(&arguments.rig, why.0, "nothing was enabled").alone(),
     }
 }
 
-fn tell(outcome: &Outcome, talk: &Talk) -> Result<ExitCode> {
+fn tell(outcome: &Outcome, proposed: &Proposed, talk: &Talk) -> Result<ExitCode> {
     let position_rad = outcome.now.as_ref().map_or(f64::NAN, |now| now.position_rad);
     let stopped = outcome.cause.as_ref().map(ToString::to_string);
     talk.result(
@@ -160,11 +175,12 @@ fn tell(outcome: &Outcome, talk: &Talk) -> Result<ExitCode> {
             json!({
                 "report": outcome.report, "cycles": outcome.cycles, "late_cycles": outcome.counts.late,
                 "missed_cycles": outcome.counts.missed, "position_rad": position_rad, "stopped_by": stopped,
-                "torque_off": outcome.torque == Torque::Off,
+                "torque_off": outcome.torque == Torque::Off, "proposed": proposed.to_json(),
             })
         },
         |out| {
             outcome.report.iter().try_for_each(|line| writeln!(out, "{line}"))?;
+            proposed.lines().try_for_each(|line| writeln!(out, "{line}"))?;
             writeln!(out, "joint at {position_rad:+.4} rad")
         },
     )?;

@@ -5,6 +5,8 @@ mod emulate;
 mod faults;
 mod jog;
 mod preset;
+mod propose;
+mod rewrite;
 mod scan;
 mod tare;
 mod zero;

@@ -1,12 +1,12 @@
 //! `tautline rig tare`: the torque sensor's zero.
 
 use super::check::{self, look};
+use super::rewrite::rewrite;
 use crate::cli::outcome::Talk;
 use crate::cli::wire::Described;
 use crate::problem::{Problem, Result};
 use serde_json::json;
 use std::io::Write;
-use std::path::Path;
 use std::process::ExitCode;
 
 #[derive(Debug, clap::Args)]
@@ -42,8 +42,8 @@ pub fn run(arguments: &Arguments, talk: &Talk) -> Result<ExitCode> {
     }
     // Adding 0 takes the sign off a zero.
     let (before, zero) = (sensor.zero_counts, looked.mean_counts.round() + 0.0);
-    if !described.is_demo {
-        rewrite(file, &described.text, "[sensor]", zero)?;
+    if described.has_file {
+        rewrite(file, &described.text, &[("sensor", "zero_counts", zero)])?;
     }
     let shift_nm = (zero - before) * sensor.nm_per_count;
     talk.result(
@@ -57,43 +57,4 @@ pub fn run(arguments: &Arguments, talk: &Talk) -> Result<ExitCode> {
         },
     )?;
     Ok(ExitCode::SUCCESS)
-}
-
-/// Puts `zero` in place of `zero_counts` of `place` (`[sensor]`), and leaves all else of the file as it stands.
-///
-/// Errors: the line is not found, or the file cannot be written.
-pub(super) fn rewrite(file: &Path, text: &str, place: &str, zero: f64) -> Result<()> {
-    let mut section = "";
-    let mut found = false;
-    let lines = text.lines().map(|line| {
-        let bare = line.trim_start();
-        if bare.starts_with('[') {
-            section = bare.split(['#', ' ']).next().unwrap_or_default();
-        }
-        match bare.strip_prefix("zero_counts").map(str::trim_start).and_then(|rest| rest.strip_prefix('=')) {
-            Some(rest) if section == place => {
-                found = true;
-                let comment = rest.find('#').map_or(String::new(), |at| format!("   {}", &rest[at..]));
-                format!("zero_counts = {zero}{comment}")
-            }
-            _ => line.to_string(),
-        }
-    });
-    let text = lines.collect::<Vec<_>>().join("\n") + "\n";
-    if !found {
-        let what = format!("has no line `zero_counts = ...` under {place}");
-        return Problem::error(file, what, format!("write `zero_counts = {zero}` there")).alone();
-    }
-    let folder = file.parent().filter(|parent| !parent.as_os_str().is_empty()).unwrap_or(Path::new("."));
-    let written = tempfile::NamedTempFile::new_in(folder).and_then(|mut new| {
-        new.write_all(text.as_bytes())?;
-        if let Ok(old) = std::fs::metadata(file) {
-            new.as_file().set_permissions(old.permissions())?;
-        }
-        new.persist(file).map_err(|error| error.error)
-    });
-    match written {
-        Ok(_) => Ok(()),
-        Err(error) => Problem::unwritable(file, "cannot be written", &error).alone(),
-    }
 }

@@ -1,7 +1,7 @@
 //! `tautline rig zero`: the joint's zero from a pose.
 
 use super::check::{self, look};
-use super::tare::rewrite;
+use super::rewrite::rewrite;
 use crate::cli::outcome::Talk;
 use crate::cli::wire::Described;
 use crate::problem::{Problem, Result};
@@ -45,8 +45,8 @@ pub fn run(arguments: &Arguments, talk: &Talk) -> Result<ExitCode> {
     let counts = drive.counts(now.position_rad);
     let (before, zero) =
         (drive.zero_counts, (counts - drive.sign * arguments.at_rad * drive.counts_per_rad).round() + 0.0);
-    if !described.is_demo {
-        rewrite(file, &described.text, "[drive]", zero)?;
+    if described.has_file {
+        rewrite(file, &described.text, &[("drive", "zero_counts", zero)])?;
     }
     talk.result(
         || json!({ "zero_counts": zero, "before": before, "counts": counts, "at_rad": arguments.at_rad }),
