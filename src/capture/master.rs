@@ -149,6 +149,9 @@ pub fn prepare<W: Wire>(
         if !mapped.contains(&identity.place) {
             mapping::map(line, device, identity, ASSIGNED_OUTPUTS, &drive.outputs, &mut report)?;
             mapping::map(line, device, identity, ASSIGNED_INPUTS, &drive.inputs, &mut report)?;
+            if rig.bus.clocks {
+                report.extend(watchdog::give_up(line, device, drive, &rig.bus));
+            }
             mapped.push(identity.place);
         }
     }
@@ -165,7 +168,11 @@ pub fn prepare<W: Wire>(
     let mut holds = Vec::new();
     for own in rig.each_axis() {
         let device = &devices[own.drive.identity.place];
-        holds.push(own_limits::set_all(line, device, &own, &mut report)?);
+        let mut own_report = Vec::new();
+        holds.push(own_limits::set_all(line, device, &own, &mut own_report)?);
+        // Of several drives each is told by name.
+        let name = if rig.axes.is_empty() { String::new() } else { format!("`{}`: ", own.drive.identity.name) };
+        report.extend(own_report.into_iter().map(|told| format!("{name}{told}")));
     }
     let remembered =
         |drive: &Drive| Some((drive.identity.name.clone(), history::read(line, &devices[drive.identity.place])?));

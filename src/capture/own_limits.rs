@@ -9,6 +9,9 @@ use super::wire::Wire;
 use ethercrab::{EtherCrabWireReadSized, EtherCrabWireWrite, SubDevice, SubDeviceRef};
 use std::ops::Deref;
 
+/// How many times the limit of speed a drive's own loops may go at, to catch up with their target: less than a measurement may be.
+const CATCHING_UP: f64 = 1.1;
+
 /// Reads what the drive does on a stop, and sets and reads back what it allows itself; adds lines to `report`. Whether the drive holds
 /// the joint after a quick stop (option 5 to 8).
 ///
@@ -46,14 +49,12 @@ pub(super) fn set_all<W: Wire, S: Deref<Target = SubDevice>>(
     report.push(format!("quick stop: option {}, {ramp}; fault reaction: option {}", told(option), told(reaction)));
     report.extend(interpolate(line, device, drive, rig.bus.cycle_us));
     report.push(range(line, device, rig)?);
-    if drive.mode == Mode::Torque {
-        report.push(speed(line, device, rig)?);
-    }
+    report.push(speed(line, device, rig)?);
     allow(line, device, drive, report)?;
     Ok(option.is_some_and(holds))
 }
 
-/// Sets what the drive may do, and reads it back.
+/// Sets what the drive may do, and reads it back; only what was read back is reported as such.
 fn allow<W: Wire, S: Deref<Target = SubDevice>>(
     line: &mut Line<'_, W>,
     device: &SubDeviceRef<'_, S>,
@@ -64,16 +65,24 @@ fn allow<W: Wire, S: Deref<Target = SubDevice>>(
     let time_ms = (drive.following_error_s * 1e3).round() as u16;
     let torque = (drive.torque_max_nm / drive.rated_torque_nm * 1e3).round().clamp(0.0, 65_535.0) as u16;
     let mode = drive.mode.code();
-    set(line, device, drive, 0x6065, "following-error window", window, report)?;
-    set(line, device, drive, 0x6066, "following-error time", time_ms, report)?;
-    set(line, device, drive, 0x6072, "maximum torque", torque, report)?;
-    // Where it is exchanged every cycle, that is what counts, and a drive need not take it otherwise.
-    if drive.outputs.place("mode").is_none() {
-        set(line, device, drive, 0x6060, "mode", mode as u8, report)?;
+    let mut read_back = Vec::new();
+    if set(line, device, drive, 0x6065, "following-error window", window, report)? {
+        read_back.push(format!("following error {window} counts"));
     }
-    report.push(format!(
-        "drive's own limits, read back: following error {window} counts for {time_ms} ms, torque {torque} per mille"
-    ));
+    if set(line, device, drive, 0x6066, "following-error time", time_ms, report)? {
+        read_back.push(format!("for {time_ms} ms"));
+    }
+    if set(line, device, drive, 0x6072, "maximum torque", torque, report)? {
+        read_back.push(format!("torque {torque} per mille"));
+    }
+    // Where it is exchanged every cycle, that is what counts, and a drive need not take it otherwise.
+    if drive.outputs.place("mode").is_none() && set(line, device, drive, 0x6060, "mode", mode, report)? {
+        read_back.push(format!("mode {mode}"));
+    }
+    report.push(match read_back.is_empty() {
+        true => "NONE OF THE DRIVE'S OWN LIMITS WAS READ BACK".to_string(),
+        false => format!("drive's own limits, read back: {}", read_back.join(", ")),
+    });
     Ok(())
 }
 
@@ -118,28 +127,21 @@ fn range<W: Wire, S: Deref<Target = SubDevice>>(
 ) -> Result<String, NotStarted> {
     let (drive, limits) = (&rig.drive, &rig.limits);
     let index = drive.object(0x607D);
-    if drive.without.contains(&0x607D) || line.run(device.sdo_read::<i32>(index, 1u8)).is_err() {
-        return Ok("THE DRIVE HAS NO LIMITS OF POSITION of its own (0x607D): only software keeps the range".to_string());
+    if let Some(why) = missing::<_, _, i32>(line, device, drive, 0x607D, 1) {
+        return Ok(format!("THE DRIVE HAS NO LIMITS OF POSITION of its own ({why}): only software keeps the range"));
     }
     let ends =
         [limits.low_rad - limits.lag_rad, limits.high_rad + limits.lag_rad].map(|end| drive.counts(end).round() as i32);
     let (low, high) = (ends[0].min(ends[1]), ends[0].max(ends[1]));
-    for (sub, value) in [(1u8, low), (2, high)] {
-        let setting =
-            format!("`{}` does not take a limit of position ({index:#06x}:{sub}) of {value}", drive.identity.name);
-        line.run(device.sdo_write(index, sub, value)).map_err(while_doing(&setting))?;
-        let found = line.run(device.sdo_read::<i32>(index, sub)).map_err(while_doing(&setting))?;
-        if found != value {
-            return NotStarted::of(format!("{setting}: it reads back {found}"));
-        }
-    }
-    Ok(format!("drive's limits of position, read back: {low} to {high} counts"))
+    put(line, device, drive, (0x607D, 1), "limit of position", low)?;
+    put(line, device, drive, (0x607D, 2), "limit of position", high)?;
+    Ok(format!("drive's limits of position, read back: {low} to {high} counts ({index:#06x})"))
 }
 
-/// Sets the drive's own limit of speed (0x607F, which bounds torque mode in drives that have it) to what the rig allows a measurement,
-/// and reads it back. In words.
+/// Sets the drive's own limit of speed (0x607F), where it has one, and reads it back. It bounds torque mode, to what a measurement may be,
+/// and what the drive's own loops make of an encoder that jumps. In words.
 ///
-/// Errors: it has one, and does not take it.
+/// Errors: a drive in torque mode has one, and does not take it: nothing else in it keeps the speed.
 fn speed<W: Wire, S: Deref<Target = SubDevice>>(
     line: &mut Line<'_, W>,
     device: &SubDeviceRef<'_, S>,
@@ -147,22 +149,35 @@ fn speed<W: Wire, S: Deref<Target = SubDevice>>(
 ) -> Result<String, NotStarted> {
     let drive = &rig.drive;
     let index = drive.object(0x607F);
-    if drive.without.contains(&0x607F) || line.run(device.sdo_read::<u32>(index, 0u8)).is_err() {
-        return Ok(
-            "THE DRIVE HAS NO LIMIT OF SPEED of its own (0x607F): in torque mode only software keeps it".to_string()
-        );
+    if let Some(why) = missing::<_, _, u32>(line, device, drive, 0x607F, 0) {
+        return Ok(format!("THE DRIVE HAS NO LIMIT OF SPEED of its own ({why}): only software keeps it"));
     }
-    let counts_s = (SPEED_ROOM * rig.limits.speed_rad_s * drive.counts_per_rad).round().min(f64::from(u32::MAX)) as u32;
-    let setting = format!("`{}` does not take a limit of speed ({index:#06x}) of {counts_s}", drive.identity.name);
-    line.run(device.sdo_write(index, 0u8, counts_s)).map_err(while_doing(&setting))?;
-    let found = line.run(device.sdo_read::<u32>(index, 0u8)).map_err(while_doing(&setting))?;
-    if found != counts_s {
-        return NotStarted::of(format!("{setting}: it reads back {found}"));
+    let room = if drive.mode == Mode::Torque { SPEED_ROOM } else { CATCHING_UP };
+    let counts_s = (room * rig.limits.speed_rad_s * drive.counts_per_rad).round().min(f64::from(u32::MAX)) as u32;
+    match put(line, device, drive, (0x607F, 0), "limit of speed", counts_s) {
+        Ok(()) => Ok(format!("drive's limit of speed, read back: {counts_s} counts/s ({index:#06x})")),
+        Err(refused) if drive.mode == Mode::Torque => Err(refused),
+        Err(NotStarted(why)) => Ok(format!("THE DRIVE KEEPS ITS OWN LIMIT OF SPEED: {why}")),
     }
-    Ok(format!("drive's limit of speed, read back: {counts_s} counts/s"))
 }
 
-/// What the drive says under `index`; nothing where the rig says that it has no such object, which is then reported.
+/// Why a limit that not every drive has cannot be set: the rig says so, or the drive does.
+fn missing<W: Wire, S: Deref<Target = SubDevice>, T: EtherCrabWireReadSized>(
+    line: &mut Line<'_, W>,
+    device: &SubDeviceRef<'_, S>,
+    drive: &Drive,
+    index: u16,
+    sub: u8,
+) -> Option<String> {
+    let at = drive.object(index);
+    if drive.without.contains(&index) {
+        return Some(format!("{at:#06x}, which the rig says that it has not"));
+    }
+    line.run(device.sdo_read::<T>(at, sub)).err().map(|failure| format!("{at:#06x}: {failure}"))
+}
+
+/// What the drive says under `index`; nothing where it does not, and the rig says that it has no such object: then it is unknown, which
+/// is reported.
 ///
 /// Errors: it does not tell, and the rig does not say so.
 fn object<W: Wire, S: Deref<Target = SubDevice>, T: EtherCrabWireReadSized>(
@@ -173,21 +188,25 @@ fn object<W: Wire, S: Deref<Target = SubDevice>, T: EtherCrabWireReadSized>(
     what: &str,
     report: &mut Vec<String>,
 ) -> Result<Option<T>, NotStarted> {
-    if drive.without.contains(&index) {
-        report
-            .push(format!("THE DRIVE'S {} IS UNKNOWN: the rig says that it has no {index:#06x}", what.to_uppercase()));
-        return Ok(None);
-    }
     let at = drive.object(index);
-    line.run(device.sdo_read::<T>(at, 0u8)).map(Some).or_else(|failure| {
-        NotStarted::of(format!(
+    match line.run(device.sdo_read::<T>(at, 0u8)) {
+        Ok(value) => Ok(Some(value)),
+        Err(_) if drive.without.contains(&index) => {
+            report
+                .push(format!("THE DRIVE'S {} IS UNKNOWN: the rig says that it has no {at:#06x}", what.to_uppercase()));
+            Ok(None)
+        }
+        Err(failure) => NotStarted::of(format!(
             "`{}` does not tell its {what} ({at:#06x}): {failure}; if its manual says that it has no such object and how it stops \
              without, add `without = [{index:#06x}]` to [drive]",
             drive.identity.name
-        ))
-    })
+        )),
+    }
 }
 
+/// Sets the object `index` and reads it back. Where the rig says that the drive does not have it, it is left as it is, which is reported.
+///
+/// Errors: the drive does not take it.
 fn set<W: Wire, S: Deref<Target = SubDevice>, T>(
     line: &mut Line<'_, W>,
     device: &SubDeviceRef<'_, S>,
@@ -196,17 +215,38 @@ fn set<W: Wire, S: Deref<Target = SubDevice>, T>(
     what: &str,
     value: T,
     report: &mut Vec<String>,
+) -> Result<bool, NotStarted>
+where
+    T: EtherCrabWireReadSized + EtherCrabWireWrite + PartialEq + std::fmt::Display + Copy,
+{
+    let Some(before) = object::<_, _, T>(line, device, drive, index, what, report)? else { return Ok(false) };
+    let at = drive.object(index);
+    if drive.without.contains(&index) {
+        let left = "and was not set: the rig says that the drive has no such object";
+        report.push(format!("THE DRIVE'S {} IS {before} ({at:#06x}), {left}", what.to_uppercase()));
+        return Ok(false);
+    }
+    put(line, device, drive, (index, 0), what, value).map(|()| true)
+}
+
+/// Writes `value` to the object that is `index` of a first axis, and reads it back.
+///
+/// Errors: the drive does not take it.
+fn put<W: Wire, S: Deref<Target = SubDevice>, T>(
+    line: &mut Line<'_, W>,
+    device: &SubDeviceRef<'_, S>,
+    drive: &Drive,
+    (index, sub): (u16, u8),
+    what: &str,
+    value: T,
 ) -> Result<(), NotStarted>
 where
     T: EtherCrabWireReadSized + EtherCrabWireWrite + PartialEq + std::fmt::Display + Copy,
 {
-    if object::<_, _, T>(line, device, drive, index, what, report)?.is_none() {
-        return Ok(());
-    }
     let (name, at) = (&drive.identity.name, drive.object(index));
-    let setting = format!("`{name}` does not take a {what} ({at:#06x}) of {value}");
-    line.run(device.sdo_write(at, 0u8, value)).map_err(while_doing(&setting))?;
-    match line.run(device.sdo_read::<T>(at, 0u8)).map_err(while_doing(&setting))? {
+    let setting = format!("`{name}` does not take a {what} ({at:#06x}:{sub:02x}) of {value}");
+    line.run(device.sdo_write(at, sub, value)).map_err(while_doing(&setting))?;
+    match line.run(device.sdo_read::<T>(at, sub)).map_err(while_doing(&setting))? {
         found if found == value => Ok(()),
         found => NotStarted::of(format!("{setting}: it reads back {found}")),
     }

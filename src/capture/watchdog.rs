@@ -7,7 +7,7 @@
 use super::line::Line;
 use super::managers::{FEEDS_WATCHDOG, Manager, managers};
 use super::master::{Group, NotStarted};
-use super::rig::Rig;
+use super::rig::{Bus, Drive, Rig};
 use super::wire::Wire;
 use ethercrab::subdevice_group::{NoDc, PreOpPdi};
 use ethercrab::{MainDevice, SubDevice, SubDeviceRef};
@@ -97,6 +97,45 @@ fn set<W: Wire, S: Deref<Target = SubDevice>>(
         }
     }
     Ok(())
+}
+
+/// The sync error counter limit (ETG.1020): a device that works by its clock's pulses gives up once its counter gets there. Each pulse for
+/// which no outputs came counts `MISSED`, each other takes one off. Its makers' 4 gives up after two cycles, their 255 after 85.
+const SYNC_ERROR_LIMIT: (u16, u8) = (0x10F1, 2);
+const MISSED: u32 = 3;
+
+/// Sets when a device in PRE-OP gives up because pulses of its clock come without outputs: just after its output watchdog, which it so
+/// backs up, and beyond the gap that the rig lets pass. In words; nothing where the rig has that among its start-up objects.
+pub(super) fn give_up<W: Wire, S: Deref<Target = SubDevice>>(
+    line: &mut Line<'_, W>,
+    device: &SubDeviceRef<'_, S>,
+    drive: &Drive,
+    bus: &Bus,
+) -> Option<String> {
+    let ((index, sub), name) = (SYNC_ERROR_LIMIT, &drive.identity.name);
+    if drive.setup.startup.iter().any(|object| (object.index, object.sub) == SYNC_ERROR_LIMIT) {
+        return None;
+    }
+    let cycles = (1000 * bus.watchdog_ms).div_ceil(bus.cycle_us) + 1;
+    let limit = u16::try_from(MISSED * cycles).unwrap_or(u16::MAX);
+    // What is not taken is seen when it is read back.
+    let _ = line.run(device.sdo_write(index, sub, limit));
+    Some(match line.run(device.sdo_read::<u16>(index, sub)) {
+        Ok(found) if found == limit => {
+            format!(
+                "`{name}`: gives up after {cycles} pulses of its clock without outputs ({index:#06x}:02 = {limit}, read back)"
+            )
+        }
+        Ok(found) => format!(
+            "`{name}`: GIVES UP AFTER {} PULSES OF ITS CLOCK WITHOUT OUTPUTS ({index:#06x}:02 stays {found}), not after {cycles}",
+            u32::from(found).div_ceil(MISSED)
+        ),
+        Err(failure) => {
+            format!(
+                "`{name}`: when it gives up without outputs, beside its watchdog, is unknown ({index:#06x}:02: {failure})"
+            )
+        }
+    })
 }
 
 /// Whether the watchdog of a device in OP runs and is fed by what is sent now.

@@ -149,7 +149,7 @@ impl Axis {
             places: Places::of(&rig.drive),
             tension_nm: None,
             sensor: SensorReader::new(&rig.sensor),
-            watch: Watch::new(rig.limits, period_s),
+            watch: Watch::new(rig.limits, period_s, 1.0 / rig.drive.counts_per_rad),
             patience: patience(period_s),
             rest_rad_s: REST_RAD_S.max(REST_COUNTS / rig.drive.counts_per_rad / (SPEED_CYCLES as f64 * period_s)),
             state: State::Watching,

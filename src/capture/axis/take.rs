@@ -51,7 +51,7 @@ impl Axis {
             (self.target_counts, self.target_rad, self.target_rad_s) = (counts, position_rad, 0.0);
         }
         let drive_torque = drive(self.places.torque).unwrap_or(0.0);
-        let drive_torque_nm = drive_torque * 1e-3 * self.rig.drive.rated_torque_nm;
+        let drive_torque_nm = self.rig.drive.sign * drive_torque * 1e-3 * self.rig.drive.rated_torque_nm;
         let drive_velocity_rad_s =
             drive(self.places.velocity).map(|counts| self.rig.drive.sign * counts / self.rig.drive.counts_per_rad);
         let drive_current_per_mille = drive(self.places.current);
