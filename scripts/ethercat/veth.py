@@ -55,7 +55,6 @@ def relaxed_rig() -> str:
         ("missed_cycles_max = 1 ", "watchdog_ms = 200\nmissed_cycles_max = 90 "),
         ("lowpass_hz = 5.0", "lowpass_hz = 1.0"),
         ("stale_cycles = 3", "stale_cycles = 100"),
-        ('mode = "csp"\n', 'mode = "csp"\nstartup = [{ index = 0x10F1, sub = 2, type = "u16", value = 200 }]\n'),
         ("torque_step_nm = 0.3", "torque_step_nm = 5.0"),
         ("lag_rad = 0.05", "lag_rad = 0.2"),
         ("following_error_rad = 0.05", "following_error_rad = 0.2"),

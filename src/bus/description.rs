@@ -18,7 +18,7 @@ const MAILBOX: [(u16, u16); 2] = [(0x1000, 128), (0x1080, 128)];
 /// How a sync manager is controlled: mailboxes, outputs with watchdog, inputs.
 const CONTROLS: [u8; 4] = [0x26, 0x22, 0x64, 0x20];
 /// Pulses that may go by without outputs, by default.
-const SYNC_ERRORS: i64 = 50;
+const SYNC_ERRORS: i64 = 150;
 /// The bit of it that has outputs feed the watchdog.
 const FEEDS_WATCHDOG: u8 = 0x40;
 
@@ -85,6 +85,7 @@ impl Device {
             worked_ns: 0,
             is_frozen: false,
             is_unwatched: false,
+            missed_outputs: 0,
             has_news: false,
         };
         device.show_state();

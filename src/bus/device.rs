@@ -32,6 +32,8 @@ pub struct Device {
     pub(super) is_frozen: bool,
     /// Whether its output watchdog does nothing.
     pub(super) is_unwatched: bool,
+    /// Pulses of the clock for which no outputs had come, as ETG.1020 counts them.
+    pub(super) missed_outputs: u64,
     /// Whether its state has changed since the master read it.
     pub(super) has_news: bool,
 }
@@ -71,7 +73,7 @@ impl Device {
                 if let Some(clock) = &mut self.clock {
                     clock.pulse(&self.memory, now_ns);
                 }
-                self.miss_outputs(now_ns);
+                self.miss_outputs();
                 self.work(world, now_ns, true);
             }
             None if self.worked_ns + OWN_CYCLE_NS <= now_ns => self.work(world, now_ns, false),

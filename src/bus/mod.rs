@@ -86,6 +86,8 @@ pub struct Truth {
     pub position_rad: f64,
     /// Speed, rad/s.
     pub velocity_rad_s: f64,
+    /// That of its winch, rad/s of the joint: another one only once the cable has broken.
+    pub winch_rad_s: f64,
     /// y at the winch before the sensor, N m.
     pub torque_nm: f64,
 }
@@ -228,8 +230,9 @@ impl Bus {
     /// The joint that the drive `index` moves, from 0, as it is.
     pub fn truth_of(&self, index: usize) -> Truth {
         self.world.joints.get(index).map_or(Truth::default(), |joint| Truth {
-            position_rad: joint.position_rad(),
-            velocity_rad_s: joint.velocity_rad_s(),
+            position_rad: joint.carried().0,
+            velocity_rad_s: joint.carried().1,
+            winch_rad_s: joint.velocity_rad_s(),
             torque_nm: joint.torque_nm(),
         })
     }

@@ -19,8 +19,10 @@ const CHANGE_NS: u64 = 500_000;
 /// How long a device waits in SAFE-OP for the outputs that let it into OP, ns.
 const WAITS_FOR_OUTPUTS_NS: u64 = 5_000_000_000;
 
-/// The object that holds how many pulses of the clock may go by without outputs (ETG.1020, sync error counter limit); 0 for any.
+/// The object that holds when a device gives up for want of outputs (ETG.1020, sync error counter limit): each pulse of the clock without
+/// them counts `MISSED`, each with them takes one off; 0 for never.
 pub const SYNC_ERROR_LIMIT: (u16, u8) = (0x10F1, 2);
+const MISSED: u64 = 3;
 
 /// Reasons for a refusal (ETG.1000.6, table 11).
 mod code {
@@ -111,14 +113,17 @@ impl Device {
         self.fall(code::WATCHDOG);
     }
 
-    /// A pulse of the clock came, at `now_ns`, for which outputs should have come: after a gap that is too long the device gives up, as
-    /// drives do that work by their clock.
-    pub(super) fn miss_outputs(&mut self, now_ns: u64) {
-        let gap_ns = self.fed_ns.map_or(0, |fed_ns| now_ns.saturating_sub(fed_ns));
-        let pulses = gap_ns / u64::from(self.memory.u32(at::SYNC0_CYCLE).max(super::clock::SHORTEST_CYCLE_NS));
+    /// A pulse of the clock came, for which outputs should have come: after too many without the device gives up, as drives do that work
+    /// by their clock.
+    pub(super) fn miss_outputs(&mut self) {
         let limit = self.dictionary.unsigned(SYNC_ERROR_LIMIT.0, SYNC_ERROR_LIMIT.1);
-        let is_watched = self.states.is_operational() && !self.outputs.is_empty() && !self.is_unwatched && limit > 0;
-        if is_watched && pulses > limit {
+        if !self.states.is_operational() || self.outputs.is_empty() || limit == 0 {
+            self.missed_outputs = 0;
+            return;
+        }
+        let is_fed = self.fed_ns.is_some_and(|fed_ns| fed_ns >= self.worked_ns);
+        self.missed_outputs = if is_fed { self.missed_outputs.saturating_sub(1) } else { self.missed_outputs + MISSED };
+        if self.missed_outputs >= limit {
             self.fall(code::SYNCHRONISATION);
         }
     }

@@ -14,6 +14,8 @@ const STEP_NS: u64 = 500_000;
 const SHORTEST_NS: u64 = 20_000;
 /// How long ago the joint was let go, ns.
 const SETTLES_IN_NS: u64 = 3_000_000_000;
+/// Share of its limit of speed, below it and above, within which a motor's torque along its motion goes from all to none, and to braking.
+const GOVERNED: f64 = 0.1;
 /// Inertia of the motor about the winch, kg m^2: that of the joint as it is felt there.
 pub const MOTOR_INERTIA_KG_M2: f64 = 1e-3;
 
@@ -62,6 +64,8 @@ pub struct Motor {
     pub damping_nm_s_rad: f64,
     /// The most that it gives at the winch, N m.
     pub limit_nm: f64,
+    /// Its position loop goes no faster, rad/s.
+    pub fastest_rad_s: f64,
     /// What it gives, N m.
     pub torque_nm: f64,
     /// What its encoder shows beyond the truth, rad.
@@ -81,8 +85,15 @@ impl Motor {
         }
     }
 
+    /// What is wanted, as far as the motor's limits let it: its position loop brakes what is faster than it may be.
     fn given_nm(&self, transmission: f64, own: Motion, now_ns: u64) -> f64 {
-        self.wanted_nm(transmission, own, now_ns).clamp(-self.limit_nm, self.limit_nm)
+        let wanted_nm = self.wanted_nm(transmission, own, now_ns).clamp(-self.limit_nm, self.limit_nm);
+        if self.law.command(now_ns).is_none() {
+            return wanted_nm;
+        }
+        let left = (1.0 - own.velocity.abs() / self.fastest_rad_s) / GOVERNED;
+        let along_nm = (wanted_nm * own.velocity.signum()).min(self.limit_nm * left.clamp(-1.0, 1.0));
+        along_nm * own.velocity.signum()
     }
 
     /// Whether it gives all it may.
@@ -131,6 +142,7 @@ impl Joint {
             stiffness_nm_rad: STIFFNESS_NM_RAD,
             damping_nm_s_rad: 2.0 * (STIFFNESS_NM_RAD * felt_kg_m2).sqrt(),
             limit_nm: f64::MAX,
+            fastest_rad_s: f64::MAX,
             torque_nm: 0.0,
             encoder_off_rad: 0.0,
         };
@@ -212,9 +224,14 @@ impl Joint {
         }
     }
 
-    /// Position, rad.
+    /// Position of the winch, rad of the joint.
     pub fn position_rad(&self) -> f64 {
         self.machine.position_rad()
+    }
+
+    /// Position and speed of the joint itself, rad and rad/s: once its cable has broken it stays where it was, as one that is supported.
+    pub fn carried(&self) -> (f64, f64) {
+        self.left_at_rad.map_or((self.machine.position_rad(), self.machine.velocity_rad_s()), |at_rad| (at_rad, 0.0))
     }
 
     /// Position as the encoder shows it, rad.
@@ -222,7 +239,7 @@ impl Joint {
         self.machine.position_rad() + self.motor.encoder_off_rad
     }
 
-    /// Speed, rad/s.
+    /// Speed of the winch, rad/s of the joint.
     pub fn velocity_rad_s(&self) -> f64 {
         self.machine.velocity_rad_s()
     }
@@ -269,8 +286,7 @@ const CABLE_NM_S_RAD: f64 = 0.5;
 impl SecondCable {
     /// N m at the winch, never below 0.
     fn torque_nm(&self, joint: &Joint, winch: &Joint) -> f64 {
-        let joint_rad = joint.left_at_rad.unwrap_or(joint.position_rad());
-        let joint_rad_s = if joint.left_at_rad.is_some() { 0.0 } else { joint.velocity_rad_s() };
+        let (joint_rad, joint_rad_s) = joint.carried();
         let stretch_rad = winch.position_rad() + joint_rad - self.slack_rad;
         if stretch_rad <= 0.0 {
             return 0.0;

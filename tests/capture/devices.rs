@@ -6,6 +6,7 @@ use std::path::Path;
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 use tautline::bus::{Bus, Fault, Joint, Terminal, When, drive};
+use tautline::capture::commission::{Told, findings};
 use tautline::capture::drive::Condition;
 use tautline::capture::found::scan;
 use tautline::capture::in_process::InProcess;
@@ -14,7 +15,7 @@ use tautline::capture::operator::Agrees;
 use tautline::capture::plan::Plan;
 use tautline::capture::rig::{Rig, starting_rig};
 use tautline::capture::run::jog::{Jog, Jogger};
-use tautline::capture::session::{Task, Torque, jog};
+use tautline::capture::session::{Outcome, Task, Torque, jog};
 
 /// The demo's rig with other text in place of some.
 fn rig_with(changes: &[(&str, &str)]) -> Rig {
@@ -134,25 +135,35 @@ fn clocks_pulse_as_each_device_wants() {
     }
 }
 
-/// D7: a drive that works by its clock gives up when outputs stay away, before its watchdog expires.
+/// The first AL status of the drive that is not OP, and its code, after `faults` at cycle 5000; and what became of the capture.
+fn left_op(rig: &Rig, faults: &[Fault]) -> (u16, u16, Outcome) {
+    let mut bus = demo();
+    faults.iter().for_each(|fault| bus.inject(*fault, When::Cycle(5000)));
+    let (mut state, mut code) = (0, 0);
+    let outcome = traced(bus, rig, &plan(SWEEP), &Agrees, &mut |_, bus| {
+        if state == 0 && bus.cycles() > 5000 && bus.devices()[0].al_status() != 8 {
+            (state, code) = (bus.devices()[0].al_status(), bus.devices()[0].al_code());
+        }
+    });
+    (state, code, outcome)
+}
+
+/// D7: a drive that works by its clock gives up when outputs stay away: as it is told, so that it stands in for its watchdog and bridges
+/// the gaps that the rig lets pass.
 #[test]
 fn a_clocked_drive_gives_up_in_a_long_gap() {
-    let rig = rig_with(&[
+    let (state, code, outcome) = left_op(&rig(), &[Fault::WatchdogOff { device: 0 }, Fault::Unsent { frames: 70 }]);
+    assert_eq!((state, code), (0x14, 0x1A));
+    let told = "`winch drive`: gives up after 21 pulses of its clock without outputs (0x10f1:02 = 63, read back)";
+    assert!(outcome.report.iter().any(|line| line == told), "{:?}", outcome.report);
+    let patient = rig_with(&[
         ("missed_cycles_max = 1 ", "watchdog_ms = 200\nmissed_cycles_max = 90 "),
         ("lowpass_hz = 5.0", "lowpass_hz = 1.0"),
         ("stale_cycles = 3", "stale_cycles = 100"),
         ("torque_step_nm = 0.3", "torque_step_nm = 5.0"),
     ]);
-    let mut bus = demo();
-    bus.inject(Fault::Unsent { frames: 70 }, When::Cycle(5000));
-    let (mut state, mut code) = (0, 0);
-    let outcome = traced(bus, &rig, &plan(SWEEP), &Agrees, &mut |_, bus| {
-        if state == 0 && bus.cycles() > 5000 && bus.devices()[0].al_status() != 8 {
-            (state, code) = (bus.devices()[0].al_status(), bus.devices()[0].al_code());
-        }
-    });
-    assert_eq!((state, code), (0x14, 0x1A));
-    assert!(outcome.cause.is_some_and(|cause| matches!(cause.name(), "device_state" | "working_counter")));
+    let (_, code, outcome) = left_op(&patient, &[Fault::Unsent { frames: 70 }]);
+    assert_eq!((code, outcome.cause, outcome.complete), (0, None, 2));
 }
 
 /// Up for a while, then down, then the end.
@@ -187,7 +198,68 @@ fn a_jog_is_slow_and_small_and_ends_without_torque() {
     assert_eq!((outcome.cause, outcome.torque), (None, Torque::Off));
     assert!(!last.has_torque() && fastest < 0.2 && (0.05..0.1).contains(&highest), "{fastest} rad/s, {highest} rad");
     assert!(outcome.report.iter().any(|line| line.starts_with("moved between")), "{:?}", outcome.report);
-    assert!(outcome.report.iter().any(|line| line.contains("signs of drive and sensor fit")), "{:?}", outcome.report);
+    let (jogged, nothing) =
+        (outcome.jogged.unwrap(), Told { moved_rad: None, read_to_rad: 0.009, at_rad: None, load_nm: None });
+    let found = findings(&rig, &jogged, &nothing).unwrap();
+    assert!(found.proposals.is_empty(), "{found:?}");
+    assert!(found.lines.iter().any(|line| line.contains("signs of drive and sensor fit")), "{found:?}");
+}
+
+/// Jogs the demo's joint by the rig in `file`; what came of it.
+fn jogged(file: &str, more: &[&str]) -> serde_json::Value {
+    let script = ["rig", "jog", "--rig", file, "--json", "--script", "up 1.5, down 3, up 1.5"];
+    let done = tautline(&[&script, more].concat());
+    assert_eq!(done.status.code(), Some(0), "{done:?}");
+    serde_json::from_slice(&done.stdout).unwrap()
+}
+
+/// A rig whose drive counts the other way and half as far, and whose sensor has the wrong sign: a jog, with what was seen of it, sets it
+/// right; the file keeps all else.
+#[test]
+fn a_jog_sets_signs_scale_and_zero_right() {
+    let out = tempfile::TempDir::new().unwrap();
+    let file = out.path().join("rig.toml").to_string_lossy().into_owned();
+    let wrong = [
+        ("counts_per_rad = 166886.05 ", "counts_per_rad = 83443 "),
+        ("sign = 1  ", "sign = -1  "),
+        ("nm_per_count = 0.00015259255", "nm_per_count = -0.00015259255"),
+    ];
+    let text = wrong.iter().fold(RIG.to_string(), |text, (before, after)| {
+        assert!(text.contains(before), "{before}");
+        text.replacen(before, after, 1)
+    });
+    std::fs::write(&file, &text).unwrap();
+    // Nothing told, nothing written; of the sensor alone the signs seem to fit, since both are wrong.
+    let told = jogged(&file, &[]);
+    assert_eq!((&told["proposed"]["numbers"], &told["proposed"]["written"]), (&serde_json::json!([]), &false.into()));
+    let moved = told["report"].as_array().unwrap().iter().find_map(|line| {
+        let (_, rest) = line.as_str().unwrap().split_once(" rad, ").filter(|(way, _)| way.starts_with("moved"))?;
+        rest.split_once(" counts")?.0.parse::<f64>().ok()
+    });
+    let moved_rad = format!("{:.6}", -moved.unwrap() / 166_886.05);
+    let seen = ["--moved-rad", &moved_rad, "--read-to-rad", "0.001", "--at-rad", "0.1"];
+    let told = jogged(&file, &seen);
+    assert_eq!(
+        (told["proposed"]["numbers"].as_array().unwrap().len(), &told["proposed"]["written"]),
+        (4, &false.into())
+    );
+    assert_eq!(std::fs::read_to_string(&file).unwrap(), text);
+    let told = jogged(&file, &[&seen[..], &["--write"]].concat());
+    assert_eq!(told["proposed"]["written"], true, "{told}");
+    let new = std::fs::read_to_string(&file).unwrap();
+    let read = Rig::parse(Path::new("rig.toml"), &new).unwrap();
+    assert!((read.drive.counts_per_rad / 166_886.05 - 1.0).abs() < 1e-3 && read.drive.sign == 1.0, "{new}");
+    assert_eq!(read.sensor.nm_per_count, 0.000_152_592_55);
+    assert!((read.drive.position_rad(0.0) - 0.1).abs() < 0.03, "{}", read.drive.zero_counts);
+    assert_eq!(new.matches('#').count(), text.matches('#').count());
+    // By the new numbers nothing more is proposed but the zero, where another pose is told.
+    let told = jogged(&file, &["--at-rad", "0"]);
+    let numbers = told["proposed"]["numbers"].as_array().unwrap();
+    assert!(numbers.len() == 1 && numbers[0]["key"] == "zero_counts", "{numbers:?}");
+    // What cannot be so is refused, and nothing is written.
+    let refused = tautline(&["rig", "jog", "--rig", &file, "--script", "up 1", "--moved-rad", "400", "--write"]);
+    assert_eq!(refused.status.code(), Some(2), "{refused:?}");
+    assert_eq!(std::fs::read_to_string(&file).unwrap(), new);
 }
 
 /// D7: seventeen devices were "not enough capacity, check cables".

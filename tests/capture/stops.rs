@@ -447,6 +447,32 @@ fn a_drive_without_optional_objects_serves() {
     let outcome = traced(bus(), &without, &plan, &Agrees, &mut |_, _| ());
     assert_eq!((outcome.cause, outcome.complete), (None, 2));
     assert!(outcome.report.iter().any(|line| line.contains("MAXIMUM TORQUE IS UNKNOWN")), "{:?}", outcome.report);
+    let read_back = outcome.report.iter().find(|line| line.contains("drive's own limits, read back")).unwrap();
+    assert_eq!(
+        read_back, "drive's own limits, read back: following error 8344 counts, for 10 ms",
+        "torque was never read"
+    );
+}
+
+/// What the rig takes out of `without` is not touched, even where the drive has it, and nothing says that it was read back.
+#[test]
+fn objects_that_the_rig_leaves_alone_are_told_as_they_stand() {
+    let (mut before, mut after) = (None, None);
+    let left = rig_with(&[("mode = \"csp\"", "mode = \"csp\"\nwithout = [0x6065, 0x6066, 0x6072, 0x607D]")]);
+    let outcome = traced(demo(), &left, &plan(SWEEP), &Agrees, &mut |_, bus| {
+        after = bus.devices()[0].object(0x6072, 0).map(<[u8]>::to_vec);
+        before.get_or_insert(after.clone());
+    });
+    assert_eq!((outcome.complete, before), (2, Some(after)));
+    let told = outcome.report.join("\n");
+    assert!(told.contains("NONE OF THE DRIVE'S OWN LIMITS WAS READ BACK"), "{told}");
+    for name in ["FOLLOWING-ERROR WINDOW", "FOLLOWING-ERROR TIME", "MAXIMUM TORQUE"] {
+        assert!(
+            told.lines().any(|l| l.starts_with(&format!("THE DRIVE'S {name} IS")) && l.contains("was not set")),
+            "{told}"
+        );
+    }
+    assert!(told.contains("NO LIMITS OF POSITION of its own (0x607d, which the rig says"), "{told}");
 }
 
 /// D6: a computer that misses one cycle in eleven does not keep the cycle.

@@ -32,9 +32,10 @@ const POSITION_RANGE: u16 = 0x8600;
 /// A speed below which the motor stands, rad/s.
 const STANDS_RAD_S: f64 = 1e-3;
 
-/// What a drive does by itself without the optional objects 0x6072, 0x605A and 0x605E, 0x6084 and 0x6085: per mille of rated torque,
-/// braking, counts/s^2 (20 rad/s^2).
+/// What a drive does by itself without the optional objects 0x6072, 0x607F, 0x605A and 0x605E, 0x6084 and 0x6085: per mille of rated
+/// torque, counts/s (10 rad/s), braking, counts/s^2 (20 rad/s^2).
 const OWN_TORQUE: i64 = 1500;
+const OWN_SPEED: i64 = (10.0 * COUNTS_PER_RAD) as i64;
 const OWN_OPTION: i64 = 2;
 const OWN_RAMP: i64 = (20.0 * COUNTS_PER_RAD) as i64;
 
@@ -109,6 +110,7 @@ impl Application for Drive {
         let warning = self.fault(dictionary, joint, moment);
         self.obey(dictionary, joint, moment);
         joint.motor.limit_nm = own(dictionary, 0x6072, OWN_TORQUE) as f64 * NM_PER_MILLE;
+        joint.motor.fastest_rad_s = self.fastest_rad_s(dictionary);
         joint.brake(BrakeBy::Drive, !moment.operational || dictionary.unsigned(0x60FE, 1) & BRAKE == 0);
         self.steer(dictionary, joint, moment);
         self.tell(dictionary, joint, moment);
@@ -151,6 +153,12 @@ impl Drive {
             worked_ns: 0,
             defects: Defects { frozen_encoder: false, ignores_control: false, ignores_quick_stop: false, runaway: 1.0 },
         }
+    }
+
+    /// Its limit of speed, as it takes it: one that takes speeds for others takes their limit so as well, and none that it does not see.
+    fn fastest_rad_s(&self, dictionary: &Dictionary) -> f64 {
+        let fastest_rad_s = own(dictionary, 0x607F, OWN_SPEED) as f64 / COUNTS_PER_RAD;
+        if self.defects.frozen_encoder { f64::MAX } else { fastest_rad_s * self.defects.runaway.abs().max(1.0) }
     }
 
     /// What it finds wrong by itself.

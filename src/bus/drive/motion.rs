@@ -43,9 +43,8 @@ impl Drive {
     /// The target torque; none that drives a motor on beyond the drive's own limit of speed (0x607F).
     fn torque_nm(&self, objects: &Dictionary, joint: &Joint) -> f64 {
         let torque_nm = objects.signed(0x6071, 0) as f64 * NM_PER_MILLE;
-        let speed_rad_s = if self.defects.frozen_encoder { 0.0 } else { joint.velocity_rad_s() };
-        let fastest_rad_s = objects.unsigned(0x607F, 0) as f64 / COUNTS_PER_RAD;
-        let drives_on = torque_nm * speed_rad_s > 0.0 && speed_rad_s.abs() > fastest_rad_s;
+        let speed_rad_s = joint.velocity_rad_s();
+        let drives_on = torque_nm * speed_rad_s > 0.0 && speed_rad_s.abs() > joint.motor.fastest_rad_s;
         if drives_on { 0.0 } else { torque_nm }
     }
 

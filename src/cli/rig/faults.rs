@@ -51,11 +51,14 @@ struct Row {
     cause: String,
     /// From the fault until the drive had no torque, ms; none if it still has.
     off_ms: Option<f64>,
-    /// True ones of the joint until then, rad/s and rad.
+    /// True ones of the joint, and of the winch that was struck, until then, rad/s and rad.
     speed_rad_s: f64,
     travel_rad: f64,
     /// From the fault until the first command that is not to go on, ms.
     commanded_ms: Option<f64>,
+    /// Of the winch that was struck, whether a joint hangs on it still or not, rad/s of the joint.
+    winch_rad_s: f64,
+    /// Of the one that was struck, rad.
     position_rad: (f64, f64),
     allowed: Allowed,
     warning: Option<String>,
@@ -158,7 +161,38 @@ fn moments(mode: usize) -> Result<(u64, u64)> {
     Ok((moving, holding))
 }
 
-/// A capture in which the faults of `case` strike at the cycle `at`.
+/// What a joint does from a fault on, until its torque is off.
+#[derive(Debug, Clone, Copy)]
+struct Moved {
+    /// Which one: 0 is the joint of the plan, 1 the second winch.
+    index: usize,
+    from_rad: Option<f64>,
+    speed_rad_s: f64,
+    travel_rad: f64,
+    position_rad: (f64, f64),
+}
+
+impl Moved {
+    fn new(index: usize) -> Self {
+        Self { index, from_rad: None, speed_rad_s: 0.0, travel_rad: 0.0, position_rad: (f64::MAX, f64::MIN) }
+    }
+
+    fn look(&mut self, bus: &Bus) {
+        let truth = bus.truth_of(self.index);
+        let from_rad = *self.from_rad.get_or_insert(truth.position_rad);
+        self.speed_rad_s = self.speed_rad_s.max(truth.velocity_rad_s.abs());
+        self.travel_rad = self.travel_rad.max((truth.position_rad - from_rad).abs());
+        self.position_rad = (self.position_rad.0.min(truth.position_rad), self.position_rad.1.max(truth.position_rad));
+    }
+
+    /// Its way counts from now on.
+    fn restart(&mut self) {
+        (self.from_rad, self.travel_rad) = (None, 0.0);
+    }
+}
+
+/// A capture in which the faults of `case` strike at the cycle `at`. The joint is looked at until no drive has torque any more, the second
+/// winch, where it is struck, until its own has none; of the two the larger speed and travel count.
 fn played(case: &Case, at: u64) -> Result<Row> {
     let (rig, mut bus) = (rig_of(case.mode)?, bus_of(case.mode)?);
     case.faults.iter().for_each(|fault| match case.second {
@@ -166,30 +200,31 @@ fn played(case: &Case, at: u64) -> Result<Row> {
         false => bus.inject(*fault, When::Cycle(at)),
     });
     let struck = usize::from(case.second);
-    let (mut began, mut off_ns, mut speed_rad_s, mut travel_rad) = (None, None, 0.0f64, 0.0f64);
-    let (mut commanded_ns, allowed) = (None, Allowed::of(&rig.each_axis()[struck], &case.faults, case.second));
-    let mut position_rad = (f64::MAX, f64::MIN);
+    let (mut began_ns, mut off_ns, mut commanded_ns) = (None, None, None);
+    let (mut joint, mut winch, mut winch_rad_s) = (Moved::new(0), Moved::new(struck), 0.0f64);
+    let allowed = Allowed::of(&rig.each_axis()[struck], &case.faults);
     let outcome = captured(&rig, bus, &mut |now_ns, bus| {
-        let truth = bus.truth_of(struck);
         if bus.cycles() < at || off_ns.is_some() {
             return;
         }
-        let (began_ns, from_rad) = *began.get_or_insert((now_ns, truth.position_rad));
-        speed_rad_s = speed_rad_s.max(truth.velocity_rad_s.abs());
-        travel_rad = travel_rad.max((truth.position_rad - from_rad).abs());
-        position_rad = (position_rad.0.min(truth.position_rad), position_rad.1.max(truth.position_rad));
+        let began_ns = *began_ns.get_or_insert(now_ns);
         let word = bus.devices()[2 * struck].object(0x6040, 0).and_then(|word| word.first_chunk::<2>());
-        let was_commanded = commanded_ns.is_some();
         if commanded_ns.is_none() && word.is_some_and(|word| u16::from_le_bytes(*word) != Control::Enable.word()) {
             commanded_ns = Some(now_ns - began_ns);
+            if allowed.from_command {
+                joint.restart();
+                winch.restart();
+            }
         }
-        if allowed.from_command && !was_commanded {
-            began = Some((began_ns, truth.position_rad));
-            travel_rad = 0.0;
+        let has_torque: Vec<bool> = bus.drive_statuses().map(|word| Condition::of(word).has_torque()).collect();
+        joint.look(bus);
+        winch_rad_s = winch_rad_s.max(bus.truth_of(struck).winch_rad_s.abs());
+        if has_torque.get(struck) == Some(&true) {
+            winch.look(bus);
         }
-        let has_torque = bus.drive_statuses().any(|status| Condition::of(status).has_torque());
-        off_ns = (!has_torque).then(|| now_ns - began_ns);
+        off_ns = (!has_torque.contains(&true)).then(|| now_ns - began_ns);
     })?;
+    let (speed_rad_s, travel_rad) = (joint.speed_rad_s.max(winch.speed_rad_s), joint.travel_rad.max(winch.travel_rad));
     let cause = outcome.cause.as_ref().map_or("nothing", |cause| cause.name()).to_string();
     let warning = outcome.torque.warning();
     let mut row = Row {
@@ -199,7 +234,8 @@ fn played(case: &Case, at: u64) -> Result<Row> {
         speed_rad_s,
         travel_rad,
         commanded_ms: commanded_ns.map(|ns| ns as f64 * 1e-6),
-        position_rad,
+        winch_rad_s,
+        position_rad: winch.position_rad,
         allowed,
         warning,
         beyond: None,
@@ -221,6 +257,7 @@ impl Row {
             (self.off_ms.is_none() && self.warning.is_none(), "torque on, and not told"),
             (self.speed_rad_s > bound.speed_rad_s, "too fast"),
             (self.travel_rad > bound.travel_rad, "too far"),
+            (self.winch_rad_s > bound.speed_rad_s, "winch too fast"),
             (is_outside, "out of its range"),
         ]
         .into_iter()
@@ -236,7 +273,7 @@ impl Row {
     fn to_json(&self) -> Value {
         json!({
             "fault": self.name, "cause": self.cause, "off_ms": self.off_ms, "speed_rad_s": self.speed_rad_s,
-            "travel_rad": self.travel_rad, "commanded_ms": self.commanded_ms,
+            "travel_rad": self.travel_rad, "winch_rad_s": self.winch_rad_s, "commanded_ms": self.commanded_ms,
             "speed_allowed_rad_s": self.allowed.within.speed_rad_s, "travel_allowed_rad": self.allowed.within.travel_rad,
             "beyond": self.beyond, "warning": self.warning, "wrong": self.wrong,
         })

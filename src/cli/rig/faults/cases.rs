@@ -36,7 +36,7 @@ pub(super) struct Case {
 }
 
 /// Every fault alone.
-const SINGLE: [Fault; 28] = [
+const SINGLE: [Fault; 29] = [
     Fault::Late { frames: 10, by_ns: 3_000_000 },
     Fault::Lost { frames: 10 },
     Fault::Unsent { frames: 10 },
@@ -59,6 +59,7 @@ const SINGLE: [Fault; 28] = [
     Fault::EncoderJump { by_rad: 0.03 },
     Fault::EncoderJump { by_rad: -0.03 },
     Fault::EncoderJump { by_rad: 0.002 },
+    Fault::EncoderJump { by_rad: 0.0006 },
     Fault::StaleSensor,
     Fault::SaturatedSensor,
     Fault::NotANumber,
