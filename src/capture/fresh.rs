@@ -5,7 +5,7 @@
 //! more than `ALIVE` looks does a standstill count later. Where it cannot be used that is reported: then frozen inputs are noticed
 //! only once the joint must move (see `follow`), and while it is held they cannot be known.
 //!
-//! Only looks one cycle apart count. After missed cycles the signal may have gone round: of three buffers the third filled since is the
+//! Only looks one cycle apart count, one after the other. After missed cycles the signal may have gone round: of three buffers the third filled since is the
 //! same one again, and a computer that sleeps through two of three cycles sees the same buffer each time though all is well. A frame that
 //! was not received is a missed cycle, not a stale input.
 
@@ -31,7 +31,7 @@ impl Freshness {
     /// Gives for how many looks it has stood, where that is too many.
     pub fn look(&mut self, signal: u32, periods: u32, is_judged: bool) -> Option<u32> {
         let is_next = periods == 1;
-        self.stands = if self.last == Some(signal) { self.stands + u32::from(is_next) } else { 0 };
+        self.stands = if is_next && self.last == Some(signal) { self.stands + 1 } else { 0 };
         self.last = Some(signal);
         if !is_judged && is_next {
             self.looks += 1;
@@ -87,9 +87,11 @@ mod tests {
     fn missed_cycles_are_no_standstill() {
         let mut fresh = looked(|i| i % 3);
         assert!((0..100).all(|_| fresh.look(0, 3, true).is_none() && !fresh.is_stale()));
-        // What stands between them still counts.
-        let told: Vec<_> = (0..8).map(|i| fresh.look(0, 1 + 2 * (i % 2), true)).collect();
-        assert_eq!(told, [None, None, None, None, None, None, Some(4), Some(4)]);
+        // One that sleeps through two of three cycles, wakes late, and is on time with the next, before the device's next pulse.
+        assert!((0..100).all(|i| fresh.look(0, 1 + 2 * (i % 2), true).is_none() && !fresh.is_stale()));
+        // What stands once it is awake still counts.
+        let told: Vec<_> = (0..5).map(|_| fresh.look(0, 1, true)).collect();
+        assert_eq!(told, [None, None, None, Some(4), Some(5)]);
     }
 
     #[test]
