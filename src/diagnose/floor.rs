@@ -65,6 +65,11 @@ impl Floor {
         self.rms_nm * self.rms_nm * (1.0 + self.relative_error)
     }
 
+    /// The floor with its standard error, N m: where the gap begins.
+    pub fn upper_nm(&self) -> f64 {
+        self.upper_square().sqrt()
+    }
+
     /// A floor of noise alone.
     pub(super) fn of_noise(rms_nm: f64, source: FloorSource, relative_error: f64) -> Self {
         Self { rms_nm, quick_nm: rms_nm, encoder_nm: 0.0, encoder_simulated_nm: 0.0, source, relative_error }

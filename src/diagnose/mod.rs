@@ -48,7 +48,7 @@ pub use floor::{Floor, FloorSource};
 pub use locate::Place;
 pub use motion::{Follows, MotionGap, MotionPlace, MotionTrial, beside};
 pub use next::{BlindSpot, NextExperiment};
-pub use parameters::Fitted;
+pub use parameters::{BELOW_ZERO, Fitted};
 pub use progress::{Listener, Phase, Progress};
 pub use verdict::{Verdict, signature};
 

@@ -15,6 +15,9 @@ const HALF_WIDTH: f64 = 1.96;
 /// A value within this share of its range from a bound is at it.
 const AT_BOUND: f64 = 1e-4;
 
+/// The doubt about friction that came out below zero.
+pub const BELOW_ZERO: &str = "below zero: it compensates for an unmodelled effect";
+
 /// One parameter fitted.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Fitted {
@@ -80,7 +83,7 @@ pub fn of_cause(resamples: &Resamples, fit: &Fit<'_>, (cause, how): (Cause, &str
 /// Viscous friction below zero would help the motion. A positive range is compared in its logarithm, for it spans decades.
 fn doubt(parameter: ParameterRef, model: &Model, most: f64) -> Option<&'static str> {
     if matches!(parameter, ParameterRef::Friction(_, Term::Viscous)) && parameter.value(model) < 0.0 {
-        return Some("below zero: it compensates for an unmodelled effect");
+        return Some(BELOW_ZERO);
     }
     let (low, high) = parameter.bounds(model);
     let high = high.min(most);

@@ -2,7 +2,8 @@
 
 use super::experiment::sentences;
 use super::names::{family, means, place};
-use crate::diagnose::{Cause, Diagnosis, Kind, signature};
+use super::words::{compensates, taken};
+use crate::diagnose::{Candidate, Cause, Diagnosis, Kind, signature};
 use crate::effects::{Family, Region};
 
 /// What to do next, a sentence each, the first thing first.
@@ -22,12 +23,13 @@ fn by_verdict(found: &Diagnosis) -> Vec<String> {
         ],
         Kind::Ambiguous => vec![ambiguous(found)],
         Kind::Unknown => unknown(found),
-        Kind::Stale | Kind::Effect | Kind::Several => mend(&found.verdict.effects),
+        Kind::Stale | Kind::Effect | Kind::Several => mend(found),
     }
 }
 
-/// What to do about each of `causes`: the measurement first, since a model fitted to its faults is of no use elsewhere.
-fn mend(causes: &[Cause]) -> Vec<String> {
+/// What to do about each cause of the verdict: the measurement first, since a model fitted to its faults is of no use elsewhere.
+fn mend(found: &Diagnosis) -> Vec<String> {
+    let causes = &found.verdict.effects;
     let of = |wanted: Option<Family>| causes.iter().copied().filter(move |cause| family(*cause) == wanted);
     let mut steps: Vec<String> = of(Some(Family::Fault)).map(|cause| mend_measurement(cause).to_string()).collect();
     if !steps.is_empty() {
@@ -39,21 +41,48 @@ fn mend(causes: &[Cause]) -> Vec<String> {
                     change for it.";
         steps.push(step.to_string());
     }
-    let stale: Vec<&str> = of(None).map(means).collect();
+    let is_makeshift = |cause: &Cause| taken(found).any(|one| one.cause == *cause && compensates(one));
+    let (makeshift, stale): (Vec<Cause>, Vec<Cause>) = of(None).partition(is_makeshift);
+    let names = |causes: &[Cause]| causes.iter().map(|cause| means(*cause)).collect::<Vec<&str>>().join(" and ");
+    let added: Vec<&str> = of(Some(Family::Physics)).map(Cause::name).collect();
+    let holds: Vec<String> = [
+        (!added.is_empty()).then(|| format!("with {} added", added.join(" and "))),
+        (!stale.is_empty() || !makeshift.is_empty()).then(|| "with its own parameters refitted".to_string()),
+    ]
+    .into_iter()
+    .flatten()
+    .collect();
+    if !added.is_empty() || !stale.is_empty() || !makeshift.is_empty() {
+        steps
+            .push(format!("Use the model.json written here, {}; validate it on a new recording.", holds.join(" and ")));
+    }
     if !stale.is_empty() {
+        let what = names(&stale);
         steps.push(format!(
-            "Take the refitted model.json, or identify anew; then ask what changed {}: cable tension, wear, temperature, load.",
-            stale.join(" and ")
+            "Find out what changed {what}: cable tension, wear, temperature, load; or identify the joint again."
         ));
     }
-    let added: Vec<&str> = of(Some(Family::Physics)).map(Cause::name).collect();
-    if !added.is_empty() {
-        steps.push(format!("Take the model.json written here, which has {} added.", added.join(" and ")));
+    if !makeshift.is_empty() {
+        let what = names(&makeshift);
+        steps.push(format!(
+            "Do not look for wear: {what} came out below zero, which no friction is. Something else is missing."
+        ));
     }
-    if !stale.is_empty() || !added.is_empty() {
-        steps.push("Judge it on a campaign of its own before you rely on it.".to_string());
-    }
+    steps.extend(rivals(found));
     steps
+}
+
+/// What else would explain as well in the place of what was taken.
+fn rivals(found: &Diagnosis) -> Option<String> {
+    let of = |one: &Candidate| {
+        let rivals: Vec<&str> = one.trades_with.iter().map(|rival| rival.name()).collect();
+        (!rivals.is_empty()).then(|| format!("{} in the place of {}", rivals.join(" or "), one.cause.name()))
+    };
+    let all: Vec<String> = taken(found).filter_map(of).collect();
+    (!all.is_empty()).then(|| {
+        let what = all.join("; ");
+        format!("Other causes would explain these data as well ({what}): record a motion on which they differ before you rely on the name.")
+    })
 }
 
 fn mend_measurement(fault: Cause) -> &'static str {

@@ -65,7 +65,7 @@ fn cards(found: &Diagnosis) -> Vec<Card> {
     let source = match gap.floor.source {
         FloorSource::Repeats => "from repeats of one motion",
         FloorSource::Spectrum => "from the noise beyond the low-pass",
-        FloorSource::Unforeseen => "what no fit finds again on held-out data",
+        FloorSource::Unforeseen => "that no fit finds again on held-out data",
     };
     let mut all = vec![card(
         "gap as delivered",
@@ -80,7 +80,8 @@ fn cards(found: &Diagnosis) -> Vec<Card> {
         let (name, value, note) = super::motion::card(motion, found.before.joint.kind);
         all.push(Card { name, value, note });
     }
-    all.push(card("floor", units.torque(gap.floor.rms_nm), source.to_string()));
+    let floor = format!("at most: {} {source}, and its standard error", units.torque(gap.floor.rms_nm));
+    all.push(card("floor", units.torque(gap.floor.upper_nm()), floor));
     all.push(card("verdict", percent(verdict.confidence), "probability that it is right".to_string()));
     all
 }

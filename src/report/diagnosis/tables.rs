@@ -37,7 +37,8 @@ pub fn candidates_table(found: &Diagnosis) -> Option<Table> {
     table(
         "Best first. Each is fitted along with the model's own parameters, which move within their confidence, and scored on \
          held-out data: how far the gap above the floor shrinks, with a 95 % bootstrap interval. Where several were taken, they \
-         stand with all of them together, and anything else on top; \"adds\" is the share of the residual's mean square that each takes off. A rival does as well as what was taken, on these data.",
+         stand with all of them together, and any other in the place of one of them; \"adds\" is the share of the residual's mean square (not of \
+         its RMS) that each takes off. A rival does as well as what was taken, on these data.",
         &["cause", "verdict", "how", "adds", "gap shrinks by", "held-out RMSE"],
         found.candidates.iter().map(row).collect(),
     )

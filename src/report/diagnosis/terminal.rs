@@ -59,7 +59,8 @@ fn gap(out: &mut impl Write, found: &Diagnosis) -> io::Result<()> {
     if verdict.kind != Kind::None {
         row("recoverable", gap.recoverable_nm, most)?;
     }
-    row("floor", gap.floor.rms_nm, floor_source(&gap.floor))?;
+    let floor = format!("at most: {}, {}", units.torque(gap.floor.rms_nm), floor_source(&gap.floor));
+    row("floor", gap.floor.upper_nm(), floor)?;
     writeln!(out, "  {:<24} {:>12}  {DIM}probability that it is right{DIM:#}", "verdict", percent(verdict.confidence))
 }
 

@@ -2,7 +2,7 @@
 
 use super::names::{claim, family, floor_source, means, place};
 use super::parameters::shown;
-use crate::diagnose::{Answer, Candidate, Cause, Diagnosis, Floor, Form, Kind, Shrink};
+use crate::diagnose::{Answer, BELOW_ZERO, Candidate, Cause, Diagnosis, Floor, Form, Kind, Shrink};
 use crate::effects::Family;
 use crate::report::number::{counted, significant};
 use crate::report::wording::Units;
@@ -74,13 +74,14 @@ pub fn grounds(found: &Diagnosis) -> Vec<String> {
     let units = Units::of(&found.before.joint);
     let gap = &found.gap;
     let mut all = vec![format!(
-        "As delivered the model leaves {} RMSE. The floor, what no model could explain, is {}, {}; above it lie {}, of which \
-         a flexible fit to the recorded motion recovers {} on held-out {}.",
+        "As delivered the model leaves {} RMSE. The floor, what no model could explain, is {}, {}; with its standard error {}. Above that \
+         lies a gap of {}, which a flexible fit to the recorded motion shrinks by {} on held-out {}.",
         units.torque(gap.rmse_nm),
         units.torque(gap.floor.rms_nm),
         floor_source(&gap.floor),
-        units.torque(gap.explainable_nm),
-        units.torque(gap.recoverable_nm),
+        units.torque(gap.floor.upper_nm()),
+        units.torque(found.verdict.gap_before_nm),
+        percent(flexible_shrink(found)),
         found.held_out,
     )];
     all.extend(encoder_part(&gap.floor, units));
@@ -91,8 +92,8 @@ pub fn grounds(found: &Diagnosis) -> Vec<String> {
     let (sure, agree) = (percent(found.verdict.confidence), percent(found.verdict.agreement));
     all.push(format!("Probabilities: {}.", probabilities(found)));
     all.push(format!(
-        "The verdict is right with a probability of {sure}: {agree} of the bootstrap resamples of whole {} give the same one, and \
-         that share is weighted by how often verdicts of its kind were right on simulated joints with withheld answers.",
+        "{agree} of the bootstrap resamples of whole {} give this verdict; weighted by how often verdicts of its kind were right on \
+         simulated joints with withheld answers, it is right with a probability of {sure}.",
         found.held_out
     ));
     all.iter().map(|sentence| kept_together(sentence)).collect()
@@ -114,8 +115,8 @@ fn probabilities(found: &Diagnosis) -> String {
 fn encoder_part(floor: &Floor, units: Units) -> Option<String> {
     let most = match floor.encoder_simulated_nm > MORE_THAN_COUNTED * floor.encoder_nm {
         true => format!(
-            " Simulated they are {}, more than is left beside the noise: only what is left is counted, so what remains above the floor is a \
-             lower bound.",
+            " The simulation predicts {} from the encoder, but the residual leaves room for no more beside the noise, so only that much is \
+             counted, and what remains above the floor is a lower bound.",
             units.torque(floor.encoder_simulated_nm)
         ),
         false => String::new(),
@@ -134,8 +135,8 @@ fn own_confidence(found: &Diagnosis) -> Option<String> {
     let share = found.budget.within_confidence / above_floor.max(f64::MIN_POSITIVE);
     (share > MUCH).then(|| {
         format!(
-            "{} of the gap's square goes already while the model's own parameters move within their confidence: identifying them \
-             more precisely leaves less to explain.",
+            "{} of the gap's mean square could also be absorbed by the model's own parameters within their confidence; only the rest \
+             needs what was found. Identify them more precisely to tell.",
             percent(share.min(1.0))
         )
     })
@@ -162,6 +163,11 @@ pub fn flexible_shrink(found: &Diagnosis) -> f64 {
     1.0 - (1.0 - share * share).max(0.0).sqrt()
 }
 
+/// Whether one of its parameters came out as no friction can be: it stands for an effect that the library lacks.
+pub fn compensates(candidate: &Candidate) -> bool {
+    candidate.parameters.iter().any(|parameter| parameter.doubt == Some(BELOW_ZERO))
+}
+
 /// The causes that were taken.
 pub fn taken(found: &Diagnosis) -> impl Iterator<Item = &Candidate> {
     found.candidates.iter().filter(|candidate| candidate.taken)
@@ -170,11 +176,11 @@ pub fn taken(found: &Diagnosis) -> impl Iterator<Item = &Candidate> {
 fn shrinks(what: &str, found: &Diagnosis, units: &Units) -> String {
     let verdict = &found.verdict;
     format!(
-        "{what} shrinks by {}: {} before, {} after, above a floor of {}.",
+        "{what} shrinks by {}: {} before, {} after, above a floor of at most {}.",
         shrink(verdict.shrink),
         units.torque(verdict.gap_before_nm),
         units.torque(verdict.gap_after_nm),
-        units.torque(found.gap.floor.rms_nm),
+        units.torque(found.gap.floor.upper_nm()),
     )
 }
 
@@ -188,9 +194,9 @@ fn nothing(found: &Diagnosis, units: &Units) -> String {
         false => String::new(),
     };
     format!(
-        "The model lacks nothing that these data show: it leaves {} RMSE over a floor of {}{rest}.",
+        "The model lacks nothing that these data show: it leaves {} RMSE over a floor of at most {}{rest}.",
         units.torque(gap.rmse_nm),
-        units.torque(gap.floor.rms_nm)
+        units.torque(gap.floor.upper_nm())
     )
 }
 
@@ -226,8 +232,13 @@ fn several(found: &Diagnosis) -> String {
 /// The causes that the verdict names and how each is taken; their parameters stand in the table.
 fn named(found: &Diagnosis) -> String {
     let one = |cause: &Cause| match taken(found).find(|candidate| candidate.cause == *cause) {
-        Some(candidate) if !candidate.how.is_empty() => format!("{}, {}", claim(*cause), candidate.how),
-        _ => claim(*cause),
+        Some(candidate) => {
+            let how = if candidate.how.is_empty() { String::new() } else { format!(", {}", candidate.how) };
+            let doubt =
+                if compensates(candidate) { ", below zero, so it compensates for an unmodelled effect" } else { "" };
+            format!("{}{how}{doubt}", claim(*cause))
+        }
+        None => claim(*cause),
     };
     found.verdict.effects.iter().map(one).collect::<Vec<_>>().join("; ")
 }
@@ -246,9 +257,9 @@ fn unknown(found: &Diagnosis, units: &Units) -> String {
     };
     let lies = if found.places.is_empty() { String::new() } else { format!(" It lies {}.", location(found)) };
     format!(
-        "Nothing in the library closes the gap: of {} above a floor of {}, {} are left at best.{} {nature}.{lies}",
+        "Nothing in the library closes the gap: of {} above a floor of at most {}, {} are left at best.{} {nature}.{lies}",
         units.torque(verdict.gap_before_nm),
-        units.torque(gap.floor.rms_nm),
+        units.torque(gap.floor.upper_nm()),
         units.torque(verdict.gap_after_nm),
         in_part(found),
     )

@@ -2,7 +2,7 @@
 "use strict";
 (() => {
   const SVG = "http://www.w3.org/2000/svg";
-  const TALL = 48, TEXT = 12, ROOM = 12, RIGHT = 16, NARROW = 250;
+  const TALL = 48, TEXT = 12, BOLD = 0.85, ROOM = 12, RIGHT = 16, NARROW = 250;
   const state = { zoom: new Map(), marks: new Map(), cursor: null };
   const plots = [];
   let data = { columns: [], figures: {} };
@@ -43,7 +43,10 @@
     const found = [];
     const linear = (low, high, at, wanted) => {
       const rough = (high - low) / wanted, power = 10 ** Math.floor(Math.log10(rough));
-      const step = power * ([1, 2, 5].find((digit) => rough <= digit * power) || 10);
+      const count = (step) => Math.floor(high / step + 1e-9) - Math.ceil(low / step - 1e-9) + 1;
+      const widest = [1, 2, 5].find((digit) => rough <= digit * power) || 10;
+      // Two ticks at least: one alone shows no scale.
+      const step = power * [10, 5, 2, 1, 0.5, 0.2].find((digit) => digit <= widest && (count(digit * power) > 1 || digit === 0.2));
       for (let k = Math.ceil(low / step - 1e-9); k <= high / step + 1e-9 && found.length < 60; k++) found.push([at(k * step), tidy(k * step, step)]);
     };
     const wanted = Math.max(3, px / each);
@@ -192,14 +195,15 @@
         const side = width / row.panels.length >= NARROW ? row.panels.length : 1;
         for (let at = 0; at < row.panels.length; at += side) {
           const panels = row.panels.slice(at, at + side), height = this.tall(row, width);
-          const titles = panels.map((panel) => wrapped(panel.title, (width - RIGHT) / panels.length - 70));
+          const lefts = panels.map((panel, i) => this.left(panel, width, side, at + i));
+          const titles = panels.map((panel, i) => wrapped(panel.title, BOLD * (width / panels.length - lefts[i] - RIGHT)));
           const lines = Math.max(...panels.map((panel, i) => (panel.title ? titles[i].length : 0)));
           top += lines ? 10 + 15 * lines : ROOM;
           panels.forEach((panel, i) => {
             const from = (i * width) / panels.length;
             const cells = panel.series.some((series) => series.kind === "cells");
             const beside = Math.max(0, ...panel.beside.map((text) => Math.min(wide(text[1]), 0.3 * width) + 10), cells ? 74 : 0);
-            const left = from + this.left(panel, width, side, at + i);
+            const left = from + lefts[i];
             const frame = { panel, left, top, right: from + width / panels.length - Math.max(RIGHT, beside), bottom: top + height, alone: side === 1 && row.panels.length > 1 };
             if (panel.title) titles[i].forEach((line, k) => make("text", { x: left, y: top - 8 - 15 * (titles[i].length - 1 - k), class: "head" }, svg, line));
             this.frame(svg, frame);
@@ -227,7 +231,8 @@
     left(panel, width, side, column) {
       const alike = side === 1 ? this.panels : this.data.rows.filter((row) => row.panels.length === side).map((row) => row.panels[column]);
       const of = (panel) => {
-        const texts = panel.y.hidden ? [] : ticks(panel.y, this.ends(panel).y, 200, TALL).map((tick) => wide(tick[1]));
+        const tall = this.data.rows.find((row) => row.panels.includes(panel)).height;
+        const texts = panel.y.hidden ? [] : ticks(panel.y, this.ends(panel).y, tall, TALL).map((tick) => wide(tick[1]));
         return Math.min(Math.max(0, ...texts), panel.y.texts ? 0.34 * width : 200) + (panel.y.label ? 20 : 0) + 14;
       };
       return Math.max(...alike.map(of));
@@ -241,10 +246,14 @@
       frame.fy = (y) => ends.y[0] + ((bottom - y) / (bottom - top)) * (ends.y[1] - ends.y[0]);
       this.frames.push(frame);
       const inside = (p, [a, b]) => p >= a - 1e-9 && p <= b + 1e-9;
+      const told = [];
       for (const [at, text] of ticks(panel.x, ends.x, right - left)) {
         if (!inside(at, ends.x)) continue;
-        const x = frame.px(at);
+        const x = frame.px(at), reach = wide(text) / 2 + 3;
         make("path", { d: `M${x} ${top}V${bottom}`, class: "grid" }, svg);
+        // What would run into a tick that is told is left to the grid.
+        if (told.some(([other, its]) => Math.abs(x - other) < reach + its)) continue;
+        told.push([x, reach]);
         if (!panel.x.hidden || frame.alone) make("text", { x, y: bottom + 16, "text-anchor": "middle" }, svg, text);
       }
       for (const [at, text] of ticks(panel.y, ends.y, bottom - top, TALL)) {

@@ -17,7 +17,7 @@ const COLORS: [Color; 3] = [palette::BLUE, palette::GREEN, palette::PURPLE];
 
 const CAPTION: &str = "The residual's mean square in its parts, which add up, from the model as delivered to the noise floor: what the \
                        model's own parameters explain while they stay within their confidence, what each cause adds, what is \
-                       left, and the floor that no model could explain with its standard error. Squares add, roots do not: the RMS of each part is the \
+                       left, and the noise floor with its standard error, which no model could explain. Squares add, roots do not: the RMS of each part is the \
                        root of its own square.";
 
 /// A part of the mean square.
@@ -80,7 +80,7 @@ pub fn parts(found: &Diagnosis) -> Vec<Part> {
         });
     }
     all.push(part("unexplained", budget.unexplained, palette::VERMILION));
-    all.push(part("noise floor, its error", budget.floor, palette::PALE));
+    all.push(part("noise floor, at most", budget.floor, palette::PALE));
     all.retain(|part| part.square > 0.0);
     all
 }

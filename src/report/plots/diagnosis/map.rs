@@ -23,7 +23,7 @@ const SHOWN: f64 = 0.98;
 const STRETCHES: usize = 4;
 
 const CAPTION: &str = "RMS of the residual in cells of position and signed speed, over all trials, by the model as delivered and with \
-                       what was found; one scale for both, the triangle at the floor. White cells hold hardly any samples. Columns \
+                       what was found; one scale for both, the triangle at the floor. Empty cells hold hardly any samples. Columns \
                        that stand out: the gap goes with position; rows: with speed; the ends of the travel near zero speed: after \
                        reversals; above and below alike, but apart from the middle: with the direction. A click on a cell shows its \
                        samples over time.";
