@@ -294,6 +294,7 @@ fn columns_without_names_are_found_or_named() {
         all.iter().find(|column| column["key"] == key).map(|column| column["name"].clone()).unwrap_or_default()
     };
     assert_eq!((of(&found, "time"), of(&found, "position")), ("column_1".into(), "column_2".into()), "{found:#}");
+    assert_eq!((of(&found, "velocity"), of(&found, "torque")), ("column_3".into(), "column_4".into()), "{found:#}");
     let named =
         ["--column=position=column_2", "--column=velocity=column_3", "--column=torque=column_4", "--torque-unit=Nm"];
     let campaign = out.path().join("campaign");

@@ -284,9 +284,10 @@ impl Chooser<'_> {
         let has_current = || self.find(Quantity::Current, joint).is_some();
         let named = self.find(Quantity::Torque, joint);
         let is_varied = |l: &Labelled<'_>| extent(&l.series.values).0 < extent(&l.series.values).1;
+        let is_velocity = |l: &Labelled<'_>| self.is_derivative(&l.series.values);
         let unnamed = || {
             self.free()
-                .find(|(_, l)| l.label.quantity.is_none() && is_varied(l))
+                .find(|(_, l)| l.label.quantity.is_none() && is_varied(l) && !is_velocity(l))
                 .map(|(at, _)| at)
                 .filter(|_| !has_current())
         };
@@ -314,14 +315,19 @@ impl Chooser<'_> {
 
     /// The velocity, if it is the derivative of the position; it tells units that the header does not.
     fn velocity(&mut self, kind: JointKind, joint: &str, step_s: Option<f64>) {
-        let Some(at) = self.find(Quantity::Velocity, joint) else { return };
+        let unnamed = || {
+            let mut free = self.free().filter(|(_, l)| l.label.quantity.is_none());
+            free.find(|(_, l)| self.is_derivative(&l.series.values)).map(|(at, _)| at)
+        };
+        let Some(at) = self.find(Quantity::Velocity, joint).or_else(unnamed) else { return };
         let position = self.chosen.iter().position(|choice| choice.key == Quantity::Position.name());
         let (Some(position), Some(step_s)) = (position, step_s) else {
             self.taken.insert(at);
             return;
         };
-        let from = self.all.iter().find(|l| l.series.name == self.chosen[position].name).map(|l| &l.series.values);
-        let slope = from.and_then(|from| slope_on_derivative(&self.all[at].series.values, from, step_s, DERIVATIVE));
+        let slope = self
+            .of_position()
+            .and_then(|from| slope_on_derivative(&self.all[at].series.values, from, step_s, DERIVATIVE));
         let name = self.all[at].series.name.clone();
         let Some(slope) = slope else {
             self.taken.insert(at);
@@ -377,6 +383,17 @@ impl Chooser<'_> {
                 }
             }
         }
+    }
+
+    /// The readings of the position that was chosen.
+    fn of_position(&self) -> Option<&[f64]> {
+        let position = self.chosen.iter().find(|choice| choice.key == Quantity::Position.name())?;
+        self.all.iter().find(|l| l.series.name == position.name).map(|l| l.series.values.as_slice())
+    }
+
+    /// Whether `values` are, in some unit, the derivative of the position that was chosen.
+    fn is_derivative(&self, values: &[f64]) -> bool {
+        self.of_position().is_some_and(|position| slope_on_derivative(values, position, 1.0, IS_DERIVATIVE).is_some())
     }
 
     /// Whether the unit of a chosen column is known or stands in the header.

@@ -174,7 +174,9 @@ impl Writer<'_> {
 
     fn joint(&mut self, survey: &Survey) {
         let Answers { name, drive, .. } = self.answers;
-        let of_files = Some(survey.chosen.joint.clone()).filter(|joint| !joint.is_empty());
+        // A number names a joint only among others: `column_2` is no joint 2.
+        let is_name = |joint: &String| survey.chosen.joints.len() > 1 || joint.chars().any(char::is_alphabetic);
+        let of_files = Some(survey.chosen.joint.clone()).filter(|joint| !joint.is_empty() && is_name(joint));
         let name = name.clone().or(of_files).unwrap_or_else(|| "joint".to_string());
         self.line("\n[joint]");
         self.line(format!("name = {}", quoted(&name)));

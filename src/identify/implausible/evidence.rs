@@ -18,6 +18,10 @@ const SAMPLES: usize = 6000;
 const MOVING: f64 = 0.05;
 /// This share of a trial's range of position at either end is left out.
 const ENDS: f64 = 0.1;
+/// This share of the range is passed after a reversal before a sample counts: friction changes over there.
+const REVERSAL: f64 = 0.05;
+/// Friction that falls with speed is taken to have fallen at this share of the fastest; without sweeps it looks like load else.
+const SLOW: f64 = 0.1;
 /// The load must change by this share of itself for gravity to be told from an offset.
 const LOAD_CHANGE: f64 = 0.2;
 
@@ -45,7 +49,8 @@ pub(super) type Row = [f64; 5];
 /// What the `readings` of `campaign` say; `None` without motion.
 pub fn evidence(campaign: &Campaign, readings: &[Reading]) -> Option<Evidence> {
     let rows: Vec<Vec<Row>> = readings.iter().map(|reading| moving(campaign, reading)).collect();
-    Some(by_legs(campaign, fit(&rows.concat())?, &legs_of(readings)))
+    let legs = legs_of(readings);
+    Some(by_legs(campaign, fit(&rows.concat(), !legs.is_empty())?, &legs))
 }
 
 pub(super) fn legs_of(readings: &[Reading]) -> Vec<LegSums> {
@@ -83,8 +88,9 @@ pub(super) fn moving(campaign: &Campaign, reading: &Reading) -> Vec<Row> {
     let fastest = velocity_rad_s.iter().fold(0.0, |most: f64, v| most.max(v.abs()));
     let (low, high) = extent(&series.position_rad);
     let inner = low + ENDS * (high - low)..high - ENDS * (high - low);
+    let passed_rad = since_reversal(&series.position_rad, &velocity_rad_s);
     let is_used = |i: &usize| {
-        let is_moving = velocity_rad_s[*i].abs() > MOVING * fastest;
+        let is_moving = velocity_rad_s[*i].abs() > MOVING * fastest && passed_rad[*i] > REVERSAL * (high - low);
         is_moving && series.in_range[*i] && inner.contains(&series.position_rad[*i])
     };
     let used: Vec<usize> = (0..series.torque_nm.len()).filter(is_used).collect();
@@ -96,8 +102,20 @@ pub(super) fn moving(campaign: &Campaign, reading: &Reading) -> Vec<Row> {
     used.into_iter().step_by(step).map(row).collect()
 }
 
-/// The regression over `rows`.
-pub(super) fn fit(rows: &[Row]) -> Option<Evidence> {
+/// Travel since the velocity last changed its sign, rad.
+fn since_reversal(position_rad: &[f64], velocity_rad_s: &[f64]) -> Vec<f64> {
+    let (mut from_rad, mut sign) = (position_rad.first().copied().unwrap_or(0.0), 0.0);
+    let passed = position_rad.iter().zip(velocity_rad_s).map(|(position_rad, velocity_rad_s)| {
+        if velocity_rad_s.signum() != sign {
+            (from_rad, sign) = (*position_rad, velocity_rad_s.signum());
+        }
+        (position_rad - from_rad).abs()
+    });
+    passed.collect()
+}
+
+/// The regression over `rows`, which are `of_sweeps` or of motion at all speeds.
+pub(super) fn fit(rows: &[Row], of_sweeps: bool) -> Option<Evidence> {
     let step = rows.len().div_ceil(SAMPLES).max(1);
     let rows: Vec<Row> = rows.iter().step_by(step).copied().collect();
     if rows.len() < 50 || [1.0, -1.0].iter().any(|sign| rows.iter().all(|row| row[2] != *sign)) {
@@ -123,6 +141,11 @@ pub(super) fn fit(rows: &[Row]) -> Option<Evidence> {
     };
     let by_speed = put(has_speeds, signed(&speed));
     put(has_speeds, speed.clone());
+    // Between the speeds of sweeps friction may be anything; over all speeds it bends.
+    let fastest = speed.iter().copied().fold(f64::MIN_POSITIVE, f64::max);
+    let slow: Vec<f64> = speed.iter().map(|speed| (-speed / (SLOW * fastest)).exp()).collect();
+    let by_slow = put(has_speeds && !of_sweeps, signed(&slow));
+    put(has_speeds && !of_sweeps, slow.clone());
     let by_load = put(has_load, signed(&load));
     let of_load = put(has_load, load.clone());
     let of_slope = put(has_slope, slope);
@@ -135,9 +158,34 @@ pub(super) fn fit(rows: &[Row]) -> Option<Evidence> {
     let swing = root_mean_square(&load.iter().map(|load| load - middle).collect::<Vec<f64>>());
     Some(Evidence {
         gain,
-        friction_nm: found[0] + of(by_speed) * mean(&speed) + of(by_load) * mean(&load),
+        friction_nm: found[0] + of(by_speed) * mean(&speed) + of(by_slow) * mean(&slow) + of(by_load) * mean(&load),
         zero_rad: of(of_slope).atan2(of(of_load)),
         torque_nm,
         has_load: has_load && gain.abs().max(1.0) * swing > LOAD_SHARE * torque_nm,
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn friction_that_falls_with_speed_is_no_load() {
+        let row = |i: usize| {
+            let t = i as f64 / 100.0;
+            let q = 0.9 + 0.5 * (0.9 * t).sin() + 0.2 * (2.1 * t + 1.0).sin();
+            let v = 0.45 * (0.9 * t).cos() + 0.42 * (2.1 * t + 1.0).cos();
+            let slow = (-v.abs() / 0.08).exp();
+            [q.sin(), q.cos(), v.signum(), v.abs(), q.sin() + v.signum() * (0.3 + 0.6 * slow) + 0.1 * slow]
+        };
+        let rows: Vec<Row> = (0..4000).map(row).filter(|row| row[3] > 0.04).collect();
+        let found = fit(&rows, false).unwrap();
+        assert!((found.gain - 1.0).abs() < 0.01 && found.zero_rad.abs() < 0.003, "{found:?}");
+    }
+
+    #[test]
+    fn travel_is_counted_from_each_reversal() {
+        let passed = since_reversal(&[0.0, 1.0, 2.0, 1.5, 1.0], &[1.0, 1.0, 1.0, -1.0, -1.0]);
+        assert_eq!(passed, [0.0, 1.0, 2.0, 0.0, 0.5]);
+    }
 }

@@ -5,7 +5,7 @@
 //! 1 / (1 - mu_c), between 1 and 2 where friction takes less than half of the load: else scale, radii or gravity are wrong, and
 //! a mistake that people make may explain by how much. c / g is the tangent of the position's zero; sweeps tell that better, leg by
 //! leg (`zero`). Near its ends a motion turns, and friction passes from one branch to the other: there nothing is counted. What
-//! friction has of speed, in each direction, is fitted along.
+//! friction has of speed, in each direction, is fitted along, without sweeps as a line and a fall at low speed.
 
 mod evidence;
 mod gain;
@@ -86,11 +86,11 @@ impl Doubt {
 /// Contradictions between `campaign` and its `readings`, the gravest first.
 pub fn implausible(campaign: &Campaign, readings: &[Reading]) -> Vec<Doubt> {
     let rows: Vec<Vec<Row>> = readings.iter().map(|reading| moving(campaign, reading)).collect();
-    let Some(found) = fit(&rows.concat()) else { return Vec::new() };
+    let legs = legs_of(readings);
+    let Some(found) = fit(&rows.concat(), !legs.is_empty()) else { return Vec::new() };
     let mut doubts = Vec::new();
     doubts.extend(sign(&found));
     let is_scaled = campaign.columns.torque_from.is_none_or(|from| from.is_scaled());
-    let legs = legs_of(readings);
     if doubts.is_empty() && found.has_load && is_scaled {
         doubts.extend(gain(campaign, &by_legs(campaign, found, &legs)));
     }

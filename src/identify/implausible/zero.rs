@@ -47,7 +47,7 @@ pub(super) fn zero(campaign: &Campaign, found: &Evidence, rows: &[Vec<Row>], leg
 
 /// Whether the trials agree on a zero that is off like `zero_rad`.
 fn is_off_in_all(zero_rad: f64, rows: &[Vec<Row>]) -> bool {
-    let each: Vec<f64> = rows.iter().filter_map(|rows| Some(fit(rows)?.zero_rad)).collect();
+    let each: Vec<f64> = rows.iter().filter_map(|rows| Some(fit(rows, false)?.zero_rad)).collect();
     if each.len() < ZERO_TRIALS {
         return false;
     }
