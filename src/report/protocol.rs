@@ -13,9 +13,11 @@ use super::wording::{
 };
 use crate::identify::{CombinationFit, CurveKind, Identification, LegFit, Route};
 use crate::model::{Direction, Drive, Joint, Status};
+use crate::numerics::statistics::extent;
 
 /// Words of a warning, and the figure that shows what it is about; the first that fits counts.
-const SHOWN_BY: [(&str, &str); 8] = [
+const SHOWN_BY: [(&str, &str); 9] = [
+    ("sweeps reach", "residual_speed"),
     ("reversal", "transition"),
     ("clearance", "transition"),
     ("combination", "transition"),
@@ -25,6 +27,14 @@ const SHOWN_BY: [(&str, &str); 8] = [
     ("sweep", "sweep"),
     ("residual", "residual_time"),
 ];
+
+/// The formulas of the model and what their symbols mean, as the guide's page has them.
+fn formulas() -> Vec<String> {
+    let (_, rest) = include_str!("../guide/model.md").split_once("```text\n").unwrap_or_default();
+    let (formulas, rest) = rest.split_once("\n```\n\n").unwrap_or_default();
+    let (symbols, _) = rest.split_once("\n\n").unwrap_or_default();
+    formulas.lines().map(str::to_string).chain([symbols.replace('\n', " ").replace('`', "")]).collect()
+}
 
 /// The page of `found`.
 pub fn page(found: &Identification, campaign: &str) -> Page {
@@ -44,6 +54,7 @@ pub fn page(found: &Identification, campaign: &str) -> Page {
     let only = |figure: Option<Figure>| figure.into_iter().map(Block::Figure);
     let sections = [
         Section::open("Change of friction after a reversal", only(transition).chain(curves(found, &units)).collect()),
+        Section::open("The model", vec![Block::List(formulas())]),
         Section::open("Parameters", parameters(found, &units).into_iter().chain(only(confidence)).collect()),
         Section::open("What the model leaves", rest),
         Section::folded("Load and sweeps", only(amplitude).chain(only(sweep)).collect()),
@@ -84,15 +95,28 @@ fn next(found: &Identification) -> Vec<String> {
     ];
     let unseen = [of(Status::Flat), of(Status::AtBound)].concat();
     if !unseen.is_empty() {
-        steps.push(format!(
-            "These data do not determine {}: sweeps at lower and at higher speeds would.",
-            unseen.join(", ")
-        ));
+        steps.push(format!("These data do not determine {}: sweeps {}would.", unseen.join(", "), beyond(found)));
     }
     if !found.warnings.is_empty() {
-        steps.push("Look at the warnings first; each names what to change.".to_string());
+        steps.insert(0, "Read the warnings: where one names a cure, record or correct that first.".to_string());
     }
     steps
+}
+
+/// Speeds that the sweeps lack.
+fn beyond(found: &Identification) -> String {
+    let units = Units::of(&found.model.joint);
+    match extent(&found.legs.iter().map(|leg| leg.speed_rad_s).collect::<Vec<f64>>()) {
+        (low, high) if low.is_finite() && high.is_finite() => {
+            format!(
+                "slower than {} {unit} and faster than {} {unit} ",
+                significant(low, 2),
+                significant(high, 2),
+                unit = units.speed
+            )
+        }
+        _ => "at constant speeds, slow and fast, ".to_string(),
+    }
 }
 
 /// `text` with spaces that do not break between a number and its unit.

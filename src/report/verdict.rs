@@ -38,7 +38,7 @@ fn whole_series(found: &Identification, units: &Units) -> Option<String> {
     let samples: usize = found.residuals.iter().map(|r| r.residual_nm.len()).sum();
     let rmse = units.torque(overall_rmse_nm(found));
     (samples > 0)
-        .then(|| format!("Over all trials the model leaves {rmse} RMSE, prediction and measurement low-passed."))
+        .then(|| format!("Over all trials, to which it was fitted, the model leaves {rmse} RMSE, both low-passed."))
 }
 
 fn source(found: &Identification) -> String {
