@@ -11,6 +11,7 @@
 //! | `text` | the draft as text |
 
 mod columns;
+mod guess;
 mod measure;
 mod motion;
 mod names;

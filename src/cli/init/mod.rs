@@ -1,25 +1,24 @@
 //! `tautline init`.
 
-use super::interrupt;
+mod files;
+mod told;
+mod write;
+
 use super::outcome::Talk;
 use crate::dynamics::JointKind;
-use crate::import::{self, Series};
-use crate::init::{self, Answers, Draft, DraftTrial, Known, Question, Source, Survey};
-use crate::log::table::{Numbers, parquet_bytes};
+use crate::init::{self, Answers, Draft, Known, Question, Source, Survey};
 use crate::model::Drive;
 use crate::problem::{Problem, Result};
-use crate::report::output::MANIFEST;
-use crate::trajectory::Protocol;
 use crate::units::Quantity;
 use clap::ValueEnum;
+use files::{Named, common_folder, is_in_place, is_perhaps_no_log, name_from, named};
 use rayon::prelude::*;
-use serde_json::{Value, json};
 use std::io::{BufRead, IsTerminal, Write};
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::process::ExitCode;
+use told::{tell, to_json};
+use write::{write_beside, write_new};
 
-/// Digits kept after the point in logs that are written anew: float64 has 15 to 17 significant ones.
-const DECIMALS: usize = 15;
 /// The answer that leaves a question to the data.
 const BY_DATA: &str = "data";
 
@@ -130,7 +129,7 @@ enum DriveChoice {
 }
 
 pub fn run(arguments: &Arguments, talk: &Talk) -> Result<ExitCode> {
-    let Named { logs, others } = files(&arguments.files)?;
+    let Named { logs, others } = named(&arguments.files)?;
     let base = common_folder(&logs);
     let read = |file: &PathBuf| match init::read(file, &name_from(&base, file)) {
         // A folder may hold notes, licences and runs that were never recorded beside its logs.
@@ -194,124 +193,6 @@ fn column(text: &str) -> std::result::Result<(String, String), String> {
 
 fn has_column(sources: &[Source], name: &str) -> bool {
     sources[0].columns.iter().any(|series| series.name == name)
-}
-
-/// The files that the arguments name, sorted, each once.
-struct Named {
-    /// What may be a log, going by its ending, or by its being named itself.
-    logs: Vec<PathBuf>,
-    /// What else lies in the folders.
-    others: Vec<PathBuf>,
-}
-
-/// Every file that the arguments name: files, those in folders at any depth, those that patterns match.
-fn files(named: &[PathBuf]) -> Result<Named> {
-    let mut all: Vec<PathBuf> = Vec::new();
-    for path in named {
-        if path.is_dir() {
-            all.extend(files_in(path)?);
-        } else if path.exists() {
-            all.push(path.clone());
-        } else {
-            let matched: Vec<PathBuf> = glob::glob(&path.to_string_lossy()).into_iter().flatten().flatten().collect();
-            if matched.is_empty() {
-                return Problem::error(path, "there is no such file", "name logs, their folder or a pattern").alone();
-            }
-            all.extend(matched.into_iter().filter(|file| file.is_file()));
-        }
-    }
-    all.sort();
-    all.dedup();
-    let (logs, others): (Vec<PathBuf>, Vec<PathBuf>) =
-        all.into_iter().partition(|file| import::is_log(file) || named.contains(file));
-    match (logs.is_empty(), others.first()) {
-        (false, _) => Ok(Named { logs, others }),
-        (true, Some(other)) => import::unsupported(other).alone(),
-        (true, None) => Problem::error(&named[0], "holds no log", "name files with a column for each signal").alone(),
-    }
-}
-
-/// The files below `folder`, but for hidden ones and for folders that hold a campaign or what a command wrote.
-fn files_in(folder: &Path) -> Result<Vec<PathBuf>> {
-    let entries = std::fs::read_dir(folder).or_else(|error| {
-        Problem::error(folder, format!("cannot be read: {error}"), "check the path and its permissions").alone()
-    })?;
-    let is_own = |inner: &Path| [MANIFEST, "campaign.toml"].iter().any(|own| inner.join(own).exists());
-    let mut found = Vec::new();
-    for entry in entries.flatten() {
-        let name = entry.file_name();
-        match entry.path() {
-            _ if name.to_string_lossy().starts_with('.') || name == "campaign.toml" => {}
-            inner if inner.is_dir() && is_own(&inner) => {}
-            inner if inner.is_dir() => found.extend(files_in(&inner)?),
-            file => found.push(file),
-        }
-    }
-    Ok(found)
-}
-
-/// Whether a file with a log's ending may be none: a text, or one that holds nothing.
-fn is_perhaps_no_log(file: &Path) -> bool {
-    let is_empty = || file.metadata().is_ok_and(|about| about.len() == 0);
-    let is_table = file.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("csv"));
-    import::is_text(file) && !is_table || is_empty()
-}
-
-/// The folder that all files lie in, at whatever depth.
-fn common_folder(files: &[PathBuf]) -> PathBuf {
-    let mut folder = files[0].parent().unwrap_or(Path::new("")).to_path_buf();
-    while !files.iter().all(|file| file.starts_with(&folder)) && folder.pop() {}
-    folder
-}
-
-/// What `file` is called relative to `base`.
-fn name_from(base: &Path, file: &Path) -> String {
-    file.strip_prefix(base).unwrap_or(file).to_string_lossy().into_owned()
-}
-
-/// Whether the campaign's folder is the logs' own, and the logs can stay as they are.
-fn is_in_place(output: &Path, base: &Path, sources: &[Source]) -> bool {
-    let base = if base.as_os_str().is_empty() { Path::new(".") } else { base };
-    let is_same = matches!((output.canonicalize(), base.canonicalize()), (Ok(a), Ok(b)) if a == b);
-    is_same && sources.iter().all(Source::stays)
-}
-
-/// Writes campaign.toml beside the logs.
-fn write_beside(folder: &Path, text: &str, force: bool) -> Result<()> {
-    let file = folder.join("campaign.toml");
-    if file.exists() && !force {
-        return Problem::error(&file, "exists", "name another folder, or replace it with --force").alone();
-    }
-    let written = tempfile::NamedTempFile::new_in(folder).and_then(|mut new| {
-        new.write_all(text.as_bytes())?;
-        new.persist(&file).map_err(|error| error.error)?;
-        Ok(())
-    });
-    written.or_else(|error| Problem::unwritable(&file, "cannot be written", &error).alone())
-}
-
-/// Writes a new folder with campaign.toml and the logs: tables as they are, others as Parquet.
-fn write_new(arguments: &Arguments, survey: &Survey, draft: &Draft) -> Result<()> {
-    let output = interrupt::output(&arguments.output, arguments.force, "init")?;
-    for source in &survey.sources {
-        let name = source.log_name();
-        if source.stays() {
-            let bytes = std::fs::read(&source.path)
-                .or_else(|error| Problem::error(&source.path, format!("cannot be read: {error}"), "").alone())?;
-            output.copy(&name, &bytes)?;
-            continue;
-        }
-        let named = |series: &&Series| survey.chosen.columns.iter().any(|choice| choice.name == series.name);
-        let numbers: Vec<Numbers<'_>> = source
-            .columns
-            .iter()
-            .filter(named)
-            .map(|series| Numbers { name: &series.name, values: &series.values, decimals: DECIMALS })
-            .collect();
-        output.write(&name, parquet_bytes(Path::new(&name), &numbers)?)?;
-    }
-    output.write("campaign.toml", &draft.text)?;
-    output.finish()
 }
 
 /// The answers that options give.
@@ -431,61 +312,4 @@ fn prompt(question: &str, offer: &str) -> Option<String> {
     let mut line = String::new();
     let read = std::io::stdin().lock().read_line(&mut line).unwrap_or(0);
     (read > 0).then(|| line.trim().to_string())
-}
-
-fn to_json(arguments: &Arguments, survey: &Survey, draft: &Draft) -> Value {
-    let column = |choice: &init::Choice| json!({ "key": choice.key, "name": choice.name, "unit": choice.measure.unit.name(), "scale": choice.measure.scale, "why": choice.why });
-    let trial = |trial: &DraftTrial| {
-        let speed = match trial.protocol {
-            Protocol::Uniform { speed_rad_s } => Some(speed_rad_s),
-            _ => None,
-        };
-        json!({
-            "file": survey.sources[trial.source].log_name(),
-            "rows": trial.rows.as_ref().map(|rows| [rows.start, rows.end]),
-            "protocol": trial.protocol.name(),
-            "speed_rad_s": speed,
-            "repeat": trial.repeat,
-            "trajectory": trial.trajectory,
-            "found": trial.found,
-        })
-    };
-    let question =
-        |question: &Question| json!({ "key": question.key, "asks": question.asks, "suggested": question.suggested });
-    let source = |source: &Source| json!({ "file": source.path, "form": source.form, "repeated_rows": source.repeated, "missing_rows": source.missing });
-    json!({
-        "format": "init/1",
-        "campaign": arguments.output,
-        "kind": survey.chosen.kind.name(),
-        "rate_hz": survey.rate_hz,
-        "joints": survey.chosen.joints,
-        "files": survey.sources.iter().map(source).collect::<Vec<_>>(),
-        "columns": survey.chosen.columns.iter().map(column).collect::<Vec<_>>(),
-        "trials": survey.trials.iter().map(trial).collect::<Vec<_>>(),
-        "questions": draft.questions.iter().map(question).collect::<Vec<_>>(),
-        "notes": survey.chosen.notes,
-    })
-}
-
-fn tell(out: &mut Vec<u8>, arguments: &Arguments, survey: &Survey, draft: &Draft) -> std::io::Result<()> {
-    let file = arguments.output.join("campaign.toml");
-    let rate = match survey.rate_hz {
-        0.0 => "an unknown rate".to_string(),
-        rate_hz => format!("{rate_hz:.6} Hz"),
-    };
-    writeln!(out, "{} files at {rate}, {} trials", survey.sources.len(), survey.trials.len())?;
-    for choice in &survey.chosen.columns {
-        writeln!(out, "  {:<12} `{}`, {}", choice.key, choice.name, choice.measure)?;
-    }
-    for note in &survey.chosen.notes {
-        writeln!(out, "  {note}")?;
-    }
-    if draft.questions.is_empty() {
-        return writeln!(out, "{}: complete; `tautline validate` checks it", file.display());
-    }
-    writeln!(out, "{}: {} questions are open, marked `# ?`:", file.display(), draft.questions.len())?;
-    for question in &draft.questions {
-        writeln!(out, "  {}: {}", question.key, question.asks)?;
-    }
-    Ok(())
 }
