@@ -171,8 +171,8 @@ def stray(master, drive):
 def to_op(master, drive):
     import pysoem
 
-    # Pulses without outputs until a synchronisation error: as many as a machine may stall.
-    drive.sdo_write(0x10F1, 2, struct.pack("<H", int(WATCHDOG_S * 1000)))
+    # Pulses without outputs until a synchronisation error, each of which counts 3: as many as a machine may stall.
+    drive.sdo_write(0x10F1, 2, struct.pack("<H", int(3 * WATCHDOG_S * 1000)))
     master.config_map()
     check("clocks: both devices have one", master.config_dc())
     for slave in master.slaves:

@@ -19,8 +19,9 @@ const CHANGE_NS: u64 = 500_000;
 /// How long a device waits in SAFE-OP for the outputs that let it into OP, ns.
 const WAITS_FOR_OUTPUTS_NS: u64 = 5_000_000_000;
 
-/// The object that holds when a device gives up for want of outputs (ETG.1020, sync error counter limit): each pulse of the clock without
-/// them counts `MISSED`, each with them takes one off; 0 for never.
+/// The object that holds when a device gives up because no outputs come (ETG.1020, sync error counter limit): each pulse of the clock
+/// without them counts `MISSED`; 0 for never. Those of ETG.1020 take one off for a pulse with them. Here such a pulse takes all off: a
+/// master that sleeps between its frames and is slower than the pulse by a third would be thrown out else, whose every frame comes.
 pub const SYNC_ERROR_LIMIT: (u16, u8) = (0x10F1, 2);
 const MISSED: u64 = 3;
 
@@ -122,7 +123,7 @@ impl Device {
             return;
         }
         let is_fed = self.fed_ns.is_some_and(|fed_ns| fed_ns >= self.worked_ns);
-        self.missed_outputs = if is_fed { self.missed_outputs.saturating_sub(1) } else { self.missed_outputs + MISSED };
+        self.missed_outputs = if is_fed { 0 } else { self.missed_outputs + MISSED };
         if self.missed_outputs >= limit {
             self.fall(code::SYNCHRONISATION);
         }
