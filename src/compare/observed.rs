@@ -20,8 +20,9 @@ use crate::model::{Both, Direction, Level, Model};
 use crate::numerics::statistics::HALF_WIDTH;
 use nalgebra::{Cholesky, DMatrix, DVector};
 
-/// A rival that explains all but this of chi squared (2 standard errors) cannot be told apart from the cause taken.
-const RIVAL: f64 = 4.0;
+/// A rival that explains all but this of chi squared cannot be told apart from the cause taken: the right one is farther behind once in
+/// a hundred times.
+const RIVAL: f64 = 6.63;
 /// Differences of this share of A or B are none, however little scatters.
 const IMMATERIAL: f64 = 1e-3;
 /// Most causes that are named: more would be a new joint.
