@@ -94,6 +94,36 @@ fn each_change_is_named() {
     assert_eq!(changed(|m| m.dynamics.gravity_nm *= 1.05), [(CauseKind::Gravity, None)]);
 }
 
+/// A tare moves both directions alike; a mass hung elsewhere than the others adds a level beside its sine.
+#[test]
+fn an_offset_is_told_and_one_beside_a_load_is_that_loads() {
+    let found = |load: f64, offset_nm: f64| {
+        let mut after = with_functions(truth());
+        for direction in Direction::BOTH {
+            let of = after.functions.branches.of_mut(direction).as_mut().unwrap();
+            of.a_nm *= load;
+            of.levels.iter_mut().for_each(|level| level.b_nm += offset_nm);
+        }
+        compare(&with_functions(truth()), &after).unwrap().attribution.causes
+    };
+    let [tare] = &found(1.0, -0.03)[..] else { panic!() };
+    assert_eq!((tare.kind, tare.direction), (CauseKind::Offset, None));
+    assert!((tare.change + 0.03).abs() < 1e-3 && tare.high < 0.0, "{tare:?}");
+    let [mass] = &found(1.2, 0.03)[..] else { panic!() };
+    assert_eq!((mass.kind, mass.direction, mass.rivals.len()), (CauseKind::Gravity, None, 0));
+    assert!((mass.change - 0.2).abs() < 5e-3, "{mass:?}");
+}
+
+/// Friction that rises in both directions, by unlike amounts, is not an offset with friction of one of them.
+#[test]
+fn coulomb_friction_of_both_directions_is_no_offset() {
+    let both = [(CauseKind::Coulomb, Some(Direction::Up)), (CauseKind::Coulomb, Some(Direction::Down))];
+    let mut named =
+        changed(|m| (m.friction.up.a_j, m.friction.down.a_j) = (1.1 * m.friction.up.a_j, 1.4 * m.friction.down.a_j));
+    named.sort_by_key(|(_, direction)| *direction != Some(Direction::Up));
+    assert_eq!(named, both);
+}
+
 /// The load coefficient of each direction by itself, not a gain that one direction compensates for: a gain is their rival.
 #[test]
 fn load_coefficients_of_both_directions_are_told_apart_from_a_gain() {

@@ -1,6 +1,5 @@
 //! What changed, decided on A and B(v) rather than on parameters, which trade off.
 //!
-//!
 //! `observed` says how.
 
 use super::cause::{Cause, CauseKind, Measure};
@@ -30,11 +29,11 @@ impl Attribution {
     /// It is one of `count` comparisons.
     pub(super) fn new(before: &Model, after: &Model, count: usize) -> Self {
         let nothing = Self { chance: f64::NAN, ..Self::default() };
-        let Some(observed) = Observed::new(before, after) else { return nothing };
+        let explains = (HALF_WIDTH * together(TRIED * count)).powi(2);
+        let Some(observed) = Observed::new(before, after, explains) else { return nothing };
         let compared = observed.count();
         let chance = chi_squared_tail(observed.chi_squared(), compared as f64);
-        let explains = (HALF_WIDTH * together(TRIED * count)).powi(2);
-        let mut causes = observed.causes(explains);
+        let mut causes = observed.causes();
         causes.extend(change_over(before, after, explains));
         causes.extend(zero(before, after, explains));
         Self { causes, chance: (chance * count as f64).min(1.0), compared }

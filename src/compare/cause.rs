@@ -55,6 +55,8 @@ pub enum CauseKind {
     Gain,
     /// What hangs on the joint, or a spring about it.
     Gravity,
+    /// A torque that depends on nothing: the sensor's tare, or a constant load.
+    Offset,
     /// The travel over which friction changes over after a reversal: clearance, or the curve's p or n.
     ChangeOver,
     /// The zero of the position.
@@ -71,6 +73,7 @@ impl CauseKind {
             Self::LoadCoefficient => "friction_per_load",
             Self::Gain => "gain_or_load_coefficient",
             Self::Gravity => "gravity_or_spring",
+            Self::Offset => "torque_offset",
             Self::ChangeOver => "change_over",
             Self::Zero => "position_zero",
         }
@@ -85,6 +88,7 @@ impl CauseKind {
             Self::LoadCoefficient => "load coefficient",
             Self::Gain => "scale of friction and load alike (sensor gain, or load coefficient in both directions)",
             Self::Gravity => "load that follows position (gravity, or a spring)",
+            Self::Offset => "torque offset (the sensor's zero, or a constant load)",
             Self::ChangeOver => "travel of the change-over after a reversal",
             Self::Zero => "zero of the position",
         }
@@ -97,6 +101,7 @@ impl CauseKind {
             Self::Viscous => &["d"],
             Self::Stribeck => &["b_c", "c_c", "b_j", "c_j"],
             Self::LoadCoefficient | Self::Gain | Self::Gravity => &["mu_c"],
+            Self::Offset => &[],
             Self::ChangeOver => &["combination.p", "combination.n", "joint.backlash_m"],
             Self::Zero => &["dynamics.position_zero_rad"],
         }

@@ -5,6 +5,7 @@ mod cause;
 mod effect;
 mod functions;
 mod observed;
+mod selection;
 
 pub use attribution::Attribution;
 pub use cause::{Cause, CauseKind, Measure};

@@ -11,40 +11,45 @@
 //! | Stribeck friction | 0 | the exponentials of the earlier model |
 //! | load coefficient, one direction | 1 | B before: both go as 1 / (1 - mu_c) (18), (19) |
 //! | gain of the sensor, or both load coefficients | 1, both | B before, both |
-//! | gravity, or a spring about the joint | 1, both | 0 |
+//! | gravity, or a spring about the joint | 1, both | 0, or one level in both |
+//! | torque offset | 0 | 1, both |
 //!
-//! Causes are taken one at a time, each time the one that explains most, while it explains more than chance would.
+//! A mass that is not where the others are adds a cosine to their sine, a spring with a rest position of its own a level: gravity
+//! is tried with and without one.
+//!
+//! `selection` takes causes from them.
 
-use super::cause::{Cause, CauseKind, Measure};
+use super::cause::{CauseKind, Measure};
 use crate::model::{Both, Direction, Level, Model};
-use crate::numerics::statistics::HALF_WIDTH;
 use nalgebra::{Cholesky, DMatrix, DVector};
 
-/// A rival that explains all but this of chi squared cannot be told apart from the cause taken: the right one is farther behind once in
-/// a hundred times.
-const RIVAL: f64 = 6.63;
+/// What a cause's second number must explain of chi squared to count: of two numbers chance explains 9.21 once in a hundred times,
+/// of one 6.63.
+const SECOND_NUMBER: f64 = 2.58;
 /// Differences of this share of A or B are none, however little scatters.
 const IMMATERIAL: f64 = 1e-3;
-/// Most causes that are named: more would be a new joint.
-const CAUSES: usize = 6;
 /// Speeds compared in one direction at most: those of the later model, thinned.
 const SPEEDS: usize = 24;
 /// Where the earlier model has no Stribeck term: the share of the fastest speed at which a typical one has fallen to 1/e.
 const STRIBECK_SHARE: f64 = 0.15;
 
-/// A column of what a cause does.
-struct Column {
-    kind: CauseKind,
-    direction: Option<Direction>,
+/// What a cause does.
+pub(super) struct Column {
+    pub kind: CauseKind,
+    pub direction: Option<Direction>,
     /// Whitened, per unit of `change`.
     whitened: DVector<f64>,
-    measure: Measure,
+    /// Whitened, per N m of the level that comes with it.
+    level: Option<DVector<f64>>,
+    pub measure: Measure,
 }
 
 /// Whitened differences, and what each cause does to them.
 pub(super) struct Observed {
     difference: DVector<f64>,
-    columns: Vec<Column>,
+    pub columns: Vec<Column>,
+    /// What a cause must explain of chi squared.
+    pub explains: f64,
 }
 
 /// The rows of one direction.
@@ -97,8 +102,8 @@ impl Rows {
 }
 
 impl Observed {
-    /// Of two models; `None` where they share neither A nor a speed.
-    pub fn new(before: &Model, after: &Model) -> Option<Self> {
+    /// Of two models, where a cause must explain `explains` of chi squared; `None` where they share neither A nor a speed.
+    pub fn new(before: &Model, after: &Model, explains: f64) -> Option<Self> {
         let rows: Vec<Rows> = Direction::BOTH.into_iter().filter_map(|d| Rows::new(d, [before, after])).collect();
         let count: usize = rows.iter().map(Rows::count).sum();
         if count == 0 {
@@ -121,30 +126,37 @@ impl Observed {
         let columns = columns(&rows, &place, count, before);
         let columns = columns.into_iter().filter_map(|column| {
             let whitened = whiten(column.whitened)?;
-            (whitened.norm() > 0.0).then_some(Column { whitened, ..column })
+            let level = column.level.and_then(whiten);
+            (whitened.norm() > 0.0).then_some(Column { whitened, level, ..column })
         });
-        Some(Self { columns: columns.collect(), difference: whiten(difference)? })
+        Some(Self { columns: columns.collect(), difference: whiten(difference)?, explains })
     }
 
-    /// Chi squared left by the columns at `taken`, with their coefficients and the coefficients' covariance; `None` without
-    /// columns, or where they cannot be told apart.
-    fn left(&self, taken: &[usize]) -> Option<(f64, DVector<f64>, DMatrix<f64>)> {
+    /// Chi squared left by the causes at `taken`, with what their second numbers must explain added; their sizes and the sizes'
+    /// covariance. `None` without causes, where they cannot be told apart, or where one is a level alone, beside a load that did not
+    /// change.
+    pub fn left(&self, taken: &[usize]) -> Option<(f64, DVector<f64>, DMatrix<f64>)> {
         if taken.is_empty() {
             return None;
         }
-        let design = DMatrix::from_fn(self.difference.len(), taken.len(), |i, j| self.columns[taken[j]].whitened[i]);
+        let sizes = taken.iter().map(|i| &self.columns[*i].whitened);
+        let levels: Vec<&DVector<f64>> = taken.iter().filter_map(|i| self.columns[*i].level.as_ref()).collect();
+        let design = DMatrix::from_columns(&sizes.chain(levels.iter().copied()).cloned().collect::<Vec<_>>());
         let gram = design.tr_mul(&design);
-        let scale = DVector::from_fn(taken.len(), |i, _| gram[(i, i)].sqrt());
-        let scaled = DMatrix::from_fn(taken.len(), taken.len(), |i, j| gram[(i, j)] / scale[i] / scale[j]);
+        let scale = gram.diagonal().map(f64::sqrt);
+        let scaled = gram.map_with_location(|i, j, product| product / scale[i] / scale[j]);
         /// Columns that are one but for this share of their length cannot be told apart.
         const APART: f64 = 1e-4;
-        if scaled.clone().symmetric_eigenvalues().min() < APART {
+        if scaled.symmetric_eigenvalues().min() < APART {
             return None;
         }
         let inverse = gram.try_inverse()?;
-        let coefficients = &inverse * design.tr_mul(&self.difference);
-        let left = (&self.difference - &design * &coefficients).norm_squared();
-        Some((left, coefficients, inverse))
+        let sizes = &inverse * design.tr_mul(&self.difference);
+        let is_seen = |at: usize| {
+            self.columns[taken[at]].level.is_none() || sizes[at].powi(2) > self.explains * inverse[(at, at)]
+        };
+        let left = (&self.difference - &design * &sizes).norm_squared() + SECOND_NUMBER * levels.len() as f64;
+        (0..taken.len()).all(is_seen).then_some((left, sizes, inverse))
     }
 
     /// Differences compared.
@@ -156,80 +168,12 @@ impl Observed {
     pub fn chi_squared(&self) -> f64 {
         self.difference.norm_squared()
     }
-
-    /// The causes that explain more than `explains` of chi squared each, the clearest first.
-    pub fn causes(&self, explains: f64) -> Vec<Cause> {
-        let mut taken: Vec<usize> = Vec::new();
-        let mut rivals: Vec<Vec<usize>> = Vec::new();
-        let mut here = self.difference.norm_squared();
-        while taken.len() < CAUSES {
-            let with = |i: usize| {
-                let all: Vec<usize> = taken.iter().copied().chain([i]).collect();
-                Some((i, self.left(&all)?.0))
-            };
-            let mut tried: Vec<(usize, f64)> =
-                (0..self.columns.len()).filter(|i| !taken.contains(i)).filter_map(with).collect();
-            tried.sort_by(|a, b| a.1.total_cmp(&b.1));
-            let Some(&(best, left)) = tried.first().filter(|(_, left)| here - left > explains) else { break };
-            let close = tried.iter().skip(1).filter(|(_, other)| other - left < RIVAL).map(|(i, _)| *i);
-            rivals.push(close.collect());
-            taken.push(best);
-            here = left;
-        }
-        self.settle(&mut taken, &mut rivals, explains);
-        self.by_direction(&mut taken, &mut rivals);
-        let Some((_, coefficients, covariance)) = self.left(&taken) else { return Vec::new() };
-        let cause = |(at, i): (usize, &usize)| {
-            let column = &self.columns[*i];
-            let (change, half) = (coefficients[at], HALF_WIDTH * covariance[(at, at)].sqrt());
-            Cause {
-                kind: column.kind,
-                direction: column.direction,
-                change,
-                low: change - half,
-                high: change + half,
-                measure: column.measure,
-                rivals: rivals[at].iter().map(|i| (self.columns[*i].kind, self.columns[*i].direction)).collect(),
-            }
-        };
-        taken.iter().enumerate().map(cause).collect()
-    }
-
-    /// A gain with the load coefficient of one direction is the load coefficient of both, each by itself: two changes of one kind
-    /// rather than of two. What they amount to is the same, so the gain stays their rival.
-    fn by_direction(&self, taken: &mut [usize], rivals: &mut [Vec<usize>]) {
-        let place = |kind| taken.iter().position(|i| self.columns[*i].kind == kind);
-        let Some((gain, load)) = place(CauseKind::Gain).zip(place(CauseKind::LoadCoefficient)) else { return };
-        let is_other = |i: &usize| self.columns[*i].kind == CauseKind::LoadCoefficient && !taken.contains(i);
-        let Some(other) = (0..self.columns.len()).find(is_other) else { return };
-        for at in [gain, load] {
-            rivals[at] = vec![taken[gain]];
-        }
-        taken[gain] = other;
-    }
-
-    /// Drops causes that those taken after them made needless; a rival that was taken itself is none.
-    fn settle(&self, taken: &mut Vec<usize>, rivals: &mut Vec<Vec<usize>>, explains: f64) {
-        while let Some((all, ..)) = self.left(taken).filter(|_| taken.len() > 1) {
-            let without = |at: &usize| {
-                let rest: Vec<usize> = taken.iter().enumerate().filter(|(i, _)| i != at).map(|(_, c)| *c).collect();
-                self.left(&rest).map_or(f64::INFINITY, |(left, ..)| left - all)
-            };
-            let cheapest = (0..taken.len()).min_by(|a, b| without(a).total_cmp(&without(b)));
-            let Some(at) = cheapest.filter(|at| without(at) < explains) else { break };
-            taken.remove(at);
-            rivals.remove(at);
-        }
-        for of in rivals.iter_mut() {
-            of.retain(|i| !taken.contains(i));
-        }
-    }
 }
 
 /// What each cause does to the rows, not yet whitened.
 fn columns(rows: &[Rows], place: &Both<usize>, count: usize, before: &Model) -> Vec<Column> {
     let mut columns = Vec::new();
-    let (mut gain, mut gravity) = (DVector::zeros(count), DVector::zeros(count));
+    let (mut gain, mut gravity, mut offset) = (DVector::zeros(count), DVector::zeros(count), DVector::zeros(count));
     for of in rows {
         let first = *place.of(of.direction);
         let levels = first + usize::from(of.relative_a.is_some());
@@ -246,8 +190,9 @@ fn columns(rows: &[Rows], place: &Both<usize>, count: usize, before: &Model) -> 
         let before_nm = of.levels.iter().map(|level| level.1.abs()).fold(0.0, f64::max);
         let torque = Measure::Torque { before_nm };
         let mut add = |kind, whitened: DVector<f64>, measure| {
-            columns.push(Column { kind, direction: Some(of.direction), whitened, measure });
+            columns.push(Column { kind, direction: Some(of.direction), whitened, level: None, measure });
         };
+        offset += over_levels(&|_, _| 1.0);
         add(CauseKind::Coulomb, over_levels(&|_, _| 1.0), torque);
         if of.levels.len() > 1 {
             add(CauseKind::Viscous, over_levels(&|v, _| v / fastest), torque);
@@ -263,10 +208,15 @@ fn columns(rows: &[Rows], place: &Both<usize>, count: usize, before: &Model) -> 
             add(CauseKind::LoadCoefficient, scaled, Measure::Load { mu_c: before.friction.of(of.direction).mu_c });
         }
     }
+    let both = |kind, whitened, level, measure| Column { kind, direction: None, whitened, level, measure };
+    let before_nm = rows.iter().flat_map(|of| &of.levels).map(|level| level.1.abs()).fold(0.0, f64::max);
     if rows.iter().filter(|of| of.relative_a.is_some()).count() == 2 {
-        for (kind, whitened) in [(CauseKind::Gain, gain), (CauseKind::Gravity, gravity)] {
-            columns.push(Column { kind, direction: None, whitened, measure: Measure::Share });
-        }
+        columns.push(both(CauseKind::Gain, gain, None, Measure::Share));
+        columns.push(both(CauseKind::Gravity, gravity.clone(), None, Measure::Share));
+        columns.push(both(CauseKind::Gravity, gravity, Some(offset.clone()), Measure::Share));
+    }
+    if rows.iter().filter(|of| !of.levels.is_empty()).count() == 2 {
+        columns.push(both(CauseKind::Offset, offset, None, Measure::Torque { before_nm }));
     }
     columns
 }

@@ -44,7 +44,8 @@ pub enum ComparisonFormat {
 /// What changed, as A and B(v) tell it.
 #[derive(Debug, Deserialize, JsonSchema)]
 pub struct ChangeCause {
-    /// coulomb_friction, viscous_friction, stribeck_friction, friction_per_load, change_over, gravity_or_spring or position_zero.
+    /// coulomb_friction, viscous_friction, stribeck_friction, friction_per_load, gain_or_load_coefficient, gravity_or_spring,
+    /// torque_offset, change_over or position_zero.
     pub what: String,
     /// up or down; null of what concerns both.
     pub direction: Option<String>,
