@@ -11,10 +11,10 @@ const CAMPAIGN: &str = "data/davinci_l4";
 const MODEL: &str = "data/davinci_l4/base_model.json";
 /// Every figure that this campaign has data for, with labels that it must bear.
 const FIGURES: [(&str, &[&str]); 11] = [
-    ("budget", &["share of the residual's mean square (%)", "as delivered", "unexplained", "100"]),
+    ("budget", &["RMS (", "gap as delivered", "unexplained", "noise floor"]),
     ("map", &["position (deg)", "speed (rad/s)", "as delivered", "floor"]),
     ("candidates", &["how far the gap above the floor shrinks (%)", "taken", "flexible fit"]),
-    ("where", &["share of the gap's energy above the floor (%)"]),
+    ("where", &["share of the gap's mean square (%)", "of the samples, RMS"]),
     ("residual_time", TRACE),
     ("residual_time_02", TRACE),
     ("residual_time_03", TRACE),

@@ -72,10 +72,10 @@ pub fn run(arguments: &Arguments, talk: &Talk) -> Result<ExitCode> {
         || json!({ "format": "demo/1", "folder": folder, "steps": told }),
         |out| {
             writeln!(out, "\nWithheld from tautline: {WITHHELD}")?;
-            writeln!(out, "Found from the logs:    {}", found.causes)?;
+            writeln!(out, "Found from the logs:    {}", found.told)?;
             writeln!(
                 out,
-                "Gap above the floor:    {} mN m before, {} mN m with it",
+                "Gap above the floor:    {} mN m before, {} mN m with the cause added",
                 found.before_mnm, found.after_mnm
             )?;
             writeln!(out, "Figure:                 {}", page.display())?;
@@ -90,7 +90,8 @@ const WITHHELD: &str = "an elastic spring of 0.25 N m/rad (a stiffened sheath)";
 
 /// What the diagnosis found.
 struct Found {
-    causes: String,
+    /// The causes, the spring's stiffness, and how probable that is.
+    told: String,
     before_mnm: String,
     after_mnm: String,
 }
@@ -104,9 +105,13 @@ impl Found {
             .or_else(|error| Problem::error(path, format!("is no JSON: {error}"), "report this").alone())?;
         let verdict = &written["verdict"];
         let torque = |key: &str| verdict[key].as_f64().map_or("?".to_string(), |x| significant(1e3 * x, 3));
-        let causes: Vec<&str> = verdict["effects"].as_array().into_iter().flatten().filter_map(Value::as_str).collect();
+        let named: Vec<&str> = verdict["effects"].as_array().into_iter().flatten().filter_map(Value::as_str).collect();
+        let causes = if named.is_empty() { vec!["nothing"] } else { named };
+        let spring = &written["causes"][0]["parameters"]["stiffness_nm_rad"];
+        let stiffness = spring.as_f64().map_or_else(String::new, |k| format!(" of {} N m/rad", significant(k, 3)));
+        let sure = verdict["confidence"].as_f64().map_or("?".to_string(), |p| format!("{:.0}", 100.0 * p));
         Ok(Self {
-            causes: if causes.is_empty() { "nothing".to_string() } else { causes.join(", ") },
+            told: format!("{}{stiffness}; probability {sure} %", causes.join(", ")),
             before_mnm: torque("gap_before_nm"),
             after_mnm: torque("gap_after_nm"),
         })

@@ -208,7 +208,7 @@ fn open(found: &Comparison) -> Option<String> {
 fn sentence(found: &Comparison, units: &Units) -> String {
     let told = told(found, units);
     let (a, b) = (found.before.combination.name(), found.after.combination.name());
-    let curve = if a == b { String::new() } else { format!("; the combination passes from {a} to {b}") };
+    let curve = if a == b { String::new() } else { format!("; the change-over curve passes from {a} to {b}") };
     let share = if found.load_is_missing() { " (friction alone: gravity and inertia are the chain's)" } else { "" };
     format!(
         "{told}{curve}. Along the paper's cosine cascade the prediction changes by {} RMS, {} at most{share}.",
@@ -294,6 +294,24 @@ fn friction_table(found: &Comparison, units: &Units) -> Table {
     }
 }
 
+/// What to do next, a sentence each.
+fn next(found: &Comparison) -> Vec<String> {
+    let changed = found.attribution.differs() || found.changes.iter().any(|c| c.verdict == Verdict::Changed);
+    let mut steps = Vec::new();
+    if !found.attribution.is_known() {
+        let step = "To know whether the prediction's change is real, compare models that `tautline identify` wrote: they hold A and B(v) \
+                    with intervals.";
+        steps.push(step.to_string());
+    }
+    steps.push(match changed {
+        true => "Use the model of the later recordings. If nothing was changed on purpose, look for the cause: cable tension, wear, \
+                 temperature, the sensor's zero; tautline diagnose LATER_CAMPAIGN --model EARLIER_MODEL -o FOLDER ranks causes.",
+        false => "Keep the earlier model: these recordings do not show that it is out of date.",
+    }
+    .to_string());
+    steps
+}
+
 /// The page of `found`.
 pub fn page(found: &Comparison, names: &[String; 2]) -> Page {
     let mut figures = plots::comparison::figures(found);
@@ -301,6 +319,14 @@ pub fn page(found: &Comparison, names: &[String; 2]) -> Page {
     let units = Units::of(&found.before.joint);
     let card = |name: &str, value: String, note: &str| Card { name: name.into(), value, note: note.into() };
     let changed = found.changes.iter().filter(|c| c.verdict == Verdict::Changed).count();
+    let functions =
+        if found.functions.is_empty() { Vec::new() } else { vec![Block::Table(functions_table(found, &units))] };
+    let sections = [
+        Section::open("What it does to the prediction", rest.into_iter().rev().map(Block::Figure).collect()),
+        Section::open("What is known even where parameters trade off", functions),
+        Section::open("Parameters", vec![Block::Table(parameters_table(found))]),
+        Section::folded("Friction without load, B(v)", vec![Block::Table(friction_table(found, &units))]),
+    ];
     Page {
         kicker: format!("tautline compare · {} · {}", names[0], names[1]),
         title: found.before.joint.name.clone(),
@@ -313,15 +339,8 @@ pub fn page(found: &Comparison, names: &[String; 2]) -> Page {
             card("prediction, peak", units.torque(found.effect.peak_nm), "largest change"),
         ],
         lead: figures,
-        sections: vec![
-            Section::open("What it does to the prediction", rest.into_iter().rev().map(Block::Figure).collect()),
-            Section::open(
-                "What is known even where parameters trade off",
-                vec![Block::Table(functions_table(found, &units))],
-            ),
-            Section::open("Parameters", vec![Block::Table(parameters_table(found))]),
-            Section::folded("Friction without load, B(v)", vec![Block::Table(friction_table(found, &units))]),
-        ],
+        next: next(found),
+        sections: sections.into_iter().filter(|section| !section.blocks.is_empty()).collect(),
         provenance: vec![("before", names[0].clone()), ("after", names[1].clone())],
         ..Page::default()
     }

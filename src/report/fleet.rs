@@ -222,8 +222,7 @@ pub fn page(fleet: &Fleet, name: &str) -> Page {
         .collect();
     let options: Vec<_> = drawn.into_iter().map(|(joint, figure)| (joint.name.clone(), vec![figure])).collect();
     if !options.is_empty() {
-        let at = sections.len().min(1);
-        sections.insert(at, Section::open("Joints over time", vec![Block::Choice("joint", options)]));
+        sections.insert(0, Section::open("Joints over time", vec![Block::Choice("joint", options)]));
     }
     Page {
         kicker: "tautline batch".to_string(),
@@ -236,10 +235,33 @@ pub fn page(fleet: &Fleet, name: &str) -> Page {
             card("joints drifted", fleet.drifted().count().to_string(), "beyond their confidence"),
             card("stand out", fleet.outliers.len().to_string(), "values far from the fleet's"),
         ],
+        next: next(fleet),
         warnings: fleet.warnings.iter().map(Warning::from).collect(),
         sections,
         ..Page::default()
     }
+}
+
+/// What to do next, a sentence each.
+fn next(fleet: &Fleet) -> Vec<String> {
+    let drifted: Vec<&str> = fleet.drifted().map(|joint| joint.name.as_str()).take(ON_THE_TERMINAL).collect();
+    let mut steps = Vec::new();
+    if !drifted.is_empty() {
+        steps.push(format!(
+            "Look at what drifted ({}); tautline diagnose LAST_CAMPAIGN --model FIRST_MODEL -o FOLDER ranks causes. Retension the cables, \
+             or use the last model.",
+            drifted.join(", ")
+        ));
+    }
+    if fleet.failed().next().is_some() {
+        steps.push(
+            "Mend the campaigns that failed: tautline validate CAMPAIGN names every fault with its cure.".to_string(),
+        );
+    }
+    if steps.is_empty() {
+        steps.push("Keep the models: no joint drifted beyond what its campaigns know.".to_string());
+    }
+    steps
 }
 
 /// The tables of the page that have rows, each with its title.

@@ -146,7 +146,7 @@ fn cards(found: &Identification, units: &Units) -> Vec<Card> {
         let own =
             parameter(&curve.curve).map_or(String::new(), |(name, x)| format!(", {name} = {}", significant(x, 3)));
         let note = format!("RMSE {} {}", units.torque(curve.rmse_nm), judged_on(fit.judged_on));
-        add("combination", format!("{}{own}", curve.kind.name()), note);
+        add("change-over curve", format!("{}{own}", curve.kind.name()), note);
     }
     let note = "all trials, low-passed".to_string();
     add("RMSE", units.torque(overall_rmse_nm(found)), note);
@@ -176,7 +176,7 @@ fn parameters(found: &Identification, units: &Units) -> Vec<Block> {
         ["friction", "unit", "▲ moving up", "95 % interval", "status", "▼ moving down", "95 % interval", "status"];
     let branches = table(&both, up.iter().zip(&down).map(|(up, down)| row(&[up, down])).collect());
     let others = combination(&found.model).iter().map(|one| row(&[one])).collect();
-    let others = table(&["combination", "unit", "value", "95 % interval", "status"], others);
+    let others = table(&["change-over", "unit", "value", "95 % interval", "status"], others);
     let statuses = Status::ALL.into_iter().map(status_chip).chain([left_out_chip()]);
     let mut blocks = vec![Block::Table(branches), Block::Table(others)];
     blocks.extend(rests_on(found, units).map(|text| Block::Text(kept_together(&format!("{text}.")))));

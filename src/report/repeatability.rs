@@ -56,17 +56,19 @@ fn verdict(q: &Quantity) -> String {
 }
 
 fn sentence(of: &Repeatability) -> String {
-    let count = |name: &str| of.quantities.iter().filter(|q| q.verdict.name() == name).count();
-    format!(
-        "{} of {}: {} repeatable within their intervals, {} scatter more than their intervals claim, {} depend on a named condition, \
-         {} not identifiable.",
-        counted(of.runs.len(), "run", "runs"),
-        of.joint,
-        count("repeatable"),
-        count("scatters_more_than_claimed"),
-        count("depends_on_condition"),
-        count("not_identifiable")
-    )
+    let verdicts = [
+        ("repeatable", "repeatable within their intervals"),
+        ("scatters_more_than_claimed", "scatter more than their intervals say"),
+        ("depends_on_condition", "depend on a recorded condition"),
+        ("not_identifiable", "not identifiable"),
+    ];
+    let told = verdicts.iter().filter_map(|(name, words)| {
+        let count = of.quantities.iter().filter(|q| q.verdict.name() == *name).count();
+        (count > 0).then(|| format!("{count} {words}"))
+    });
+    let quantities = counted(of.quantities.len(), "quantity", "quantities");
+    let runs = counted(of.runs.len(), "run", "runs");
+    format!("{runs} of {}, {quantities}: {}.", of.joint, told.collect::<Vec<_>>().join(", "))
 }
 
 fn table(of: &Repeatability) -> Table {
@@ -77,10 +79,10 @@ fn table(of: &Repeatability) -> Table {
     };
     Table {
         title: of.joint.clone(),
-        intro: "Mean over the runs; half width of one run's 95 % interval as identified (claimed) and as the runs' scatter shows it \
-                (honest). Not identifiable: half of the runs or fewer show it."
+        intro: "Mean over the runs, and half width of one run's 95 % interval: as identified, and as the runs' scatter shows it. Not \
+                identifiable: half of the runs or fewer show it."
             .to_string(),
-        heads: ["", "mean", "claimed", "honest", "verdict"].map(String::from).to_vec(),
+        heads: ["", "mean", "± identified", "± by scatter", "verdict"].map(String::from).to_vec(),
         rows: of.quantities.iter().map(row).map(cells).collect(),
     }
 }
@@ -94,6 +96,26 @@ fn absorbed(of: &Repeatability) -> Option<Table> {
     })
 }
 
+/// What to do next, a sentence each.
+fn next(found: &[Repeatability]) -> Vec<String> {
+    let named = |name: &str| found.iter().flat_map(|of| &of.quantities).any(|q| q.verdict.name() == name);
+    let steps = [
+        (
+            "scatters_more_than_claimed",
+            "Of what scatters more, use the interval by scatter, and look for what differs between the runs: \
+          temperature, tension, the sensor's zero; conditions that campaign.toml records are tried as causes.",
+        ),
+        ("depends_on_condition", "Hold the named condition, or identify a model for each."),
+        ("not_identifiable", "Do not use what is not identifiable as a value: compare A and B(v) instead."),
+    ];
+    let mut told: Vec<String> =
+        steps.iter().filter(|(name, _)| named(name)).map(|(_, step)| (*step).to_string()).collect();
+    if told.is_empty() {
+        told.push("Trust the intervals of a single identification: the runs scatter as they say.".to_string());
+    }
+    told
+}
+
 /// The page of `found`.
 pub fn page(found: &[Repeatability]) -> Page {
     let quantities = || found.iter().flat_map(|of| &of.quantities);
@@ -105,12 +127,13 @@ pub fn page(found: &[Repeatability]) -> Page {
         subject: "repeatability".to_string(),
         short: found.iter().map(sentence).collect::<Vec<_>>().join(" "),
         cards: vec![
-            card("repeatable", count("repeatable"), "scatter as their intervals claim"),
-            card("scatter more", count("scatters_more_than_claimed"), "use the honest interval"),
-            card("depend", count("depends_on_condition"), "on a named condition"),
+            card("repeatable", count("repeatable"), "scatter as their intervals say"),
+            card("scatter more", count("scatters_more_than_claimed"), "use the interval by scatter"),
+            card("depend", count("depends_on_condition"), "on a recorded condition"),
             card("not identifiable", count("not_identifiable"), "in most of the runs"),
         ],
         lead: plots::repeatability::figures(found),
+        next: next(found),
         sections: found
             .iter()
             .map(|of| {
@@ -126,7 +149,7 @@ pub fn page(found: &[Repeatability]) -> Page {
 pub fn write_summary(out: &mut impl Write, found: &[Repeatability]) -> io::Result<()> {
     for of in found {
         writeln!(out, "{BOLD}{}{BOLD:#}  {DIM}{}{DIM:#}", of.joint, sentence(of))?;
-        heading(out, "Mean, half width as claimed and as the scatter shows it, verdict")?;
+        heading(out, "Mean, half width as identified and as the scatter shows it, verdict")?;
         let quantities = table(of);
         write_table(out, &quantities.heads, &quantities.texts())?;
         for (a, b, r) in &of.absorbed {

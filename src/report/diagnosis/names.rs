@@ -1,6 +1,6 @@
 //! What causes and regions are called in a sentence.
 
-use crate::diagnose::{Candidate, Cause, Diagnosis, Floor, FloorSource};
+use crate::diagnose::{Candidate, Cause, Diagnosis, Floor, FloorSource, Place};
 use crate::effects::{Family, Region, find};
 
 /// What `cause` means, in a few words without its name.
@@ -30,7 +30,12 @@ pub fn family(cause: Cause) -> Option<Family> {
     cause.family()
 }
 
-/// Where a gap lies, as a sentence goes on.
+/// What a part of the gap goes with, and the bounds within which most of it stands: "position 48.0 to 90.0 deg".
+pub fn bounds(at: &Place) -> String {
+    at.detail.replace(" -", " \u{2212}").replace("^2", "²")
+}
+
+/// Where a cause shows by its nature, as a sentence goes on.
 pub fn place(region: Region) -> &'static str {
     match region {
         Region::AfterReversal => "after reversals",

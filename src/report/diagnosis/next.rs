@@ -1,7 +1,7 @@
 //! What to do next.
 
 use super::experiment::sentences;
-use super::names::{family, means, place};
+use super::names::{bounds, family, means, place};
 use super::words::{compensates, taken};
 use crate::diagnose::{Candidate, Cause, Diagnosis, Kind, signature};
 use crate::effects::{Family, Region};
@@ -113,10 +113,10 @@ fn ambiguous(found: &Diagnosis) -> String {
 }
 
 fn unknown(found: &Diagnosis) -> Vec<String> {
-    let at = found.places.first().map_or("over time", |at| place(at.region));
+    let at = found.places.first().map_or("time".to_string(), bounds);
     vec![
         format!(
-            "Look at the residual {at} (figures of the report): its shape there is the best hint of what is missing."
+            "Look at the residual where most of it lies ({at}): its shape there is the best hint of what is missing."
         ),
         "Check that joint, sensor and campaign.toml belong together: sign, radii, low-pass, units.".to_string(),
     ]

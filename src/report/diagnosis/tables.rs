@@ -1,12 +1,12 @@
 //! The tables of a diagnosis's page.
 
-use super::names::{Role, claim, formula, place};
+use super::names::{Role, bounds, claim, formula, means};
 use super::parameters::{Shown, shown};
-use super::words::{percent, shrink, taken};
+use super::words::{clearness, percent, shrink, taken};
 use crate::diagnose::{Candidate, Decision, Diagnosis, Kind};
 use crate::report::number::significant;
 use crate::report::page::Table;
-use crate::report::plots::diagnosis::candidates::added;
+use crate::report::plots::diagnosis::budget::added;
 use crate::report::wording::Units;
 
 /// Contacts told, the largest first.
@@ -29,19 +29,23 @@ pub fn candidates_table(found: &Diagnosis) -> Option<Table> {
             candidate.cause.name().to_string(),
             role,
             candidate.how.to_string(),
-            added(candidate, found).map_or_else(String::new, percent),
+            added(Some(candidate.cause), found).map_or_else(String::new, percent),
             shrink(candidate.shrink),
             units.torque(candidate.held_out_rmse_nm),
         ]
     };
-    table(
+    let mut told = table(
         "Best first. Each is fitted along with the model's own parameters, which move within their confidence, and scored on \
          held-out data: how far the gap above the floor shrinks, with a 95 % bootstrap interval. Where several were taken, they \
-         stand with all of them together, and any other in the place of one of them; \"adds\" is the share of the residual's mean square (not of \
-         its RMS) that each takes off. A rival does as well as what was taken, on these data.",
+         stand with all of them together, and any other in the place of one of them; \"adds\" is each one's part of the shrink of them \
+         all. A rival does as well as what was taken, on these data.",
         &["cause", "verdict", "how", "adds", "gap shrinks by", "held-out RMSE"],
         found.candidates.iter().map(row).collect(),
-    )
+    )?;
+    for (row, candidate) in told.rows.iter_mut().zip(&found.candidates) {
+        row[0].meaning = means(candidate.cause).to_string();
+    }
+    Some(told)
 }
 
 /// Every rule that decided.
@@ -52,7 +56,7 @@ pub fn decisions_table(found: &Diagnosis) -> Option<Table> {
             decision.rule.to_string(),
             significant(decision.value, 3),
             significant(decision.limit, 3),
-            decision.outcome.to_string(),
+            clearness(found).filter(|_| decision.rule == "clear").unwrap_or(decision.outcome).to_string(),
         ]
     };
     table(
@@ -61,7 +65,7 @@ pub fn decisions_table(found: &Diagnosis) -> Option<Table> {
          floor, and with what the encoder's errors alone would let it gain; \"standard errors\" and \"clusters that gain\" ask whether it \
          gains in most trials or cycles; \"distinct\" is the share of its gain in which it is ahead of every other cause, which a weak \
          one must be; \"clear\" is the least of those where one cause is named, and where several are, how many times the least \
-         share of the gap the weakest explains; \"form\", \"open\" and \"named\" compare what is left, N m RMS above the floor.",
+         share of the gap the weakest explains: it decides nothing, but from which simulated verdicts the probability is taken; \"form\", \"open\" and \"named\" compare what is left, N m RMS above the floor.",
         &["of", "rule", "value", "limit", "outcome"],
         found.verdict.decisions.iter().map(row).collect(),
     )
@@ -93,19 +97,13 @@ pub fn changes_table(found: &Diagnosis) -> Option<Table> {
 pub fn places_table(found: &Diagnosis) -> Option<Table> {
     let units = Units::of(&found.before.joint);
     let row = |at: &crate::diagnose::Place| {
-        vec![
-            place(at.region).to_string(),
-            percent(at.share_of_gap),
-            at.detail.clone(),
-            percent(at.share_of_samples),
-            units.torque(at.rmse_nm),
-        ]
+        vec![bounds(at), percent(at.share_of_gap), percent(at.share_of_samples), units.torque(at.rmse_nm)]
     };
     let places = if found.verdict.kind == Kind::None { &[][..] } else { &found.places };
     table(
-        "Share of the gap's energy above the floor that goes with each quantity, and the bounds within which most of it \
-         stands. One gap may show in several ways, so the shares do not add up.",
-        &["where", "share of the gap", "bounds", "samples within", "RMS within"],
+        "What the gap goes with, and the bounds within which most of it stands; shares are of the gap's mean square. One gap may show \
+         in several ways, so they do not add up.",
+        &["where", "share of the gap", "samples within", "RMS within"],
         places.iter().map(row).collect(),
     )
 }

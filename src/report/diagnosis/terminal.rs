@@ -1,13 +1,12 @@
 //! The summary of a diagnosis on the terminal.
 
-use super::names::{Role, floor_source, place};
+use super::names::{Role, bounds, floor_source};
 use super::next::next_steps;
 use super::parameters::{Shown, shown};
 use super::words::{flexible_shrink, kept_together, percent, shrink, taken, verdict};
 use crate::diagnose::{Diagnosis, Kind};
 use crate::report::number::counted;
-use crate::report::plots::diagnosis::budget;
-use crate::report::plots::diagnosis::candidates::added;
+use crate::report::plots::diagnosis::budget::{self, added};
 use crate::report::terminal::{BOLD, DIM, heading, picture, wrapped, write_warnings};
 use crate::report::wording::Units;
 use std::io::{self, Write};
@@ -24,6 +23,8 @@ const INDENT: usize = 6;
 /// Columns before the note of a number, and before how a candidate is taken.
 const NOTE: usize = 41;
 const HOW: usize = 47;
+/// Columns before what is said of a place.
+const PLACE: usize = 52;
 
 /// Writes the summary to `out`; `written` is where the files went.
 pub fn write_summary(out: &mut impl Write, found: &Diagnosis, campaign: &str, written: &Path) -> io::Result<()> {
@@ -77,15 +78,15 @@ fn places(out: &mut impl Write, found: &Diagnosis) -> io::Result<()> {
     if found.places.is_empty() || found.verdict.kind == Kind::None {
         return Ok(());
     }
-    heading(out, "Where it lies (one gap may show in several ways)")?;
+    heading(out, "Where it lies: share of the gap's mean square (one gap may show in several ways)")?;
     for at in found.places.iter().take(PLACES) {
         let samples = format!("{} of the samples, RMS {}", percent(at.share_of_samples), units.torque(at.rmse_nm));
-        let share = percent(at.share_of_gap);
         writeln!(
             out,
-            "  {:<24} {share:>12}  {}",
-            place(at.region),
-            wrapped(&format!("{}; {samples}", at.detail), NOTE)
+            "  {:<42} {:>5}  {DIM}{}{DIM:#}",
+            bounds(at),
+            percent(at.share_of_gap),
+            wrapped(&samples, PLACE)
         )?;
     }
     Ok(())
@@ -101,7 +102,7 @@ fn candidates(out: &mut impl Write, found: &Diagnosis) -> io::Result<()> {
         let role = Role::of(candidate, found);
         let (bold, plain) =
             if role == Role::Taken { (format!("{BOLD}"), format!("{BOLD:#}")) } else { Default::default() };
-        let range = match added(candidate, found).filter(|_| together) {
+        let range = match added(Some(candidate.cause), found).filter(|_| together) {
             Some(share) => format!("adds {}", percent(share)),
             None => shrink(candidate.shrink),
         };

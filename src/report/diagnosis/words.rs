@@ -1,15 +1,16 @@
 //! A diagnosis in plain words with its numbers: the verdict, and its grounds.
 
-use super::names::{claim, family, floor_source, means, place};
+use super::names::{bounds, claim, family, floor_source, means};
 use super::parameters::shown;
 use crate::diagnose::{Answer, BELOW_ZERO, Candidate, Cause, Diagnosis, Floor, Form, Kind, Shrink};
 use crate::effects::Family;
 use crate::report::number::{counted, significant};
+use crate::report::plots::diagnosis::budget::added;
 use crate::report::wording::Units;
 
 /// A flexible fit that recovers less than this share of the gap says that it does not follow the recorded motion.
 const FOLLOWS: f64 = 0.5;
-/// More than this share of the gap's square within the model's own confidence is worth a sentence.
+/// More than this share of the gap within the model's own confidence is worth a sentence.
 const MUCH: f64 = 0.1;
 /// What is simulated of the encoder beyond this multiple of what is counted is told.
 const MORE_THAN_COUNTED: f64 = 1.05;
@@ -38,11 +39,10 @@ pub fn verdict(found: &Diagnosis) -> String {
 /// What is left where a cause is named and its formula does not fit.
 fn approximate(found: &Diagnosis, units: &Units) -> String {
     let verdict = &found.verdict;
-    let share = (verdict.gap_after_nm / verdict.gap_before_nm.max(f64::MIN_POSITIVE)).powi(2).min(1.0);
-    let lies =
-        found.remainder.first().map_or(String::new(), |at| format!(", mostly {} ({})", place(at.region), at.detail));
+    let share = (verdict.gap_after_nm / verdict.gap_before_nm.max(f64::MIN_POSITIVE)).min(1.0);
+    let lies = found.remainder.first().map_or(String::new(), |at| format!(", mostly at: {}", bounds(at)));
     format!(
-        "{} only approximately: {}, {} of the gap's energy, are left{lies}.",
+        "{} only approximately: {}, {} of the gap, are left{lies}.",
         if verdict.kind == Kind::Several { "The formulas fit" } else { "The formula fits" },
         units.torque(verdict.gap_after_nm),
         percent(share)
@@ -87,16 +87,26 @@ pub fn grounds(found: &Diagnosis) -> Vec<String> {
     all.extend(encoder_part(&gap.floor, units));
     all.extend(own_confidence(found));
     if found.verdict.kind != Kind::None {
-        all.extend(found.places.first().map(|_| format!("The gap lies {}.", location(found))));
+        all.extend(found.places.first().map(|_| format!("Where the gap lies: {}.", location(found))));
     }
     let (sure, agree) = (percent(found.verdict.confidence), percent(found.verdict.agreement));
     all.push(format!("Probabilities: {}.", probabilities(found)));
     all.push(format!(
-        "{agree} of the bootstrap resamples of whole {} give this verdict; weighted by how often verdicts of its kind were right on \
+        "{agree} of the bootstrap resamples of whole {} give this verdict; weighted by how often verdicts of its kind{} were right on \
          simulated joints with withheld answers, it is right with a probability of {sure}.",
-        found.held_out
+        found.held_out,
+        clearness(found).map_or(String::new(), |clearness| format!(" ({clearness})")),
     ));
     all.iter().map(|sentence| kept_together(sentence)).collect()
+}
+
+/// Which verdicts the probability comes from; nothing where the verdict names no cause.
+pub fn clearness(found: &Diagnosis) -> Option<&'static str> {
+    let clear = found.verdict.decisions.iter().find(|decision| decision.rule == "clear")?;
+    Some(match clear.value >= clear.limit {
+        true => "those whose causes stand well apart from all others",
+        false => "those whose causes have close competitors",
+    })
 }
 
 /// "presliding 87 %; nothing missing 4 %; ...".
@@ -131,13 +141,12 @@ fn encoder_part(floor: &Floor, units: Units) -> Option<String> {
 
 /// How much of the gap goes while the model stays what it is, where that is much.
 fn own_confidence(found: &Diagnosis) -> Option<String> {
-    let above_floor = found.gap.explainable_nm * found.gap.explainable_nm;
-    let share = found.budget.within_confidence / above_floor.max(f64::MIN_POSITIVE);
+    let share = added(None, found).unwrap_or(0.0);
     (share > MUCH).then(|| {
         format!(
-            "{} of the gap's mean square could also be absorbed by the model's own parameters within their confidence; only the rest \
-             needs what was found. Identify them more precisely to tell.",
-            percent(share.min(1.0))
+            "{} of the gap could also be absorbed by the model's own parameters within their confidence; only the rest needs what was \
+             found. Identify them more precisely to tell.",
+            percent(share)
         )
     })
 }
@@ -175,6 +184,13 @@ pub fn taken(found: &Diagnosis) -> impl Iterator<Item = &Candidate> {
 
 fn shrinks(what: &str, found: &Diagnosis, units: &Units) -> String {
     let verdict = &found.verdict;
+    if verdict.gap_before_nm <= 0.0 {
+        return format!(
+            "All that the model leaves, {} RMSE, is within the noise floor of at most {} even so: there is no gap that could shrink.",
+            units.torque(found.gap.rmse_nm),
+            units.torque(found.gap.floor.upper_nm())
+        );
+    }
     format!(
         "{what} shrinks by {}: {} before, {} after, above a floor of at most {}.",
         shrink(verdict.shrink),
@@ -255,7 +271,7 @@ fn unknown(found: &Diagnosis, units: &Units) -> String {
         true => format!("A flexible fit recovers {recovered} of it, so it follows the recorded motion"),
         false => format!("A flexible fit recovers only {recovered} of it, so it hardly follows the recorded motion"),
     };
-    let lies = if found.places.is_empty() { String::new() } else { format!(" It lies {}.", location(found)) };
+    let lies = if found.places.is_empty() { String::new() } else { format!(" Where it lies: {}.", location(found)) };
     format!(
         "Nothing in the library closes the gap: of {} above a floor of at most {}, {} are left at best.{} {nature}.{lies}",
         units.torque(verdict.gap_before_nm),
@@ -273,7 +289,7 @@ fn in_part(found: &Diagnosis) -> String {
     }
 }
 
-/// "after reversals (travel 0 to 2.1 deg): 71 % of the gap in 6 % of the samples".
+/// "travel since the reversal 0 to 2.1 deg (71 % of its mean square, in 6 % of the samples)".
 fn location(found: &Diagnosis) -> String {
     let one = |at: &crate::diagnose::Place| {
         let samples = if at.share_of_samples < 0.995 {
@@ -281,7 +297,7 @@ fn location(found: &Diagnosis) -> String {
         } else {
             String::new()
         };
-        format!("{} ({}): {} of it{samples}", place(at.region), at.detail, percent(at.share_of_gap))
+        format!("{} ({} of its mean square{samples})", bounds(at), percent(at.share_of_gap))
     };
     found.places.first().map_or(String::new(), one)
 }

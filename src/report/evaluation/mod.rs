@@ -31,7 +31,7 @@ pub fn write_summary(out: &mut impl Write, found: &Evaluation, campaign: &str, w
     };
     let heads = ["motion", "trials", "RMSE", "MAE"].map(String::from);
     table(out, &heads, &found.groups.iter().map(row).collect::<Vec<_>>())?;
-    heading(out, "By curve of the combination, all trials together")?;
+    heading(out, "By change-over curve, all trials together")?;
     let row = |(at, rival): (usize, &Rival)| {
         let Split { all, stable, transition } = found.together(|t| &t.rivals[at]);
         let own = if rival.source == Source::Model { "the model's" } else { "" };

@@ -8,6 +8,11 @@ use crate::report::page::{Block, Card, Page, Section, Table, Warning, cells};
 use crate::report::plots;
 use crate::report::wording::Units;
 
+/// A curve that leaves less than this share of what the model's own leaves is worth a word.
+const BETTER: f64 = 0.8;
+/// So many times the error of the stable state in transitions is worth a word.
+const AFTER_REVERSALS: f64 = 1.5;
+
 /// The page of `found`.
 pub fn page(found: &Evaluation, campaign: &str, model: &str) -> Page {
     let units = Units::of(&found.model.joint);
@@ -28,12 +33,13 @@ pub fn page(found: &Evaluation, campaign: &str, model: &str) -> Page {
             card("raw RMSE", units.torque(raw.rmse_nm), "neither side filtered".to_string()),
         ],
         lead: vec![plots::evaluation::bars(found)],
+        next: next(found, &units),
         sections: vec![
             Section::open("Trial by trial", vec![Block::Choice("trial", plots::evaluation::trials(found))]),
             Section::open("By trial", vec![Block::Table(trials_table(found, &units))]),
             Section::open("By motion", vec![Block::Table(groups_table(found, &units))]),
             Section::folded(
-                "By curve of the combination",
+                "By change-over curve",
                 vec![Block::List(vec![comparison(found, &units)]), Block::Table(curves_table(found, &units))],
             ),
         ],
@@ -64,6 +70,30 @@ fn verdict(found: &Evaluation, units: &Units) -> String {
     )
 }
 
+/// What to do next, a sentence each.
+fn next(found: &Evaluation, units: &Units) -> Vec<String> {
+    let Split { stable, transition, .. } = found.overall();
+    let mut steps = Vec::new();
+    let rmse_nm = |at: usize| found.together(|t| &t.rivals[at]).all.rmse_nm;
+    let own = found.rivals.iter().position(|rival| rival.source == Source::Model);
+    let best = (0..found.rivals.len()).min_by(|a, b| rmse_nm(*a).total_cmp(&rmse_nm(*b)));
+    if let (Some(own), Some(best)) = (own, best)
+        && rmse_nm(best) < BETTER * rmse_nm(own)
+    {
+        let (name, figure) = (found.rivals[best].kind.name(), units.torque(rmse_nm(best)));
+        steps.push(format!(
+            "The change-over curve {name} leaves {figure}, less than the model's own: identify the joint again."
+        ));
+    }
+    if transition.rmse_nm > AFTER_REVERSALS * stable.rmse_nm {
+        let step = "The error is largest after reversals: check the clearance (identify --estimate-backlash) and the change-over curve.";
+        steps.push(step.to_string());
+    }
+    let step = "To see whether the error is more than noise, and what causes it: tautline diagnose CAMPAIGN --model MODEL -o FOLDER.";
+    steps.push(step.to_string());
+    steps
+}
+
 /// What the coefficient gains.
 fn comparison(found: &Evaluation, units: &Units) -> String {
     let told = found.rivals.iter().enumerate().map(|(at, rival)| {
@@ -76,7 +106,7 @@ fn comparison(found: &Evaluation, units: &Units) -> String {
             units.torque(figures.all.peak_nm)
         )
     });
-    format!("With each curve of the combination: {}.", told.collect::<Vec<_>>().join("; "))
+    format!("With each change-over curve: {}.", told.collect::<Vec<_>>().join("; "))
 }
 
 fn groups_table(found: &Evaluation, units: &Units) -> Table {
@@ -121,7 +151,9 @@ fn curves_table(found: &Evaluation, units: &Units) -> Table {
         ["curve", "parameter", "parameter from", "RMSE", "MAE", "stable RMSE", "transition RMSE", "transition peak"];
     Table {
         title: String::new(),
-        intro: format!("All trials together, low-passed, in {unit}. Sign is the model without any coefficient."),
+        intro: format!(
+            "All trials together, low-passed, in {unit}. Sign is the model without the paper's combination coefficient: friction changes over at once."
+        ),
         heads: heads.map(String::from).to_vec(),
         rows: found.rivals.iter().enumerate().map(row).map(cells).collect(),
     }

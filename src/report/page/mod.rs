@@ -3,6 +3,7 @@
 
 mod digest;
 mod provenance;
+mod terms;
 
 use super::chart::{Columns, FOR_FILES, FOR_PAGES, Figure, svg};
 use super::output::Output;
@@ -201,6 +202,8 @@ impl Table {
 #[template(path = "page.html", config = "src/askama.toml")]
 struct Rendered<'p> {
     page: &'p Page,
+    /// Those of the page, and the glossary's terms that they use.
+    sections: Vec<&'p Section>,
     provenance: Vec<(&'static str, String)>,
     /// Drawings of the figures that stand in the page for readers without its script, by name.
     drawings: HashMap<&'p str, String>,
@@ -234,8 +237,10 @@ impl Page {
             lasting.par_iter().map(|figure| drawn(figure, FOR_PAGES, output).map(|svg| (&figure.name[..], svg)));
         let drawings = named.collect::<Result<HashMap<&str, String>>>()?;
         let of_csp = |text: &str| format!("sha256-{}", sha256(text.as_bytes()).in_base64());
+        let terms = terms::section(self);
         let rendered = Rendered {
             page: self,
+            sections: self.sections.iter().chain(&terms).collect(),
             provenance: provenance::rows(output).into_iter().chain(self.provenance.iter().cloned()).collect(),
             drawings,
             data: packed(&figures).or_else(|error| unmade(output, "report.html", error))?,

@@ -94,8 +94,12 @@
   const paint = (color) => "var(--" + color[0] + ")";
   const faint = (color, opacity = 1) => (color[1] ? 0.4 : 1) * opacity;
   const STOPS = [[253, 231, 37], [173, 220, 48], [94, 201, 98], [40, 174, 128], [33, 145, 140], [44, 114, 142], [59, 82, 139], [71, 45, 123], [68, 1, 84]];
+  const isDark = () => getComputedStyle(document.documentElement).colorScheme === "dark";
+  // What is large stands out from the ground: dark on light, bright on dark, where the darkest colours would drown.
+  let dark = isDark();
   const heat = (share) => {
-    const at = Math.min(1, Math.max(0, share)) * (STOPS.length - 1), from = Math.min(Math.floor(at), STOPS.length - 2);
+    const along = Math.min(1, Math.max(0, share)), at = dark ? (1 - along) * (STOPS.length - 2.6) : along * (STOPS.length - 1);
+    const from = Math.min(Math.floor(at), STOPS.length - 2);
     return "rgb(" + STOPS[from].map((a, i) => Math.round(a + (at - from) * (STOPS[from + 1][i] - a))).join(",") + ")";
   };
   const signs = {
@@ -581,6 +585,31 @@
       target.scrollIntoView({ block: "start" });
     }
   };
+  // The first place of each of the glossary's terms says on hovering what it means.
+  const explain = () => {
+    const meanings = new Map([...document.querySelectorAll("#s-terms dt")].map((term) => [term.textContent.toLowerCase(), term.nextElementSibling.textContent]));
+    if (!meanings.size) return;
+    const terms = [...meanings.keys()].sort((a, b) => b.length - a.length).map((term) => term.replace(/[.*+?^${}()|[\]\\]/g, "\\$&"));
+    const wanted = new RegExp("(?<![\\p{L}\\p{N}_-])(" + terms.join("|") + ")(?=s?(?![\\p{L}\\p{N}_-]|\\.\\p{L}))", "giu");
+    const walk = document.createTreeWalker(document.querySelector("main"), NodeFilter.SHOW_TEXT, (node) =>
+      node.parentElement.closest("#s-terms, nav, thead, abbr, a, button, label, svg, h2, summary, dl.provenance, script, .picker") ? NodeFilter.FILTER_REJECT : NodeFilter.FILTER_ACCEPT);
+    const nodes = [];
+    while (walk.nextNode()) nodes.push(walk.currentNode);
+    for (let node of nodes) {
+      let from = 0;
+      for (const found of [...node.textContent.matchAll(wanted)]) {
+        const meaning = meanings.get(found[1].toLowerCase());
+        if (!meaning) continue;
+        meanings.delete(found[1].toLowerCase());
+        const rest = node.splitText(found.index - from);
+        from = found.index + found[1].length;
+        node = rest.splitText(found[1].length);
+        const mark = html("abbr", "term", null, rest.textContent);
+        mark.title = meaning;
+        rest.replaceWith(mark);
+      }
+    }
+  };
   const number = (text) => {
     const found = /^[^0-9\u2212.-]*([\u2212-]?[0-9][0-9 \u00a0\u2009]*\.?[0-9]*(?:e[+-]?[0-9]+)?)/.exec(text.trim());
     if (!found) return null;
@@ -616,6 +645,7 @@
     if (!window.DecompressionStream) throw new Error("this browser cannot unpack the figures' data");
     data = await read();
     document.documentElement.classList.add("live");
+    explain();
     document.querySelectorAll("table").forEach(sortable);
     for (const choice of document.querySelectorAll(".choice")) {
       const options = [...choice.querySelectorAll("[data-option]")], bar = html("div", "picker");
@@ -637,19 +667,31 @@
     let wait = 0;
     addEventListener("resize", () => { clearTimeout(wait); wait = setTimeout(() => plots.forEach((plot) => plot.room.clientWidth && plot.room.clientWidth !== plot.width && plot.draw()), 80); });
     addEventListener("beforeprint", () => {
+      paper = document.documentElement.dataset.theme || "";
+      if (isDark()) color("light");
       document.querySelectorAll("details").forEach((one) => { one.open = true; });
       document.querySelectorAll("figure[data-figure]").forEach(begin);
     });
+    addEventListener("afterprint", () => color(paper));
+    matchMedia("(prefers-color-scheme: dark)").addEventListener("change", recolor);
     addEventListener("hashchange", follow);
     follow();
     document.documentElement.dataset.ready = "yes";
   };
+  // Light or dark: what the system asks for (""), or what the reader chose; paper is light.
+  let paper = "";
+  const recolor = () => {
+    dark = isDark();
+    plots.forEach((plot) => plot.width && plot.panels.some((panel) => panel.series.some((one) => one.kind === "cells")) && plot.draw());
+  };
+  const color = (theme) => {
+    if (theme) document.documentElement.dataset.theme = theme;
+    else delete document.documentElement.dataset.theme;
+    recolor();
+  };
   const theme = document.getElementById("theme");
   theme.hidden = false;
-  theme.addEventListener("click", () => {
-    const root = document.documentElement, dark = root.dataset.theme ? root.dataset.theme === "dark" : matchMedia("(prefers-color-scheme: dark)").matches;
-    root.dataset.theme = dark ? "light" : "dark";
-  });
+  theme.addEventListener("click", () => color(isDark() ? "light" : "dark"));
   start().catch((error) => {
     // Without its data the page still has its text; say what happened where the figures would be.
     document.querySelectorAll("figure .plot").forEach((room) => { room.textContent = "This figure could not be drawn (" + error.message + "); it is in the folder plots beside this page."; });

@@ -16,7 +16,7 @@ pub fn figures(found: &[Repeatability]) -> Vec<Figure> {
 
 fn figure(at: usize, of: &Repeatability) -> Figure {
     let shown: Vec<&Quantity> = of.quantities.iter().filter(|q| q.verdict != Repeated::NotIdentifiable).collect();
-    let x = Axis::linear("run less mean (half widths of the claimed 95 % interval)", -REACH, REACH);
+    let x = Axis::linear("run less mean (half widths of the identified 95 % interval)", -REACH, REACH);
     let mut panel = Panel::new(x, Axis::names(shown.iter().map(|q| q.name.clone())));
     for (row, quantity) in shown.iter().enumerate() {
         let level = -(row as f64) - 0.5;
@@ -27,15 +27,24 @@ fn figure(at: usize, of: &Repeatability) -> Figure {
         };
         let wide = quantity.wider().min(REACH);
         panel.line("", [(-wide, level), (wide, level)], Stroke::solid(palette::lighter(color), 6.0));
-        let away = |(value, se): &(f64, f64)| ((value - quantity.mean) / (HALF_WIDTH * se)).clamp(-REACH, REACH);
-        let runs = quantity.values.iter().flatten().map(|run| (away(run), level)).collect();
-        panel.marks(name, runs, Mark::Disc(3.0), color);
+        let away = |(value, se): &(f64, f64)| (value - quantity.mean) / (HALF_WIDTH * se);
+        let runs: Vec<f64> = quantity.values.iter().flatten().map(away).collect();
+        let mut add = |mark: Mark, is_in: &dyn Fn(f64) -> bool| {
+            let of = runs.iter().filter(|away| is_in(**away)).map(|away| (away.clamp(-REACH, REACH), level));
+            let of: Vec<_> = of.collect();
+            if !of.is_empty() {
+                panel.marks(name, of, mark, color);
+            }
+        };
+        add(Mark::Disc(3.0), &|away| away.abs() <= REACH);
+        add(Mark::Leftwards, &|away| away < -REACH);
+        add(Mark::Rightwards, &|away| away > REACH);
     }
     Figure::single(
         &format!("runs_{:02}", at + 1),
         format!("{}: each run beside the mean", of.joint),
-        "Each dot is a run, in half widths of its own 95 % interval: within -1 to 1 it agrees with the mean. The bar is the \
-         half width that the scatter shows.",
+        "Each dot is a run, in half widths of its own 95 % interval: within -1 to 1 it agrees with the mean; a triangle at the edge \
+         stands for one farther out. The bar is the half width that the scatter shows.",
         ROW_PX * shown.len().max(1) as f64,
         panel,
     )

@@ -22,7 +22,7 @@ const GAP_PERIODS: f64 = 10.0;
 
 const CAPTION: &str = "Measured less predicted torque, both low-passed, in a few trials: for each protocol the one with a typical \
                        residual and the one with the largest, each to a scale of its own. Peaks after each reversal point to the \
-                       combination, a slow drift to temperature or the sensor, a level that differs between directions to friction.";
+                       change-over curve, a slow drift to temperature or the sensor, a level that differs between directions to friction.";
 
 /// Residuals of typical and of bad trials, one above the other; `None` without any.
 pub fn figure(found: &Identification) -> Option<Figure> {

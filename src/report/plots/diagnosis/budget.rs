@@ -1,4 +1,4 @@
-//! What the mean square of the residual is made of, as a waterfall: from the model as delivered down to the floor.
+//! What the gap is made of, as a waterfall: from the gap as delivered down to what is left of it, and the noise floor beside it.
 
 use super::CONTACT;
 use crate::diagnose::{Cause, Diagnosis};
@@ -14,75 +14,115 @@ const HALF: f64 = 0.36;
 const SMALL: f64 = 0.01;
 /// Colours of the causes, in their order.
 const COLORS: [Color; 3] = [palette::BLUE, palette::GREEN, palette::PURPLE];
+/// Room to the right of the longest bar, as a share of it.
+const ROOM: f64 = 0.02;
 
-const CAPTION: &str = "The residual's mean square in its parts, which add up, from the model as delivered to the noise floor: what the \
-                       model's own parameters explain while they stay within their confidence, what each cause adds, what is \
-                       left, and the noise floor with its standard error, which no model could explain. Squares add, roots do not: the RMS of each part is the \
-                       root of its own square.";
+const CAPTION: &str = "The gap (RMS above the noise floor) and how far each part takes it down: first what the model's own parameters \
+                       absorb while they stay within their confidence, then what each cause adds, so that the parts add up to the shrink \
+                       of the verdict. The shrink is divided in proportion to the mean square that each part explains, because squares \
+                       add and roots do not. The noise floor, with its standard error, lies below the gap: no model could explain it.";
 
-/// A part of the mean square.
-pub struct Part {
-    /// What it is.
-    pub name: String,
-    /// How much, (N m)^2.
-    pub square: f64,
-    /// Its colour, the same wherever it is shown.
-    pub color: Color,
+/// A part of the gap.
+struct Part {
+    /// Whose it is; `None` is the model's own parameters within their confidence.
+    cause: Option<Cause>,
+    /// How far it takes the gap down: share of the gap's RMS as delivered.
+    share: f64,
+    color: Color,
+}
+
+impl Part {
+    fn name(&self) -> String {
+        match self.cause {
+            None => "model within its confidence".to_string(),
+            Some(Cause::Effect(id)) => id.to_string(),
+            Some(Cause::Stale(name)) => format!("stale: {name}"),
+        }
+    }
+}
+
+/// A bar of the waterfall with what stands beside it.
+struct Bar {
+    name: String,
+    from_nm: f64,
+    to_nm: f64,
+    told: String,
+    color: Color,
+    /// Whether the next bar begins where this one starts.
+    leads_on: bool,
 }
 
 /// The waterfall.
 pub fn figure(found: &Diagnosis) -> Figure {
     let units = Units::of(&found.before.joint);
-    let parts = parts(found);
-    let whole: f64 = parts.iter().map(|part| part.square).sum::<f64>().max(f64::MIN_POSITIVE);
-    let names = std::iter::once("as delivered".to_string()).chain(parts.iter().map(|part| part.name.clone()));
-    let x = Axis::linear("share of the residual's mean square (%)", 0.0, 100.0);
-    let mut panel = Panel::new(x, Axis::names(names));
-    let told = |square: f64| {
-        let rms = units.torque(square.max(0.0).sqrt());
-        kept_together(&format!("{}, {rms}", share_text(square / whole)))
-    };
-    let mut add = |row: usize, (from, to): (f64, f64), square: f64, color: Color| {
+    let bars = bars(found, &units);
+    let top_nm = bars.iter().map(|bar| bar.to_nm).fold(f64::MIN_POSITIVE, f64::max);
+    let (unit, factor) = units.torque_scale(top_nm);
+    let x = Axis::linear(format!("RMS ({unit})"), 0.0, factor * top_nm * (1.0 + ROOM));
+    let mut panel = Panel::new(x, Axis::names(bars.iter().map(|bar| bar.name.clone())));
+    for (row, bar) in bars.iter().enumerate() {
         let level = -(row as f64) - 0.5;
-        panel.bar("", (100.0 * from / whole, 100.0 * to / whole), (level - HALF, level + HALF), color);
-        panel.beside.push((level, told(square)));
-        if row < parts.len() {
-            let edge = 100.0 * from / whole;
-            panel.line(
-                "",
-                [(edge, level - HALF), (edge, level - 1.0 + HALF)],
-                Stroke::dashed(palette::GREY, 1.0, 3.0, 3.0),
-            );
+        let (from, to) = (factor * bar.from_nm, factor * bar.to_nm);
+        panel.bar("", (from, to), (level - HALF, level + HALF), bar.color);
+        panel.beside.push((level, kept_together(&bar.told)));
+        if bar.leads_on {
+            let edge = [(from, level - HALF), (from, level - 1.0 + HALF)];
+            panel.line("", edge, Stroke::dashed(palette::GREY, 1.0, 3.0, 3.0));
         }
-    };
-    let mut left = whole;
-    for (row, part) in parts.iter().enumerate() {
-        add(row + 1, (left - part.square, left), part.square, part.color);
-        left -= part.square;
     }
-    add(0, (0.0, whole), whole, palette::INK);
-    // The first bar begins at zero; its edge would stand there too.
-    panel.series.pop();
-    let height = ROW_PX * (parts.len() + 1) as f64;
+    let height = ROW_PX * bars.len() as f64;
     Figure::single("budget", "What the gap is made of, and what each cause adds", CAPTION, height, panel)
 }
 
-/// The parts that are there, in the order in which they are taken off.
-pub fn parts(found: &Diagnosis) -> Vec<Part> {
-    let budget = &found.budget;
-    let part = |name: &str, square: f64, color| Part { name: name.to_string(), square, color };
-    let mut all = vec![part("model within its confidence", budget.within_confidence, palette::GREY)];
-    for ((cause, square), color) in budget.causes.iter().zip(COLORS.into_iter().cycle()) {
-        all.push(match cause {
-            &Cause::CONTACT => part("contact", *square, CONTACT),
-            Cause::Effect(id) => part(id, *square, color),
-            Cause::Stale(name) => part(&format!("stale: {name}"), *square, color),
-        });
+/// The rows from above: the gap, its parts, what is left, the floor.
+fn bars(found: &Diagnosis, units: &Units) -> Vec<Bar> {
+    let (before_nm, floor_nm) = (found.verdict.gap_before_nm, found.gap.floor.upper_nm());
+    let bar = |name: &str, to_nm: f64, told: String, color| {
+        let name = name.to_string();
+        Bar { name, from_nm: 0.0, to_nm, told, color, leads_on: false }
+    };
+    let mut bars = vec![bar("gap as delivered", before_nm, units.torque(before_nm), palette::INK)];
+    let mut left = 1.0;
+    let parts = parts(found);
+    for (at, part) in parts.iter().enumerate() {
+        let (from_nm, to_nm) = (before_nm * (left - part.share), before_nm * left);
+        left -= part.share;
+        // The first bar begins at zero; a line from its edge would stand on the axis.
+        let leads_on = at + 1 < parts.len() || left > 0.0;
+        let told = share_text(part.share);
+        bars.push(Bar { from_nm, leads_on, ..bar(&part.name(), to_nm, told, part.color) });
     }
-    all.push(part("unexplained", budget.unexplained, palette::VERMILION));
-    all.push(part("noise floor, at most", budget.floor, palette::PALE));
-    all.retain(|part| part.square > 0.0);
-    all
+    if before_nm > 0.0 {
+        let told = format!("{}, {}", share_text(left), units.torque(before_nm * left));
+        bars.push(bar("unexplained", before_nm * left, told, palette::VERMILION));
+    }
+    bars.push(bar("noise floor, at most", floor_nm, units.torque(floor_nm), palette::PALE));
+    bars
+}
+
+/// What takes the gap down, in the order in which it is taken off; together as far as the gap shrinks. Nothing where there is no gap.
+fn parts(found: &Diagnosis) -> Vec<Part> {
+    let (budget, verdict) = (&found.budget, &found.verdict);
+    if verdict.gap_before_nm <= 0.0 {
+        return Vec::new();
+    }
+    let own = (None, budget.within_confidence, palette::GREY);
+    let causes = budget.causes.iter().zip(COLORS.into_iter().cycle()).map(|((cause, square), color)| {
+        let color = if *cause == Cause::CONTACT { CONTACT } else { color };
+        (Some(*cause), *square, color)
+    });
+    let squares: Vec<_> = std::iter::once(own).chain(causes).collect();
+    let shrink = (1.0 - verdict.gap_after_nm / verdict.gap_before_nm).clamp(0.0, 1.0);
+    let whole: f64 = squares.iter().map(|(_, square, _)| square).sum::<f64>().max(f64::MIN_POSITIVE);
+    let part = |(cause, square, color)| Part { cause, share: shrink * square / whole, color };
+    // The model's own parameters are worth a row only where they absorb anything to speak of.
+    let is_worth = |part: &Part| part.share > if part.cause.is_none() { SMALL / 10.0 } else { 0.0 };
+    squares.into_iter().map(part).filter(is_worth).collect()
+}
+
+/// How far the model's own parameters within their confidence (`None`) or a cause that was taken bring the gap down: share of its RMS.
+pub fn added(by: Option<Cause>, found: &Diagnosis) -> Option<f64> {
+    parts(found).into_iter().find(|part| part.cause == by).map(|part| part.share)
 }
 
 fn share_text(share: f64) -> String {

@@ -1,9 +1,11 @@
 //! The candidate causes: how far the gap shrinks with each, with its interval.
 
+use super::budget::added;
 use crate::diagnose::{Candidate, Diagnosis};
 use crate::report::chart::{Axis, Color, Figure, Mark, Panel, Stroke, palette};
 use crate::report::diagnosis::names::Role;
 use crate::report::diagnosis::words::{flexible_shrink, percent, shrink};
+use crate::report::number::counted;
 
 /// Causes shown.
 const SHOWN: usize = 14;
@@ -13,7 +15,7 @@ const PITCH_PX: f64 = 26.0;
 const WORST: f64 = -0.3;
 
 const CAPTION: &str = "How far the gap shrinks with each candidate cause on held-out data, with its 95 % bootstrap interval; where \
-                       several were taken, with all of them together (what each adds stands to the right), and anything else on top. The dashed line is what a flexible fit to \
+                       several were taken, with all of them together (what each adds to the shrink stands to the right), and anything else on top. The dashed line is what a flexible fit to \
                        the recorded motion reaches; a cause with fewer parameters may do better still. A rival does as well as \
                        what was taken, within what these data can tell.";
 
@@ -33,7 +35,11 @@ pub(super) fn figure(found: &Diagnosis) -> Option<Figure> {
         row(&mut panel, candidate, found, -(at as f64) - 0.5);
     }
     let height = PITCH_PX * shown.len() as f64;
-    Some(Figure::single("candidates", "Candidate causes, ranked", CAPTION, height, panel))
+    let rest = match found.candidates.len() - shown.len() {
+        0 => String::new(),
+        more => format!(" {} more in the table.", counted(more, "cause stands", "causes stand")),
+    };
+    Some(Figure::single("candidates", "Candidate causes, ranked", &format!("{CAPTION}{rest}"), height, panel))
 }
 
 fn look(role: Role) -> (Mark, Color, &'static str) {
@@ -42,12 +48,6 @@ fn look(role: Role) -> (Mark, Color, &'static str) {
         Role::Rival => (Mark::Diamond, palette::VERMILION, "rival: does as well"),
         Role::Other => (Mark::Ring, palette::GREY, "not taken"),
     }
-}
-
-/// The share of the residual's mean square that `candidate` takes off, where the budget has it.
-pub fn added(candidate: &Candidate, found: &Diagnosis) -> Option<f64> {
-    let (_, square) = found.budget.causes.iter().find(|(cause, _)| *cause == candidate.cause)?;
-    Some(square / (found.gap.rmse_nm * found.gap.rmse_nm).max(f64::MIN_POSITIVE))
 }
 
 fn row(panel: &mut Panel, candidate: &Candidate, found: &Diagnosis, y: f64) {
@@ -59,7 +59,8 @@ fn row(panel: &mut Panel, candidate: &Candidate, found: &Diagnosis, y: f64) {
     let (low, high) = panel.x.places;
     let mark = if 100.0 * at.value < low { Mark::Leftwards } else { mark };
     panel.marks(name, vec![((100.0 * at.value).clamp(low, high), y)], mark, color);
-    // All that were taken stand together: what tells them apart is what each adds.
-    let added = added(candidate, found).filter(|_| role == Role::Taken);
-    panel.beside.push((y, added.map_or_else(|| shrink(*at), |share| format!("adds {} of the square", percent(share)))));
+    // Several that were taken stand together: what tells them apart is what each adds.
+    let together = found.budget.causes.len() > 1 && role == Role::Taken;
+    let added = added(Some(candidate.cause), found).filter(|_| together);
+    panel.beside.push((y, added.map_or_else(|| shrink(*at), |share| format!("adds {}", percent(share)))));
 }

@@ -2,7 +2,7 @@
 
 use crate::diagnose::{Diagnosis, Kind};
 use crate::report::chart::{Anchor, Axis, Figure, Panel, palette};
-use crate::report::diagnosis::names::place;
+use crate::report::diagnosis::names::bounds;
 use crate::report::diagnosis::words::percent;
 use crate::report::wording::Units;
 
@@ -11,8 +11,9 @@ const SHOWN: usize = 8;
 /// Height of a region, px: its bar and its details below.
 const PITCH_PX: f64 = 46.0;
 
-const CAPTION: &str = "How much of the gap's energy above the floor goes with each quantity, with the bounds within which most of it \
-                       stands. One gap may show in several ways, so the shares do not add up to 100 %.";
+const CAPTION: &str = "How much of the gap goes with each quantity, and the bounds within which most of it stands. Shares here are of \
+                       the gap's mean square, because only squares can be shared out by place; one gap may show in several ways, so \
+                       they do not add up to 100 %.";
 
 /// The bars; `None` without any region, or without a gap.
 pub(super) fn figure(found: &Diagnosis) -> Option<Figure> {
@@ -21,16 +22,15 @@ pub(super) fn figure(found: &Diagnosis) -> Option<Figure> {
         return None;
     }
     let units = Units::of(&found.before.joint);
-    let x = Axis::linear("share of the gap's energy above the floor (%)", 0.0, 100.0);
-    let mut panel = Panel::new(x, Axis::names(places.iter().map(|at| place(at.region).to_string())));
+    let x = Axis::linear("share of the gap's mean square (%)", 0.0, 100.0);
+    let mut panel = Panel::new(x, Axis::names(places.iter().map(bounds)));
     for (row, at) in places.iter().enumerate() {
         let level = -(row as f64) - 0.5;
         panel.bar("", (0.0, 100.0 * at.share_of_gap.clamp(0.0, 1.0)), (level + 0.05, level + 0.4), palette::BLUE);
-        let samples = format!("{} of the samples, RMS {}", percent(at.share_of_samples), units.torque(at.rmse_nm));
-        let details = format!("{}: {samples}", at.detail.replace(" -", " \u{2212}").replace("^2", "²"));
+        let details = format!("{} of the samples, RMS {}", percent(at.share_of_samples), units.torque(at.rmse_nm));
         panel.texts(vec![((0.8, level - 0.18), details)], Anchor::Left, palette::GREY);
         panel.beside.push((level + 0.22, percent(at.share_of_gap)));
     }
     let height = PITCH_PX * places.len() as f64;
-    Some(Figure::single("where", "Where the gap lies: share by region", CAPTION, height, panel))
+    Some(Figure::single("where", "Where the gap lies: what it goes with", CAPTION, height, panel))
 }

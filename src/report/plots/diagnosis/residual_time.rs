@@ -3,6 +3,7 @@
 use super::{CONTACT, ROOM, after_name, reach_nm, residuals};
 use crate::diagnose::{Diagnosis, View};
 use crate::report::chart::{Axis, Color, Figure, Panel, Point, Stroke, palette, span};
+use crate::report::diagnosis::words::kept_together;
 use crate::report::wording::Units;
 use std::ops::Range;
 
@@ -49,7 +50,7 @@ fn figure(found: &Diagnosis, view: &View, at: usize) -> Figure {
         let time = if color == palette::BLUE { time.clone() } else { time.clone().without_texts() };
         let rms = units.torque(residual.mean_square().sqrt());
         let y = Axis::linear(format!("residual ({unit})"), -reach, reach);
-        let mut panel = Panel::new(time, y).titled(format!("{title}: RMS {rms}")).linked(&link);
+        let mut panel = Panel::new(time, y).titled(kept_together(&format!("{title}: RMS {rms}"))).linked(&link);
         shade(&mut panel, found, view);
         let only = |counts: bool| -> Vec<Point> {
             let value = |i: usize| if residual.counts[i] == counts { factor * residual.nm[i] } else { f64::NAN };

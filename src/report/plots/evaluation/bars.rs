@@ -1,4 +1,4 @@
-//! Error with and without the combination coefficient, in stable state and in transition: the paper's figure 8.
+//! Error by change-over curve, in stable state and in transition: the paper's figure 8.
 
 use super::reversals::stroke;
 use crate::evaluate::{Evaluation, Figures, Source, Split, Spread};
@@ -16,9 +16,9 @@ type Part = fn(&Split) -> Figures;
 const PARTS: [(&str, Part); 3] =
     [("all samples", |s| s.all), ("stable state", |s| s.stable), ("transition", |s| s.transition)];
 
-const CAPTION: &str = "Mean absolute error (above) and largest error (below) of each curve, low-passed: mean over trials, with one \
-                       standard deviation; * is the model's own. Sign is the model without any coefficient. The curves differ in \
-                       transitions, of which the low-pass carries a little into stable state, and with the sign curve wherever \
+const CAPTION: &str = "Mean absolute error (above) and largest error (below) by change-over curve, which says how friction passes from one \
+                       direction's to the other's after a reversal (the paper's combination coefficient); low-passed, mean over \
+                       trials with one standard deviation; * is the model's own. Sign passes at once. The curves differ in transitions, of which the low-pass carries a little into stable state, and with the sign curve wherever \
                        the speed's sign is not K_f's; the rest there is the branches' own error and the sensor's noise.";
 
 /// Mean absolute error and peak by curve.
@@ -26,7 +26,7 @@ pub(super) fn figure(evaluation: &Evaluation) -> Figure {
     let row = |name: &str, of: fn(&Figures) -> f64| -> Vec<Panel> {
         PARTS.iter().map(|(title, part)| panel(evaluation, name, title, *part, of)).collect()
     };
-    Figure::new("combinations", "Error with and without the combination coefficient", CAPTION)
+    Figure::new("combinations", "Error by change-over curve", CAPTION)
         .row(150.0, row("MAE", |f| f.mae_nm))
         .row(150.0, row("peak", |f| f.peak_nm))
 }
