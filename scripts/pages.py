@@ -44,7 +44,8 @@ def make(run, full):
         run(f"simulate --model {TRUTH} -o fleet/elbow-1/2026-0{day} --rate-hz 50 --speeds 6 --repeats 2 --cosines 1 --seed {day} {effect}")
     run("batch fleet -o batch")
     run("repeatability fleet -o repeatability")
-    pages = ["identify", "evaluate", "diagnose", "interaction", "compare", "batch/fleet", "repeatability"]
+    run("validate data/elbow -o validate")
+    pages = ["identify", "evaluate", "diagnose", "interaction", "compare", "batch/fleet", "repeatability", "validate"]
     if full:
         run(f"simulate --model {TRUTH} -o paper --rate-hz 1000")
         run("identify paper -o full-identify")
@@ -233,6 +234,33 @@ def map_click(browser, path, check):
         check("diagnose: a click on the map shows those samples", "trial=" in opened and spots > 0, f"{opened}, {spots} marked stretches")
 
 
+def terms(browser, path, check):
+    with Tab(browser, path) as tab:
+        marked = tab.value("[...document.querySelectorAll('abbr.term')].map((term) => [term.textContent.toLowerCase(), term.title])")
+        told = tab.value("[...document.querySelectorAll('#s-terms dt')].map((term) => [term.textContent.toLowerCase(), term.nextElementSibling.textContent])")
+        check("diagnose: terms say on hovering what they mean", len(marked) > 3 and all(one in told for one in marked), ", ".join(name for name, _ in marked))
+        check("diagnose: each only where it first stands", len({name for name, _ in marked}) == len(marked))
+
+
+def map_in_the_dark(browser, path, check):
+    """What is large must stand out from the ground: dark on light, bright on dark, also after the button; paper is light."""
+    ends = """(() => {
+        const bar = [...document.querySelectorAll('#map .drawing > rect[width="12"]')].slice(0, 40).map((rect) => rect.getAttribute('fill'));
+        return [bar[0], bar[bar.length - 1]].map((color) => color.match(/\\d+/g).map(Number).reduce((a, b) => a + b));
+    })()"""
+    for dark in (False, True):
+        with Tab(browser, path, dark=dark) as tab:
+            tab.hit("map", 0)
+            low, high = tab.value(ends)
+            check(f"diagnose: the map's largest stands out, {'dark' if dark else 'light'}", (high > low) == dark, f"{low}, {high}")
+            tab.page.click("#theme")
+            low, high = tab.value(ends)
+            check("diagnose: and after the button", (high > low) != dark, f"{low}, {high}")
+            tab.value("dispatchEvent(new Event('beforeprint'))")
+            low, high = tab.value(ends)
+            check("diagnose: and on paper", low > high, f"{low}, {high}")
+
+
 def drift(browser, path, check):
     with Tab(browser, path) as tab:
         links = tab.page.locator("tbody a")
@@ -302,7 +330,8 @@ def main():
         check(f"evaluate: six trials in {SIX_TRIALS_BYTES / 1e6} MB", size <= SIX_TRIALS_BYTES, f"{size} bytes")
         for use in (hover, zoom, legend_and_choice, sort, keyboard):
             use(browser, page("evaluate"), check)
-        map_click(browser, page("diagnose"), check)
+        for use in (map_click, map_in_the_dark, terms):
+            use(browser, page("diagnose"), check)
         drift(browser, page("batch/fleet"), check)
         browser.close()
     for command, seconds in took.items():

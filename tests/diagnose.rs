@@ -14,7 +14,7 @@ const FIGURES: [(&str, &[&str]); 11] = [
     ("budget", &["RMS (", "gap as delivered", "unexplained", "noise floor"]),
     ("map", &["position (deg)", "speed (rad/s)", "as delivered", "floor"]),
     ("candidates", &["how far the gap above the floor shrinks (%)", "taken", "flexible fit"]),
-    ("where", &["share of the gap's mean square (%)", "of the samples, RMS"]),
+    ("where", &["share of the gap's mean square (%)"]),
     ("residual_time", TRACE),
     ("residual_time_02", TRACE),
     ("residual_time_03", TRACE),

@@ -136,6 +136,21 @@ fn agreement_sentence(found: &Interaction, units: &Units) -> Option<String> {
     })
 }
 
+/// What to do next, a sentence each.
+fn next(found: &Interaction) -> Vec<String> {
+    let mut steps = Vec::new();
+    if found.quiet.false_alarms_per_hour().is_none() {
+        let step =
+            "Record trials in which nobody touches the joint: they give the thresholds and the false-alarm rate.";
+        steps.push(step.to_string());
+    }
+    let weaker =
+        "To detect weaker contacts, lower what the model leaves on quiet motion: tautline diagnose ranks its causes.";
+    let live = "For the torque while it is recorded: tautline interaction CAMPAIGN --model MODEL --follow reads samples as they come.";
+    steps.extend([weaker, live].map(str::to_string));
+    steps
+}
+
 /// The page of `found`.
 pub fn page(found: &Interaction, campaign: &str, model: &str) -> Page {
     let units = Units::of(&found.model.joint);
@@ -159,6 +174,7 @@ pub fn page(found: &Interaction, campaign: &str, model: &str) -> Page {
                 String::new()
             }
         ),
+        next: next(found),
         warnings: found.warnings.iter().map(Warning::from).collect(),
         cards: vec![
             card("contacts", count(contacts), "longer than half a period of the low-pass"),

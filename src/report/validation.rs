@@ -173,6 +173,13 @@ fn page(understood: &Understood, problems: &[Problem]) -> Page {
         subject: "validation".to_string(),
         short,
         lead: plots::validation::speeds(understood).into_iter().collect(),
+        next: vec![
+            match errors {
+                0 => "Identify the joint: tautline identify CAMPAIGN -o FOLDER.",
+                _ => "Correct the errors below, each of which names its cure, and validate again.",
+            }
+            .to_string(),
+        ],
         cards: vec![
             card(
                 "position",
