@@ -7,7 +7,7 @@ and one braking ramp, as defined in src/cli/rig/faults/allowed.rs), the cause an
 sent, because nothing acts before they have happened: they are bounded as well, and listed at the end by name with the reason. Exit
 status 1 if more than `--known` cases exceed that bound or end silently, or if more than `--beyond` are on the list.
 
-    scripts/ethercat/fault_matrix.py [--binary target/release/tautline] [--only csv] [--known 0] [--beyond 5] [-o matrix.json]
+    scripts/ethercat/fault_matrix.py [--binary target/release/tautline] [--only csv] [--known 0] [--beyond 1] [-o matrix.json]
 """
 
 import argparse
@@ -22,7 +22,7 @@ def main():
     parser.add_argument("--binary", default="target/release/tautline")
     parser.add_argument("--only", default="", help="only cases whose name contains this")
     parser.add_argument("--known", type=int, default=0, help="cases that may exceed the limits")
-    parser.add_argument("--beyond", type=int, default=5, help="cases that exceed them by what no command could prevent")
+    parser.add_argument("--beyond", type=int, default=1, help="cases that exceed them by what no command could prevent")
     parser.add_argument("-o", "--output", help="write the matrix as JSON")
     arguments = parser.parse_args()
     began = time.monotonic()

@@ -138,7 +138,7 @@ impl Seen {
 pub struct Patience {
     /// To get torque, or lose it.
     pub switching: u32,
-    /// To leave "operation enabled" on a quick stop.
+    /// To leave "operation enabled" on a quick stop, or once told to disable voltage.
     pub obeying: u32,
     /// To come to rest.
     pub stopping: u32,
@@ -183,6 +183,10 @@ impl State {
             Self::Held if seen.may_be_held() && !seen.runs_away => Self::Held,
             Self::Held => Self::Cutting,
             Self::Cutting | Self::Leaving | Self::Lost if is_off && seen.cycles > 0 => Self::Stopped,
+            // A drive that still follows is deaf, one on its way to no torque may take its time.
+            Self::Cutting if seen.is_fresh && seen.drive == Condition::Enabled && seen.cycles >= patience.obeying => {
+                Self::Leaving
+            }
             Self::Cutting if seen.cycles >= patience.cutting => Self::Leaving,
             Self::Leaving if seen.cycles >= patience.cutting => Self::Lost,
             Self::Cutting | Self::Leaving | Self::Lost => self,

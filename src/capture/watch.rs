@@ -64,6 +64,14 @@ impl Watch {
         if self.recent.len() <= SPEED_CYCLES { 0.0 } else { (last.0 - first.0) / (f64::from(periods) * self.period_s) }
     }
 
+    /// The least speed that the joint can have had over the last two cycles, as far as its encoder counts, rad/s: sooner to tell that it
+    /// runs away than [`Self::speed_rad_s`].
+    pub fn surely_rad_s(&self) -> f64 {
+        let [.., (first, _), (_, one), (last, other)] = self.recent[..] else { return 0.0 };
+        let moved_rad = (last - first).abs() - COUNTS * self.count_rad;
+        moved_rad.max(0.0) / (f64::from(one + other) * self.period_s)
+    }
+
     /// The last measured position, rad.
     pub fn position_rad(&self) -> Option<f64> {
         self.last.map(|last| last.position_rad)

@@ -154,7 +154,7 @@ fn left_op(rig: &Rig, faults: &[Fault]) -> (u16, u16, Outcome) {
 fn a_clocked_drive_gives_up_in_a_long_gap() {
     let (state, code, outcome) = left_op(&rig(), &[Fault::WatchdogOff { device: 0 }, Fault::Unsent { frames: 70 }]);
     assert_eq!((state, code), (0x14, 0x1A));
-    let told = "`winch drive`: gives up after 21 pulses of its clock without outputs (0x10f1:02 = 63, read back)";
+    let told = "`winch drive`: gives up after 11 pulses of its clock without outputs (0x10f1:02 = 33, read back)";
     assert!(outcome.report.iter().any(|line| line == told), "{:?}", outcome.report);
     let patient = rig_with(&[
         ("missed_cycles_max = 1 ", "watchdog_ms = 200\nmissed_cycles_max = 90 "),

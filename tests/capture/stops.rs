@@ -212,7 +212,7 @@ fn there_is_no_torque_without_an_output_watchdog() {
     let outcome = traced(bus_of(drive_with(0, false, &[])), &rig, &plan, &Agrees, &mut |_, _| ());
     assert_eq!((outcome.cause, outcome.complete), (None, 2));
     assert!(
-        outcome.report.iter().any(|line| line == "`winch drive`: output watchdog 20 ms, read back"),
+        outcome.report.iter().any(|line| line == "`winch drive`: output watchdog 10 ms, read back"),
         "{:?}",
         outcome.report
     );
@@ -287,7 +287,7 @@ fn the_operator_sees_everything_first() {
     for line in [
         "serial 0x0000002a",
         "quick stop: option 2, 20.0 rad/s^2",
-        "output watchdog 20 ms, read back",
+        "output watchdog 10 ms, read back",
         "drive's limits of position, read back",
         "drive's own limits, read back",
         "of 500 cycles 0 late, 0 missed",

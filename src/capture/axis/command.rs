@@ -5,8 +5,8 @@ use crate::capture::bound::{At, Sent, bounded};
 use crate::capture::rig::Place;
 use crate::capture::safety::{Request, Seen, State, Target};
 
-/// How long a tension takes to come, s.
-const TENSION_S: f64 = 1.0;
+/// How long a tension takes to come, and to go, s.
+pub(super) const TENSION_S: f64 = 1.0;
 /// Share of it that may be left then.
 const ALMOST: f64 = 0.05;
 
@@ -95,8 +95,8 @@ impl Axis {
         self.unbraked = if lets_go { self.unbraked.saturating_add(1) } else { 0 };
     }
 
-    /// What is wanted of a drive in torque mode, N m: to bring the joint to its target, or the tension that it holds, which comes within
-    /// `TENSION_S` and ends with a stop.
+    /// What is wanted of a drive in torque mode, N m: to bring the joint to its target, or the tension that it holds, which comes and
+    /// goes within `TENSION_S` and ends at once with a stop.
     fn wanted_nm(&self, behind_rad: f64, measured_rad_s: f64) -> f64 {
         let gains = &self.rig.drive.gains;
         match self.tension_nm {
@@ -104,6 +104,7 @@ impl Axis {
             Some(_) if self.state.target() == Target::Brakes => 0.0,
             Some(tension_nm) => {
                 let step_nm = tension_nm.abs() * self.rig.bus.period_s() / TENSION_S;
+                let tension_nm = if self.state == State::Releasing { 0.0 } else { tension_nm };
                 self.sent.torque_nm + (tension_nm - self.sent.torque_nm).clamp(-step_nm, step_nm)
             }
         }

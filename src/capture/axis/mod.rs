@@ -21,7 +21,8 @@ const REST_RAD_S: f64 = 0.01;
 const REST_COUNTS: f64 = 1.5;
 /// How long the drive may take to switch, s: some have a brake to open.
 const SWITCHING_S: f64 = 3.0;
-/// How long the drive may stay enabled after a quick stop was commanded before voltage is taken away, s: some cycles, and slow firmware.
+/// How long the drive may stay enabled after a quick stop was commanded before voltage is taken away, and again before it is made to leave
+/// OP, s: some cycles, and slow firmware.
 pub const OBEYING_S: f64 = 0.02;
 /// How long a stop may take before voltage is taken away whatever is seen, s.
 const STOPPING_S: f64 = 2.0;
@@ -181,7 +182,10 @@ impl Axis {
             Holds::Position => None,
             Holds::Tension(tension_nm) => Some(tension_nm),
         };
-        Self { tension_nm, ..self }
+        // A tension fades before its drive is switched off.
+        let fades = tension_nm.map_or(0, |_| (command::TENSION_S / self.rig.bus.period_s()).ceil() as u32);
+        let last = Seen { engage: self.last.engage.max(fades), ..self.last };
+        Self { tension_nm, last, ..self }
     }
 
     /// Where the safety machine is.

@@ -94,7 +94,8 @@ impl Axis {
         let is_blind = self.cause.as_ref().is_some_and(Cause::blinds);
         let runs = |(from_rad, from_rad_s): (f64, f64)| {
             (position_rad - from_rad).abs() > limits.stop_rad
-                || self.watch.speed_rad_s().abs() > STOP_ROOM * from_rad_s.abs().max(limits.speed_rad_s)
+                || self.watch.speed_rad_s().abs().max(self.watch.surely_rad_s())
+                    > STOP_ROOM * from_rad_s.abs().max(limits.speed_rad_s)
         };
         !is_blind && self.stop_from.is_some_and(runs)
     }

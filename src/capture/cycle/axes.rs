@@ -70,12 +70,13 @@ impl<W: Wire, C> Cycle<'_, '_, W, C> {
     /// The next decision of every axis; whether one of them begins to stop.
     pub(super) fn step(&mut self, request: Request, command_rad: Option<f64>) -> bool {
         let mut begins = false;
+        let of_joint = self.of_joint(request);
         for index in 0..=self.held.len() {
             let number = self.number;
             let driven = self.axis_at(index);
             let before = driven.axis.state();
             match index {
-                0 => driven.axis.step(request, command_rad),
+                0 => driven.axis.step(of_joint, command_rad),
                 _ => driven.axis.step(Driven::held(request), None),
             }
             let state = driven.axis.state();
@@ -88,6 +89,16 @@ impl<W: Wire, C> Cycle<'_, '_, W, C> {
             }
         }
         begins
+    }
+
+    /// What is wanted of the joint's own axis: it holds until the others have let go. A tension that nothing stands against would pull it
+    /// away.
+    fn of_joint(&self, request: Request) -> Request {
+        let holds = matches!(self.joint.axis.state(), State::Holding | State::Moving);
+        match holds && self.held.iter().any(|driven| driven.axis.state().is_armed()) {
+            true if request == Request::Watch => Request::Hold,
+            _ => request,
+        }
     }
 
     /// The drive of an axis is told to leave OP.

@@ -140,7 +140,7 @@ fn read_bus(section: &Section<'_>) -> Option<Bus> {
 /// The output watchdog where the rig sets none, ms: as short as the gaps allow that are let pass, since a drive that no frame reaches goes on
 /// for so long.
 fn default_watchdog_ms(missed: i64, cycle_us: i64) -> i64 {
-    const SHORTEST_MS: i64 = 20;
+    const SHORTEST_MS: i64 = 10;
     const LONGEST_MS: i64 = 100;
     let gap_ms = ((missed + 1) * cycle_us + 999) / 1000;
     (2 * gap_ms).clamp(SHORTEST_MS, LONGEST_MS)

@@ -144,6 +144,11 @@ fn a_stop_escalates_by_what_the_drive_answers() {
     assert_eq!(walk(&|_, _| moving(Condition::Enabled)), [Stopping, Cutting, Leaving, Lost]);
     let gone = |_, _| Seen { is_fresh: false, ..seen(Request::Move, Condition::SwitchOnDisabled) };
     assert_eq!(walk(&gone), [Stopping, Cutting, Leaving, Lost]);
+    // One that still follows without voltage is made to leave OP as soon as one that ignored the quick stop loses its voltage, one on its
+    // way to no torque later.
+    let cutting = |drive, cycles| State::Cutting.next(&Seen { cycles, ..moving(drive) }, PATIENCE);
+    assert_eq!((cutting(Condition::Enabled, 49), cutting(Condition::Enabled, 50)), (Cutting, Leaving));
+    assert_eq!((cutting(Condition::QuickStop, 98), cutting(Condition::QuickStop, 99)), (Cutting, Leaving));
     // Runs away on its quick stop.
     let away = |_, at| Seen { runs_away: at > 5, ..moving(Condition::QuickStop) };
     assert_eq!(walk(&away)[..2], [Stopping, Cutting]);

@@ -1,7 +1,7 @@
 //! What a joint may do under a fault until its torque is off: the rig's limits and one braking ramp.
 //!
 //! **Speed**: the limit, with the share above it that is allowed to be measured. **Travel**: what passes at the limit of speed until the
-//! fault is seen (`SEEN_CYCLES`), then one braking ramp, v^2 / 2a, at the limit of acceleration. **Range**: the rig's, the lag and one
+//! fault is seen (`SEEN_CYCLES`), then one braking ramp, v^2 / 2a, at the limit of acceleration; it begins at the speed that is allowed. **Range**: the rig's, the lag and one
 //! braking ramp. A drive that only ignores commands does what it is told until it is told to stop: its travel counts from then.
 //!
 //! Some faults exceed that whatever this program does, because nothing that it sends acts before they have happened. Such cases are
@@ -59,8 +59,10 @@ impl Allowed {
         let limits = &rig.limits;
         let ramp_rad = |speed_rad_s: f64| speed_rad_s.powi(2) / (2.0 * limits.acceleration_rad_s2);
         let seen_rad = SEEN_CYCLES * rig.bus.period_s() * limits.speed_rad_s;
-        let within =
-            Bound { speed_rad_s: ROOM * limits.speed_rad_s, travel_rad: seen_rad + ramp_rad(limits.speed_rad_s) };
+        let within = Bound {
+            speed_rad_s: ROOM * limits.speed_rad_s,
+            travel_rad: seen_rad + ramp_rad(ROOM * limits.speed_rad_s),
+        };
         let is_deaf = |fault: &Fault| matches!(fault, Fault::IgnoredQuickStop | Fault::IgnoredControl);
         let has = |fault: Fault| faults.contains(&fault);
         let deaf_s = if faults.iter().any(is_deaf) { OBEYING_S } else { 0.0 };
@@ -71,7 +73,7 @@ impl Allowed {
         let kick_rad_s = faults.iter().map(|fault| kick_rad_s(rig, *fault, driven_s)).fold(0.0, f64::max);
         let speed_rad_s = within.speed_rad_s + kick_rad_s;
         let lasts_s = deaf_s + watchdog_s;
-        let travel_rad = seen_rad + ramp_rad(limits.speed_rad_s + kick_rad_s) + lasts_s * speed_rad_s;
+        let travel_rad = seen_rad + ramp_rad(speed_rad_s) + lasts_s * speed_rad_s;
         let why = [(watchdog_s > 0.0, "cut off"), (kick_rad_s > 0.0, "driven"), (deaf_s > 0.0, "deaf")];
         let why = why.into_iter().find_map(|(is_so, why)| is_so.then_some(why));
         let room_rad = limits.lag_rad + ramp_rad(within.speed_rad_s);
