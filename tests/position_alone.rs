@@ -76,6 +76,26 @@ fn the_torque_is_what_the_law_makes_of_command_and_position() {
     assert!(campaign.uncertainty.torque_scale_percent.is_infinite());
 }
 
+/// A joint that speeds up by 1 rad/s^2, 0.1 rad behind its command: its controller has the velocity as it was 0.05 s ago.
+#[test]
+fn a_velocity_that_is_filtered_comes_late() {
+    let torque_nm = |campaign: &str| {
+        let folder = folder(campaign);
+        let row = |i: usize| {
+            let (t, position) = (i as f64 / 500.0, 0.5 * (i as f64 / 500.0).powi(2));
+            format!("{t:.3},{position},{}\n", position + 0.1 + 1e-9 * (i as f64 * 0.7).sin())
+        };
+        std::fs::write(folder.path().join("a.csv"), format!("t,q,c\n{}", (0..1000).map(row).collect::<String>()))
+            .unwrap();
+        read_trial(&Campaign::read(folder.path()).unwrap(), 0).unwrap().torque_nm[500]
+    };
+    let filtered = CAMPAIGN.replace("torque_limit", "speed_filter_s = 0.05\ntorque_limit");
+    // 0.5 N m s/rad times 0.05 rad/s, half of it at the motor.
+    let more_nm = torque_nm(&filtered) - torque_nm(CAMPAIGN);
+    assert!((more_nm - 0.0125).abs() < 1e-4, "{more_nm}");
+    assert!(refused(&filtered.replace("damping_nm_s_rad = 0.5\n", "")).contains("without a damping"));
+}
+
 #[test]
 fn what_a_controller_lacks_is_told() {
     assert!(refused(&CAMPAIGN.replace("torque_sign = 1", "torque_sign = -1")).contains("write torque_sign = 1"));

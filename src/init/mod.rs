@@ -2,14 +2,17 @@
 //!
 //! | file | what it finds |
 //! |---|---|
+//! | `vocabulary` | the words that columns are named with |
 //! | `names` | what a column's name says |
 //! | `measure` | what a reading of 1 is |
 //! | `columns` | which column holds what |
 //! | `motion` | sweeps, cosines, free motion, rests |
 //! | `physics` | what friction and gravity say of sign and zero |
 //! | `trials` | the list of trials, repeats numbered |
+//! | `answers` | answers to its questions |
 //! | `text` | the draft as text |
 
+mod answers;
 mod columns;
 mod guess;
 mod measure;
@@ -18,11 +21,13 @@ mod names;
 mod physics;
 mod text;
 mod trials;
+mod vocabulary;
 
+pub use answers::Answers;
 pub use columns::{Choice, Chosen, Known};
 pub use measure::Measure;
 pub use physics::Hints;
-pub use text::{Answers, Draft, Question, draft};
+pub use text::{Draft, Question, draft};
 pub use trials::DraftTrial;
 
 use crate::dynamics::JointKind;

@@ -1,5 +1,6 @@
 //! What a column's name says: quantity, unit, joint. `elbow_position_deg`, `Drehmoment [Nm]`, `q1 (rad)`, `elbow.effort`.
 
+use super::vocabulary::{COUNTER, GENERIC, QUANTITIES, SUFFIXES};
 use crate::units::{Quantity, Unit};
 
 /// What a name tells.
@@ -16,177 +17,6 @@ pub(super) struct Label {
     /// Whether it is called x and nothing else: a position, or what a plot has below.
     pub is_axis: bool,
 }
-
-const TIME: [&str; 19] = [
-    "time",
-    "t",
-    "zeit",
-    "timestamp",
-    "stamp",
-    "ts",
-    "zeitstempel",
-    "clock",
-    "secs",
-    "datetime",
-    "date",
-    "tiempo",
-    "temps",
-    "tempo",
-    "jikan",
-    "millis",
-    "micros",
-    "nanos",
-    "czas",
-];
-const POSITION: [&str; 32] = [
-    "position",
-    "pos",
-    "angle",
-    "ang",
-    "winkel",
-    "theta",
-    "th",
-    "q",
-    "phi",
-    "encoder",
-    "enc",
-    "lage",
-    "weg",
-    "hub",
-    "stellung",
-    "displacement",
-    "travel",
-    "x",
-    "posicion",
-    "angulo",
-    "angolo",
-    "posizione",
-    "posicao",
-    "kakudo",
-    "kaku",
-    "ichi",
-    "poz",
-    "deplacement",
-    "course",
-    "drehwinkel",
-    "gelenkwinkel",
-    "schlittenposition",
-];
-const VELOCITY: [&str; 22] = [
-    "velocity",
-    "vel",
-    "speed",
-    "omega",
-    "qd",
-    "dq",
-    "qdot",
-    "qp",
-    "geschwindigkeit",
-    "geschw",
-    "drehzahl",
-    "winkelgeschwindigkeit",
-    "winkelgeschw",
-    "v",
-    "dtheta",
-    "thetadot",
-    "velocidad",
-    "vitesse",
-    "velocita",
-    "velocidade",
-    "sokudo",
-    "kakusokudo",
-];
-const TORQUE: [&str; 24] = [
-    "torque",
-    "tau",
-    "trq",
-    "tq",
-    "moment",
-    "drehmoment",
-    "effort",
-    "eff",
-    "force",
-    "kraft",
-    "mom",
-    "m",
-    "f",
-    "load",
-    "couple",
-    "par",
-    "momento",
-    "coppia",
-    "esfuerzo",
-    "fuerza",
-    "forza",
-    "toruku",
-    "motormoment",
-    "sensormoment",
-];
-const CURRENT: [&str; 12] =
-    ["current", "curr", "i", "iq", "strom", "amps", "motorstrom", "cur", "corriente", "courant", "corrente", "denryu"];
-const TEMPERATURE: [&str; 4] = ["temperature", "temp", "temperatur", "temperatura"];
-const COMMAND: [&str; 20] = [
-    "command",
-    "cmd",
-    "target",
-    "desired",
-    "setpoint",
-    "soll",
-    "goal",
-    "ref",
-    "reference",
-    "des",
-    "sollwert",
-    "commanded",
-    "set",
-    "sollposition",
-    "sollwinkel",
-    "consigna",
-    "consigne",
-    "mokuhyo",
-    "reff",
-    "sp",
-];
-const COUNTER: [&str; 9] = ["sample", "index", "counter", "count", "nr", "cycle", "row", "frame", "idx"];
-/// Words that say nothing of which joint it is.
-const GENERIC: [&str; 32] = [
-    "actual", "ist", "act", "measured", "meas", "mess", "value", "wert", "joint", "raw", "filt", "filtered", "state",
-    "states", "sensor", "signal", "channel", "kanal", "column", "of", "in", "the", "unnamed", "istwert", "present",
-    "data", "field", "header", "motor", "real", "mesure", "medido",
-];
-/// Units as the end of a name: `torque_nm` is in N m, though `nm` alone would be no unit.
-const SUFFIXES: [(&str, Unit); 30] = [
-    ("s", Unit::Second),
-    ("sec", Unit::Second),
-    ("ms", Unit::Millisecond),
-    ("us", Unit::Microsecond),
-    ("ns", Unit::Nanosecond),
-    ("deg", Unit::Degree),
-    ("rad", Unit::Radian),
-    ("nm", Unit::NewtonMetre),
-    ("mnm", Unit::MillinewtonMetre),
-    ("ncm", Unit::NewtonCentimetre),
-    ("n", Unit::Newton),
-    ("a", Unit::Ampere),
-    ("ma", Unit::Milliampere),
-    ("mm", Unit::Millimetre),
-    ("m", Unit::Metre),
-    ("rpm", Unit::Rpm),
-    ("rads", Unit::RadianPerSecond),
-    ("dps", Unit::DegreePerSecond),
-    ("degc", Unit::Celsius),
-    ("c", Unit::Celsius),
-    ("rad s", Unit::RadianPerSecond),
-    ("deg s", Unit::DegreePerSecond),
-    ("mm s", Unit::MillimetrePerSecond),
-    ("cm s", Unit::CentimetrePerSecond),
-    ("m s", Unit::MetrePerSecond),
-    ("n m", Unit::NewtonMetre),
-    ("kgfcm", Unit::KilogramForceCentimetre),
-    ("lbfin", Unit::PoundForceInch),
-    ("ozin", Unit::OunceForceInch),
-    ("cm", Unit::Centimetre),
-];
 
 /// What a column called `name` holds, with what a row of units says of it.
 pub(super) fn label(name: &str, unit_row: &str) -> Label {
@@ -213,17 +43,6 @@ pub(super) fn label(name: &str, unit_row: &str) -> Label {
     let is_axis = unit.is_none() && words.iter().all(|word| word == "x" || is_one_of(&GENERIC, word));
     Label { quantity, unit, joint, is_counter, is_axis }
 }
-
-/// What each word may mean; the first that the unit allows counts.
-const QUANTITIES: [(Quantity, &[&str]); 7] = [
-    (Quantity::Command, &COMMAND),
-    (Quantity::Time, &TIME),
-    (Quantity::Temperature, &TEMPERATURE),
-    (Quantity::Velocity, &VELOCITY),
-    (Quantity::Position, &POSITION),
-    (Quantity::Torque, &TORQUE),
-    (Quantity::Current, &CURRENT),
-];
 
 fn could_be(quantity: Quantity, unit: Unit) -> bool {
     use crate::dynamics::JointKind::{Prismatic, Revolute};

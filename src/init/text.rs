@@ -1,6 +1,7 @@
 //! The draft of `campaign.toml`: what was found, why, and the questions that no data answer, each on the line that waits for it.
 
 use super::Survey;
+use super::answers::Answers;
 use super::columns::Choice;
 use super::measure::Measure;
 use super::trials::{DraftTrial, digits};
@@ -20,66 +21,6 @@ const LOWPASS_HZ: f64 = 5.0;
 const LOWPASS_SHARE: f64 = 0.2;
 /// A zero that the data shift by less than this is as good as declared, rad.
 const ZERO_NEGLIGIBLE_RAD: f64 = 0.0175;
-
-/// Answers to questions, by key.
-#[derive(Debug, Clone, Default)]
-pub struct Answers {
-    /// The joint's name.
-    pub name: Option<String>,
-    /// What drives it.
-    pub drive: Drive,
-    /// Values by their key, as they stand in the file.
-    pub values: BTreeMap<String, String>,
-    /// Names of columns, by key under `[columns]`.
-    pub columns: BTreeMap<String, String>,
-}
-
-impl Answers {
-    /// Takes `text` as the answer to `key`.
-    ///
-    /// Errors: it is no value of that kind; says what is expected.
-    pub fn set(&mut self, key: &str, text: &str) -> Result<(), String> {
-        let text = text.trim();
-        let value = match quantity_of(key) {
-            Some(quantity) => measure(quantity, text)?.to_string(),
-            None => {
-                let number = text.replace(',', ".").parse::<f64>().ok().filter(|number| number.is_finite());
-                number.ok_or("expected a number")?.to_string()
-            }
-        };
-        self.values.insert(key.to_string(), value);
-        Ok(())
-    }
-
-    /// What a reading of 1 is, of each column of which that was answered.
-    pub fn measures(&self) -> BTreeMap<String, Measure> {
-        let of_column = |(key, text): (&String, &String)| {
-            Some((key.strip_prefix("columns.")?.to_string(), Measure::written(text)?))
-        };
-        self.values.iter().filter_map(of_column).collect()
-    }
-
-    /// The value given for `key`.
-    pub fn number(&self, key: &str) -> Option<f64> {
-        self.values.get(key)?.parse().ok()
-    }
-}
-
-/// The quantity whose unit is the answer to the question `key`.
-fn quantity_of(key: &str) -> Option<Quantity> {
-    let column = key.strip_prefix("columns.")?;
-    Quantity::ASKED.into_iter().find(|quantity| quantity.name() == column)
-}
-
-/// What `text` says a reading of 1 of `quantity` is. Errors: it is no unit of that quantity, nor a number of them.
-fn measure(quantity: Quantity, text: &str) -> Result<Measure, String> {
-    let units = [JointKind::Revolute, JointKind::Prismatic].map(|kind| quantity.units(kind));
-    let is_of_it = |measure: &Measure| units.iter().any(|units| units.contains(&measure.unit));
-    let mut names: Vec<&str> = units.concat().iter().map(|unit| unit.name()).collect();
-    names.dedup();
-    let expected = || format!("expected a unit ({}) or a number of them, such as `0.5 {}`", names.join(", "), names[0]);
-    Measure::written(text).filter(is_of_it).ok_or_else(expected)
-}
 
 /// What no data tell.
 #[derive(Debug, Clone, PartialEq)]
@@ -263,11 +204,20 @@ impl Writer<'_> {
     /// The torque follows from command and position; without a stiffness up to one factor.
     fn controller(&mut self) {
         self.line("\n[controller]  # torque = stiffness (command - position) - damping velocity, at the joint");
-        let means = ["N m/rad; left out, all torques are known up to one factor", "N m s/rad; 0 where left out", "N m"];
-        for (key, means) in ["stiffness_nm_rad", "damping_nm_s_rad", "torque_limit_nm"].into_iter().zip(means) {
+        let keys = [
+            ("stiffness_nm_rad", "20.0", "N m/rad; left out, all torques are known up to one factor"),
+            ("damping_nm_s_rad", "0.5", "N m s/rad; 0 where left out"),
+            (
+                "speed_filter_s",
+                "0.003",
+                "s, time constant of the filter through which it has its velocity; 0 where left out",
+            ),
+            ("torque_limit_nm", "4.0", "N m"),
+        ];
+        for (key, example, means) in keys {
             match self.answers.number(&format!("controller.{key}")) {
                 Some(value) => self.line(format!("{key} = {}", Value::from(value))),
-                None => self.line(format!("# {key} = 20.0  # {means}")),
+                None => self.line(format!("# {key} = {example}  # {means}")),
             }
         }
     }

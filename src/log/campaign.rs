@@ -2,11 +2,12 @@
 
 use super::arm::{Arm, Declared};
 use super::captured::Captured;
-use super::columns::{Columns, Given, OtherColumn, TorqueFrom, Wanted};
+use super::columns::{Columns, OtherColumn, TorqueFrom, Wanted};
 use super::controller::Controller;
 use super::entries::Entries;
 use super::files::Files;
 use super::questions;
+use super::read_columns::Given;
 use super::uncertainty::Uncertainty;
 use crate::document::{Document, Section};
 use crate::dynamics::{Dynamics, JointKind};

@@ -1,12 +1,14 @@
 //! `[controller]`: what a position controller makes of its command, for joints whose torque is not measured.
 //!
 //! At the joint, tau = K (command - position) - D u within +-limit, where u is the joint's velocity, or its velocity less the
-//! command's where the controller damps the error. The torque at the winch is r1/r2 times that, and positive towards the command:
+//! command's where the controller damps the error, through the first-order low-pass that the controller has for it: late by T, u asks
+//! for D T of inertia less than the joint has. The torque at the winch is r1/r2 times that, and positive towards the command:
 //! y, without a sign to be declared. An unknown K is taken as 1 N m/rad: all torques are then known up to one factor.
 
 use super::columns::Wanted;
 use super::{POSITION, TORQUE};
 use crate::document::{Section, write_pairs};
+use crate::numerics::causal::Lag;
 use crate::numerics::difference::velocity;
 use crate::units::{Quantity, Unit};
 use toml::Value;
@@ -38,6 +40,8 @@ pub struct Controller {
     pub damping_nm_s_rad: f64,
     /// What D acts on.
     pub damped: Damped,
+    /// T, the time constant of the low-pass through which it has u, s; 0 where none is given.
+    pub speed_filter_s: f64,
     /// The most that it gives, N m; no limit where there is none.
     pub torque_limit_nm: Option<f64>,
 }
@@ -48,7 +52,13 @@ impl Controller {
         let stiffness_nm_rad = section.may("stiffness_nm_rad").positive();
         let damping_nm_s_rad = section.may("damping_nm_s_rad").not_negative();
         let damped = section.may("damped").choice(&Damped::NAMED).unwrap_or_default();
+        let speed_filter_s = section.may("speed_filter_s").not_negative().unwrap_or(0.0);
         let torque_limit_nm = section.may("torque_limit_nm").positive();
+        let damping_nm_s_rad = damping_nm_s_rad.unwrap_or(0.0);
+        if speed_filter_s > 0.0 && damping_nm_s_rad == 0.0 {
+            let what = "is given without a damping, which acts on the velocity that it filters";
+            section.reject("speed_filter_s", what, "give damping_nm_s_rad too, or delete this line");
+        }
         if stiffness_nm_rad.is_none() {
             for key in ["damping_nm_s_rad", "torque_limit_nm"] {
                 if section.keys().any(|there| there == key) {
@@ -57,7 +67,7 @@ impl Controller {
                 }
             }
         }
-        Some(Self { stiffness_nm_rad, damping_nm_s_rad: damping_nm_s_rad.unwrap_or(0.0), damped, torque_limit_nm })
+        Some(Self { stiffness_nm_rad, damping_nm_s_rad, damped, speed_filter_s, torque_limit_nm })
     }
 
     /// Reads a trial's own.
@@ -80,6 +90,9 @@ impl Controller {
         if self.damping_nm_s_rad > 0.0 {
             pairs.push(("damping_nm_s_rad", self.damping_nm_s_rad.into()));
             pairs.push(("damped", self.damped.name().into()));
+        }
+        if self.speed_filter_s > 0.0 {
+            pairs.push(("speed_filter_s", self.speed_filter_s.into()));
         }
         pairs.extend(self.torque_limit_nm.map(|limit| ("torque_limit_nm", limit.into())));
         pairs
@@ -110,7 +123,8 @@ impl Controller {
             Damped::Velocity => velocity(&position_rad, rate_hz),
             Damped::Error => velocity(&error_rad, rate_hz).into_iter().map(|rate| -rate).collect(),
         };
-        let of = |(error, rate): (&f64, &f64)| self.torque_nm(transmission, *error, *rate);
+        let mut filter = Lag::new(self.speed_filter_s * rate_hz);
+        let of = |(error, rate): (&f64, &f64)| self.torque_nm(transmission, *error, filter.step(*rate));
         columns[TORQUE] = error_rad.iter().zip(&damped_rad_s).map(of).collect();
     }
 

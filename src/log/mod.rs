@@ -20,6 +20,7 @@ mod parquet_pages;
 mod place;
 mod questions;
 mod raw;
+mod read_columns;
 mod readings;
 mod resample;
 mod samples;

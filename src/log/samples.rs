@@ -8,6 +8,7 @@ use super::readings::{Faults, check_width, locate};
 use super::source::{self, Source};
 use super::stamp;
 use super::{POSITION, TIME, TORQUE};
+use crate::numerics::causal::Lag;
 use crate::problem::{Problem, Problems, Result};
 use crate::units::Quantity;
 use csv::{ByteRecord, Reader, ReaderBuilder};
@@ -43,6 +44,8 @@ pub struct Samples<R> {
     torque_sign: f64,
     transmission: f64,
     last: Option<Last>,
+    /// The velocity as a controller has it.
+    filter: Lag,
 }
 
 /// What the sample before was.
@@ -77,7 +80,8 @@ impl<R: Read> Samples<R> {
         let places = places.ok_or_else(|| Problems(faults.into_problems()))?;
         let (fields, torque_sign, transmission) =
             (names.len(), campaign.signal.torque_sign, campaign.joint.transmission());
-        Ok(Self { reader, record, wanted, places, fields, decimal, torque_sign, transmission, last: None })
+        let (last, filter) = (None, Lag::new(0.0));
+        Ok(Self { reader, record, wanted, places, fields, decimal, torque_sign, transmission, last, filter })
     }
 
     fn sample(&mut self) -> Result<Sample> {
@@ -109,19 +113,21 @@ impl<R: Read> Samples<R> {
                 .alone();
         }
         let command_rad = self.torque_sign * sample.torque_nm;
-        if let Some(controller) = self.wanted[TORQUE].controller() {
-            sample.torque_nm = self.driven_nm(controller, &sample, command_rad);
+        if let Some(controller) = self.wanted[TORQUE].controller().copied() {
+            sample.torque_nm = self.driven_nm(&controller, &sample, command_rad);
         }
         self.last = Some(Last { time_s: sample.time_s, position_rad: sample.position_rad, command_rad });
         Ok(sample)
     }
 
     /// y that `controller` makes of `command_rad`; velocities are differences to the sample before.
-    fn driven_nm(&self, controller: &Controller, sample: &Sample, command_rad: f64) -> f64 {
+    fn driven_nm(&mut self, controller: &Controller, sample: &Sample, command_rad: f64) -> f64 {
         let position_rad = sample.position_rad;
         let damped_rad_s = self.last.map_or(0.0, |last| {
             let of_command = if controller.damped == Damped::Error { command_rad - last.command_rad } else { 0.0 };
-            (position_rad - last.position_rad - of_command) / (sample.time_s - last.time_s)
+            let passed_s = sample.time_s - last.time_s;
+            self.filter = self.filter.lasting(controller.speed_filter_s / passed_s);
+            self.filter.step((position_rad - last.position_rad - of_command) / passed_s)
         });
         controller.torque_nm(self.transmission, command_rad - position_rad, damped_rad_s)
     }

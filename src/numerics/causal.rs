@@ -101,6 +101,11 @@ impl<S: Scalar> Lag<S> {
         Self { samples, last: None }
     }
 
+    /// The same with a time constant of so many `samples` from the next on: samples that come at other intervals.
+    pub fn lasting(self, samples: S) -> Self {
+        Self { samples, ..self }
+    }
+
     /// The weights of its last output, of the sample and of the one before, where its time constant is above 0.
     pub fn weights(&self) -> [S; 3] {
         let kept = (S::from(-1.0) / self.samples).exp();

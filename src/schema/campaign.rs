@@ -125,6 +125,8 @@ pub struct Controller {
     pub damping_nm_s_rad: Option<f64>,
     /// What is damped; the velocity where absent.
     pub damped: Option<Damped>,
+    /// Time constant of the low-pass through which the controller has the velocity that it damps, s; 0 where absent.
+    pub speed_filter_s: Option<f64>,
     /// The most that it gives, N m; no limit where absent.
     pub torque_limit_nm: Option<f64>,
 }

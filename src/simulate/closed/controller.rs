@@ -93,6 +93,7 @@ impl Controller {
     /// What `campaign.toml` says of it, all at the joint; what it adds as feedforward is not among it.
     pub fn law(&self, transmission: f64) -> Law {
         Law {
+            speed_filter_s: 0.0,
             stiffness_nm_rad: Some(self.stiffness_nm_rad),
             damping_nm_s_rad: self.damping_nm_s_rad,
             damped: Damped::Error,
