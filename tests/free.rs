@@ -175,3 +175,59 @@ fn what_is_not_shown_opens_no_other_interval() {
         assert!(known.low.is_finite() && known.high.is_finite(), "{known:?}");
     }
 }
+
+/// A direct drive whose load acts both ways, and whose friction is a share of it: 0.2 up and 0.3 down, with 0.02 N m beside. It stands
+/// still between its waves, held by friction under a torque that tells nothing.
+fn servo(drive: &str) -> TempDir {
+    let folder = TempDir::new().unwrap();
+    let mut trials = String::new();
+    for (number, period_s) in [7.0, 5.0, 3.5, 2.5].into_iter().enumerate() {
+        let row = |i: usize| {
+            let t = i as f64 / 100.0;
+            let (wave_s, rests) = (t % (period_s + 2.0), t % (period_s + 2.0) > period_s);
+            let phase = std::f64::consts::TAU * if rests { 0.0 } else { wave_s / period_s };
+            let (q, v) = (-(1.0 - 0.07 * number as f64) * phase.cos(), phase.sin());
+            let load_nm = 1.5 * q.sin();
+            let of_load_nm = if v > 0.0 { 0.2 } else { 0.3 } * load_nm.abs();
+            let held_nm = 0.25 * ((0.7 + 0.1 * number as f64) * t).sin();
+            let y = load_nm + if rests { held_nm } else { v.signum() * (0.02 + of_load_nm) };
+            format!("{t:.2},{q:.7},{:.6}\n", y + 0.003 * (i as f64 * (1.7 + number as f64)).sin())
+        };
+        let rows: String = (0..4000).map(row).collect();
+        std::fs::write(folder.path().join(format!("{number}.csv")), format!("t,q,y\n{rows}")).unwrap();
+        trials += &format!("[[trials]]\nfile = \"{number}.csv\"\nprotocol = \"free\"\n");
+    }
+    let text = format!(
+        "format = \"campaign/1\"\n[joint]\nname = \"servo\"\n{drive}\n[dynamics]\ngravity_nm = 1.5\ninertia_kg_m2 = 0.0\n[signal]\n\
+         torque_sign = 1\nlowpass_hz = 5.0\nlowpass_order = 4\n[columns]\ntime = {{ name = \"t\", unit = \"s\" }}\nposition = {{ name = \
+         \"q\", unit = \"rad\" }}\ntorque = {{ name = \"y\", unit = \"N m\" }}\n{trials}"
+    );
+    std::fs::write(folder.path().join("campaign.toml"), text).unwrap();
+    folder
+}
+
+#[test]
+fn friction_that_goes_with_the_size_of_the_load_is_found_whichever_way_it_acts() {
+    let found = tried(servo("drive = \"direct\"").path(), CombinationSettings::default()).unwrap();
+    let [added] = &found.model.effects[..] else { panic!("{:?}", found.model.effects) };
+    let shares: Vec<f64> = added.named().take(2).map(|(_, share)| share).collect();
+    assert!((shares[0] - 0.2).abs() < 0.02 && (shares[1] - 0.3).abs() < 0.02, "{shares:?}");
+    for direction in Direction::BOTH {
+        let dry_nm = direction.sign() * found.model.friction.of(direction).a_j;
+        assert!(
+            (dry_nm - 0.02).abs() < 0.01,
+            "{dry_nm} N m {}: what holds it at rest is no friction of its motion",
+            direction.name()
+        );
+    }
+    let known = &found.model.confidence["effects.load_dependent_friction.up"];
+    assert!(known.low < 0.2 && 0.2 < known.high && known.high - known.low < 0.1, "{known:?}");
+}
+
+/// Of a cable the load term is the paper's.
+#[test]
+fn a_cable_keeps_the_paper_s_load_term() {
+    let cable = "winch_radius_m = 1.0\npulley_radius_m = 1.0\nbacklash_m = 0.01";
+    let found = tried(servo(cable).path(), CombinationSettings::default()).unwrap();
+    assert!(found.model.effects.is_empty(), "{:?}", found.model.effects);
+}

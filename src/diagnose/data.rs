@@ -53,7 +53,7 @@ impl DataSet {
 
     /// The rows on which `model` can be scored: friction that jumps at a reversal is undetermined at rest.
     pub fn scored(&self, model: &Model) -> Vec<bool> {
-        let jumps = model.combination == Combination::Sign;
+        let jumps = model.combination == Combination::Sign || model.joint.backlash_m == 0.0;
         self.records.rows(|record, i| !(jumps && record.rests[i]))
     }
 

@@ -8,7 +8,7 @@ use crate::model::{Asked, Model, Strokes, combined, settle};
 use crate::numerics::dual::{Dual, VARIABLES};
 use crate::numerics::filter::LowPass;
 use crate::predict::{forgotten, torque_nm};
-use crate::prepare::{Trial, prepare};
+use crate::prepare::{REST_RAD, REST_S, Trial, prepare, rests};
 use crate::problem::{Problem, Result};
 use std::ops::Range;
 
@@ -17,10 +17,6 @@ use std::ops::Range;
 const SAMPLES_PER_PERIOD: f64 = 10.0;
 /// Rows compared per period of the low-pass, beyond which hardly anything passes.
 const ROWS_PER_PERIOD: f64 = 4.0;
-/// A joint that stays within this travel for [`REST_S`] to either side rests, rad: far below any sweep, above an encoder's noise.
-const REST_RAD: f64 = 2e-4;
-/// See [`REST_RAD`], s.
-const REST_S: f64 = 0.1;
 
 /// One trial thinned.
 #[derive(Debug)]
@@ -256,18 +252,6 @@ impl Record {
     pub fn at_rows(&self, series: &[f64]) -> Vec<f64> {
         self.rows.iter().map(|i| series[*i]).collect()
     }
-}
-
-/// Where the joint rests: it stays within [`REST_RAD`], or the encoder's noise, for [`REST_S`] before and after.
-fn rests(positions_rad: &[f64], rate_hz: f64, deadband_rad: f64) -> Vec<bool> {
-    let reach = ((REST_S * rate_hz) as usize).max(1);
-    let limit_rad = REST_RAD.max(2.0 * deadband_rad);
-    let last = positions_rad.len().saturating_sub(1);
-    let travel = |i: usize| {
-        let (before, after) = (positions_rad[i.saturating_sub(reach)], positions_rad[(i + reach).min(last)]);
-        (before - positions_rad[i]).abs().max((after - positions_rad[i]).abs())
-    };
-    (0..positions_rad.len()).map(|i| travel(i) < limit_rad).collect()
 }
 
 impl Record {

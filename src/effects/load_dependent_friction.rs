@@ -10,8 +10,10 @@ const FORMS: [(f64, f64); 6] = [(0.0, 0.0), (0.05, 0.0), (0.1, 0.0), (0.2, 0.0),
 /// One direction's share may be below zero by so much of the other's: it is not known better.
 const OPPOSED_MAX: f64 = 0.3;
 
+pub(super) const ID: &str = "load_dependent_friction";
+
 static ABOUT: About = About {
-    id: "load_dependent_friction",
+    id: ID,
     family: Family::Physics,
     acts_on: ActsOn::Friction,
     means: "friction grows with the load carried",
@@ -33,6 +35,11 @@ static ABOUT: About = About {
     by_hand: Some("repeat one sweep with a second, known load at the joint"),
     ..About::PLAIN
 };
+
+/// Its parameters where friction grows by `share` of the load's size in either direction.
+pub(super) fn even(share: f64) -> Vec<f64> {
+    vec![share, share, 0.0, 0.0, 0.0]
+}
 
 #[derive(Debug)]
 pub struct LoadDependentFriction;

@@ -27,14 +27,26 @@ static ABOUT: About = About {
 #[derive(Debug)]
 pub struct Stribeck;
 
+impl Stribeck {
+    /// The slowest speed that a search looks at, rad/s.
+    fn slowest_rad_s(extent: &Extent) -> f64 {
+        let (slow, fast) = extent.speed_rad_s;
+        slow.max(fast / 200.0)
+    }
+}
+
 impl Effect for Stribeck {
     fn about(&self) -> &'static About {
         &ABOUT
     }
 
+    /// Friction that is missing below the slowest motion only is that of a joint at rest, where it may be anything.
+    fn is_itself(&self, p: &[f64], extent: &Extent) -> bool {
+        p[0].max(p[1]) > 0.0 || p[2] >= Self::slowest_rad_s(extent)
+    }
+
     fn starts(&self, extent: &Extent) -> Vec<Vec<f64>> {
-        let (slow, fast) = extent.speed_rad_s;
-        spaced(slow.max(fast / 200.0), fast / 3.0, 5)
+        spaced(Self::slowest_rad_s(extent), extent.speed_rad_s.1 / 3.0, 5)
             .flat_map(|speed| [1.0, 2.0].map(|exponent| vec![0.0, 0.0, speed, exponent]))
             .collect()
     }

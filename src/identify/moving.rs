@@ -3,6 +3,7 @@
 use super::combination::CurveKind;
 use super::predicted::Prepared;
 use super::zero::MOST_RAD;
+use crate::effects::{share_of_load, share_of_load_name};
 use crate::model::{Combination, Direction, Model, Term};
 use crate::numerics::scalar::Scalar;
 use crate::numerics::statistics::extent;
@@ -15,6 +16,8 @@ pub const MAX_BACKLASH: f64 = 0.5;
 pub enum Free {
     /// A term of friction. Rates move by their logarithm.
     Friction(Direction, Term),
+    /// The share of the load's size by which friction grows, where the model has that effect.
+    Carried(Direction),
     /// p or n of a curve that has one, by its logarithm.
     Curve(CurveKind),
     /// X_cl, by its logarithm.
@@ -28,6 +31,7 @@ impl Free {
     pub fn name(self) -> String {
         match self {
             Self::Friction(direction, term) => term.dotted(direction),
+            Self::Carried(direction) => share_of_load_name(direction),
             Self::Curve(kind) => format!("combination.{}", if kind == CurveKind::Power { "n" } else { "p" }),
             Self::Backlash => "joint.backlash_m".to_string(),
             Self::Zero => super::zero::NAME.to_string(),
@@ -51,6 +55,9 @@ impl Free {
     pub fn read(self, model: &Model) -> f64 {
         let value = match self {
             Self::Friction(direction, term) => model.friction.of(direction)[term],
+            Self::Carried(direction) => {
+                share_of_load(&mut model.effects.clone(), direction).map_or(0.0, |share| *share)
+            }
             Self::Curve(_) => match model.combination {
                 Combination::Arctan { p, .. } => p,
                 Combination::Power { n } => n,
@@ -69,6 +76,11 @@ impl Free {
             Self::Friction(direction, term) => {
                 let sign = if term.is_rate() { direction.sign() } else { 1.0 };
                 model.friction.of_mut(direction)[term] = value * sign;
+            }
+            Self::Carried(direction) => {
+                if let Some(share) = share_of_load(&mut model.effects, direction) {
+                    *share = value;
+                }
             }
             Self::Curve(kind) => model.combination = kind.with(value),
             Self::Backlash => model.joint.backlash_m = value,
@@ -126,6 +138,8 @@ impl Limits {
                 let steepest = 10.0 * self.force_n / self.speed_rad_s;
                 (-steepest, steepest)
             }
+            // Of either sign near 0, as friction itself.
+            Free::Carried(_) => (-1.0, 5.0),
             Free::Friction(..) => (-10.0 * self.force_n, 10.0 * self.force_n),
             Free::Curve(kind) => kind.range().map_or((0.0, 1.0), |(low, high)| (low.ln(), high.ln())),
             Free::Zero => (-MOST_RAD, MOST_RAD),

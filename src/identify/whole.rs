@@ -99,7 +99,9 @@ fn known_of(free: Free, moved: f64, half: f64, alone: f64, at_bound: bool, limit
             interval(of(moved), ends.map(of), 0.0, HALF_WIDTH, alone, at_bound)
         }
         Free::Curve(_) | Free::Backlash => interval(moved.exp(), ends.map(f64::exp), 0.0, HALF_WIDTH, alone, at_bound),
-        Free::Friction(..) | Free::Zero => interval(moved, ends, 0.0, HALF_WIDTH, alone / moved.abs(), at_bound),
+        Free::Friction(..) | Free::Carried(_) | Free::Zero => {
+            interval(moved, ends, 0.0, HALF_WIDTH, alone / moved.abs(), at_bound)
+        }
     }
 }
 

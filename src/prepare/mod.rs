@@ -2,12 +2,14 @@
 
 mod encoder;
 mod legs;
+mod rest;
 mod rigid;
 mod series;
 mod set_aside;
 mod stumps;
 
 pub use legs::{Leg, find_legs, sweep_speeds};
+pub use rest::{REST_RAD, REST_S, rests};
 pub use series::Series;
 pub use stumps::{left_out, read_campaign};
 

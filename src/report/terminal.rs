@@ -8,7 +8,7 @@ use super::identification::{overall_rmse_nm, parameter};
 use super::number::{counted, r_squared, significant};
 use super::parameters::{Parameter, combination, friction, rests_on};
 use super::plots;
-use super::verdict::refinement;
+use super::verdict::{refinement, share_of_load};
 use super::wording::{LEFT_OUT, Units, met, moving, status_word};
 use crate::identify::stribeck::exponentials;
 use crate::identify::{CombinationFit, FreeFit, FrictionFit, Identification, Route};
@@ -162,6 +162,9 @@ fn free_motion(out: &mut impl Write, free: &FreeFit, units: &Units) -> io::Resul
     for (form, held_out_nm) in &free.forms {
         let taken = if *form == free.form { "taken" } else { "" };
         writeln!(out, "  {:<46} {:>12} held out  {taken}", form.name(free.is_loaded), units.torque(*held_out_nm))?;
+    }
+    if let Some(words) = share_of_load(free) {
+        writeln!(out, "  {}", wrapped(&words, 2))?;
     }
     Ok(())
 }

@@ -78,7 +78,18 @@ fn friction(fits: &Both<FrictionFit>, units: &Units) -> String {
 
 fn free_motion(free: &FreeFit, units: &Units) -> String {
     let (form, held_out) = (free.form.name(free.is_loaded), units.torque(free.held_out_nm));
-    format!("The friction taken is {form}: it leaves {held_out} RMSE on held-out strokes.")
+    let of_load = share_of_load(free).map_or(String::new(), |words| format!(" {words}"));
+    format!("The friction taken is {form}: it leaves {held_out} RMSE on held-out strokes.{of_load}")
+}
+
+/// By how much friction grows with the load, where the form taken says so.
+pub(super) fn share_of_load(free: &FreeFit) -> Option<String> {
+    let of = |direction: Direction| {
+        let (share, known) = free.share_of_load(direction)?;
+        Some(format!("{share:.3} of it moving {} ({:.3} to {:.3})", direction.name(), known.low, known.high))
+    };
+    let (up, down) = (of(Direction::Up)?, of(Direction::Down)?);
+    Some(format!("Friction grows with the load's size, whichever way it acts: by {up} and {down}."))
 }
 
 fn combination(fit: &CombinationFit, units: &Units) -> String {

@@ -10,6 +10,9 @@ use std::collections::BTreeMap;
 /// Rounds after which form and curve should have settled; they need two, seldom three.
 const ROUNDS: usize = 4;
 
+/// A curve with a form.
+type Cell = (CurveKind, FreeForm);
+
 /// The form and the curve taken, with all that was judged on the way.
 pub struct Choice {
     /// The form.
@@ -29,17 +32,17 @@ impl Choice {
         let mut choice =
             Self { form: FreeForm::Load, kind: CurveKind::Sign, supported: CurveKind::Sign, judged: load.collect() };
         for _ in 0..ROUNDS {
-            let curves = choice.judge(search, CurveKind::ALL.map(|kind| (kind, choice.form)));
+            let curves = choice.judge(search, &CurveKind::ALL.map(|kind| (kind, choice.form)));
             choice.supported = CurveKind::ALL[best_supported(&curves)];
             choice.kind = wanted.unwrap_or(choice.supported);
-            let forms = choice.judge(search, FreeForm::ALL.map(|form| (choice.kind, form)));
-            let form = FreeForm::ALL[supported(&forms, |_| true)];
+            let cells: Vec<Cell> = search.forms.iter().map(|form| (choice.kind, *form)).collect();
+            let form = search.forms[supported(&choice.judge(search, &cells), |_| true)];
             if form == choice.form {
                 break;
             }
             choice.form = form;
         }
-        choice.judge(search, CurveKind::ALL.map(|kind| (kind, choice.form)));
+        choice.judge(search, &CurveKind::ALL.map(|kind| (kind, choice.form)));
         choice
     }
 
@@ -49,9 +52,9 @@ impl Choice {
     }
 
     /// Judges those of `cells` that are not yet, and gives the squares of all.
-    fn judge<const N: usize>(&mut self, search: &Search, cells: [(CurveKind, FreeForm); N]) -> Vec<Vec<f64>> {
+    fn judge(&mut self, search: &Search, cells: &[Cell]) -> Vec<Vec<f64>> {
         let missing = cells.par_iter().filter(|(kind, form)| !self.judged.contains_key(&key(*kind, *form)));
-        let judge = |(kind, form): &(CurveKind, FreeForm)| {
+        let judge = |(kind, form): &Cell| {
             (key(*kind, *form), search.judge_form(*kind, *form, self.judged(*kind, FreeForm::Load)))
         };
         let found: Vec<((usize, usize), Judged)> = missing.map(judge).collect();

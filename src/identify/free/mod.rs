@@ -11,11 +11,11 @@ mod search;
 
 use super::checks::Check;
 use super::combination::{CombinationFit, CurveFit, CurveKind, Settings, overlay};
-use super::moving::{Limits, MAX_BACKLASH};
+use super::moving::{Free, Limits, MAX_BACKLASH};
 use super::predicted::Prepared;
 use super::whole::{WholeFit, rmse_nm};
-use crate::model::{Model, Term};
-use crate::numerics::statistics::standard_deviation;
+use crate::model::{Confidence, Direction, Drive, Model, Term};
+use crate::numerics::statistics::{extent, standard_deviation};
 use crate::problem::Result;
 use choice::Choice;
 use clearance::{Question, doubt, limit_warning};
@@ -31,19 +31,22 @@ pub enum FreeForm {
     Viscous,
     /// And mu_c: friction that grows with the load carried.
     Load,
+    /// And the effect of friction that grows with the load's size, whichever way it acts: what a gear loses.
+    Carried,
     /// And one exponential, b_j and c_j.
     Stribeck,
 }
 
 impl FreeForm {
     /// All, the smallest first.
-    pub const ALL: [Self; 3] = [Self::Viscous, Self::Load, Self::Stribeck];
+    pub const ALL: [Self; 4] = [Self::Viscous, Self::Load, Self::Carried, Self::Stribeck];
 
     /// In words.
     pub fn name(self, is_loaded: bool) -> &'static str {
         match (self, is_loaded) {
             (Self::Viscous, _) | (Self::Load, false) => "Coulomb and viscous",
             (Self::Load, true) => "Coulomb, viscous and load",
+            (Self::Carried, _) => "Coulomb, viscous, load and the load's size",
             (Self::Stribeck, true) => "Coulomb, viscous, load and one Stribeck term",
             (Self::Stribeck, false) => "Coulomb, viscous and one Stribeck term",
         }
@@ -53,7 +56,7 @@ impl FreeForm {
     fn parameters(self, is_loaded: bool) -> &'static [Term] {
         match (self, is_loaded) {
             (Self::Viscous, _) | (Self::Load, false) => &[Term::Coulomb, Term::Viscous],
-            (Self::Load, true) => &[Term::Load, Term::Coulomb, Term::Viscous],
+            (Self::Load, true) | (Self::Carried, _) => &[Term::Load, Term::Coulomb, Term::Viscous],
             (Self::Stribeck, true) => {
                 &[Term::Load, Term::Coulomb, Term::JointStribeck, Term::JointDecay, Term::Viscous]
             }
@@ -82,6 +85,15 @@ pub struct FreeFit {
     pub combination: CombinationFit,
 }
 
+impl FreeFit {
+    /// The share of the load's size by which friction grows in `direction`, and what is known of it; nothing where the form taken has none.
+    pub fn share_of_load(&self, direction: Direction) -> Option<(f64, Confidence)> {
+        let free = Free::Carried(direction);
+        let (_, known) = self.fit.confidence.iter().find(|(name, _)| *name == free.name())?;
+        Some((free.read(&self.fit.model), *known))
+    }
+}
+
 /// Fits `trials`, starting from `model`'s geometry and rigid body; `folds` says which half each trial belongs to where whole
 /// trials are held out.
 /// `zero_rad` is how far the zero of the position may be off: it is fitted once form and curve are chosen.
@@ -102,7 +114,9 @@ pub fn fit_free(
     let halves = Halves::new(trials, folds, widest_rad, lowpass_hz, campaign)?;
     let is_loaded = is_loaded(trials, model);
     let start = start(trials, model, is_loaded);
-    let search = Search { halves: &halves, start: &start, limits: &limits, estimate_backlash, is_loaded };
+    let forms = forms(trials, model, is_loaded);
+    let search =
+        Search { halves: &halves, start: &start, limits: &limits, estimate_backlash, is_loaded, forms: &forms };
     let choice = Choice::new(&search, settings.wanted);
     let Choice { form, kind, .. } = choice;
     let fit = search.fit(kind, form, choice.judged(kind, form));
@@ -128,10 +142,10 @@ pub fn fit_free(
         combination.warnings.extend(combination.checks.iter().filter_map(Check::warning));
     }
     Ok(FreeFit {
-        forms: FreeForm::ALL
-            .into_iter()
-            .filter(|form| is_loaded || *form != FreeForm::Load)
-            .map(|form| (form, rmse_nm(&choice.judged(kind, form).sums)))
+        forms: forms
+            .iter()
+            .filter(|form| is_loaded || **form != FreeForm::Load)
+            .map(|form| (*form, rmse_nm(&choice.judged(kind, *form).sums)))
             .collect(),
         is_loaded,
         held_out_nm: rmse_nm(&choice.judged(kind, form).sums),
@@ -142,16 +156,30 @@ pub fn fit_free(
     })
 }
 
+/// The forms worth trying. The load's size is told from the load where that acts both ways; a cable's load term is the paper's.
+fn forms(trials: &[Prepared], model: &Model, is_loaded: bool) -> Vec<FreeForm> {
+    /// Share of the largest load that must act the other way, too.
+    const BOTH_WAYS: f64 = 0.2;
+    let (low, high) = extent(&loads_nm(trials, model));
+    let acts_both_ways = (-low).min(high) > BOTH_WAYS * (-low).max(high);
+    let is_carried = is_loaded && acts_both_ways && model.joint.drive != Drive::Cable;
+    FreeForm::ALL.into_iter().filter(|form| is_carried || *form != FreeForm::Carried).collect()
+}
+
 /// Whether the load at the joint changes by enough of what is measured to tell friction that goes with it from the rest.
 fn is_loaded(trials: &[Prepared], model: &Model) -> bool {
     /// Share of the measured torque's spread.
     const SEEN: f64 = 0.01;
+    model.joint.transmission() * standard_deviation(&loads_nm(trials, model)) > SEEN * spread_nm(trials)
+}
+
+/// The load at the joint at all samples, N m.
+fn loads_nm(trials: &[Prepared], model: &Model) -> Vec<f64> {
     let load = |trial: &Prepared| {
         let of = trial.series.joint_torque_nm(&model.dynamics);
         (0..trial.series.torque_nm.len()).map(of).collect::<Vec<f64>>()
     };
-    let loads: Vec<f64> = trials.iter().flat_map(load).collect();
-    model.joint.transmission() * standard_deviation(&loads) > SEEN * spread_nm(trials)
+    trials.iter().flat_map(load).collect()
 }
 
 /// Standard deviation of the measured torque, N m.

@@ -2,6 +2,7 @@
 
 use super::FreeForm;
 use super::halves::Halves;
+use crate::effects::friction_of_load;
 use crate::identify::combination::CurveKind;
 use crate::identify::moving::{Free, Limits};
 use crate::identify::predicted::Prepared;
@@ -42,6 +43,8 @@ pub struct Search<'a> {
     pub estimate_backlash: bool,
     /// Whether the load changes along the motion.
     pub is_loaded: bool,
+    /// The forms to try, the smallest first.
+    pub forms: &'a [FreeForm],
 }
 
 impl Search<'_> {
@@ -103,11 +106,16 @@ impl Search<'_> {
     }
 
     fn shaped(&self, mut model: Model, form: FreeForm) -> Model {
+        /// Of the load: a start beside 0.
+        const SHARE: f64 = 0.05;
+        if form == FreeForm::Carried {
+            model.effects.push(friction_of_load(SHARE));
+        }
         for direction in Direction::BOTH {
             let branch = model.friction.of_mut(direction);
             match form {
                 FreeForm::Viscous => branch.mu_c = 0.0,
-                FreeForm::Load => {}
+                FreeForm::Load | FreeForm::Carried => {}
                 FreeForm::Stribeck => {
                     branch.b_j = 0.2 * branch.a_j;
                     branch.c_j = direction.sign() * 10.0 / self.limits.speed_rad_s;
@@ -121,6 +129,8 @@ impl Search<'_> {
         let friction =
             |direction| form.parameters(self.is_loaded).iter().map(move |term| Free::Friction(direction, *term));
         let mut free: Vec<Free> = Direction::BOTH.into_iter().flat_map(friction).collect();
+        let carried = Direction::BOTH.into_iter().filter(|_| form == FreeForm::Carried);
+        free.extend(carried.map(Free::Carried));
         free.extend(kind.range().map(|_| Free::Curve(kind)));
         free.extend(self.moves_backlash(kind).then_some(Free::Backlash));
         free

@@ -71,7 +71,8 @@ pub(super) fn by_legs(campaign: &Campaign, found: Evidence, legs: &[LegSums]) ->
     }
 }
 
-/// The moving samples of `reading`.
+/// The moving samples of `reading`, their load and speed through the torque's low-pass: the noise of a second derivative would else look
+/// like a load that the torque does not follow.
 pub(super) fn moving(campaign: &Campaign, reading: &Reading) -> Vec<Row> {
     if reading.entry.protocol == Protocol::Interaction {
         return Vec::new();
@@ -84,7 +85,10 @@ pub(super) fn moving(campaign: &Campaign, reading: &Reading) -> Vec<Row> {
     let (before_nm, after_nm) =
         (series.joint_torque_nm(&turned(-FRAC_PI_2)), series.joint_torque_nm(&turned(FRAC_PI_2)));
     let slope_nm_rad = |i: usize| (after_nm(i) - before_nm(i)) / 2.0;
-    let velocity_rad_s = reading.speeds_rad_s();
+    let all = 0..series.torque_nm.len();
+    let low_passed = |of: &dyn Fn(usize) -> f64| reading.prepared.low_pass(&all.clone().map(of).collect::<Vec<f64>>());
+    let (load_nm, slope_nm_rad) = (low_passed(&load_nm), low_passed(&slope_nm_rad));
+    let velocity_rad_s = reading.prepared.low_pass(&reading.speeds_rad_s());
     let fastest = velocity_rad_s.iter().fold(0.0, |most: f64, v| most.max(v.abs()));
     let (low, high) = extent(&series.position_rad);
     let inner = low + ENDS * (high - low)..high - ENDS * (high - low);
@@ -93,10 +97,10 @@ pub(super) fn moving(campaign: &Campaign, reading: &Reading) -> Vec<Row> {
         let is_moving = velocity_rad_s[*i].abs() > MOVING * fastest && passed_rad[*i] > REVERSAL * (high - low);
         is_moving && series.in_range[*i] && inner.contains(&series.position_rad[*i])
     };
-    let used: Vec<usize> = (0..series.torque_nm.len()).filter(is_used).collect();
+    let used: Vec<usize> = all.filter(is_used).collect();
     let step = used.len().div_ceil(SAMPLES).max(1);
     let row = |i: usize| {
-        let (load, slope) = (ratio * load_nm(i), ratio * slope_nm_rad(i));
+        let (load, slope) = (ratio * load_nm[i], ratio * slope_nm_rad[i]);
         [load, slope, velocity_rad_s[i].signum(), velocity_rad_s[i].abs(), series.torque_nm[i]]
     };
     used.into_iter().step_by(step).map(row).collect()
