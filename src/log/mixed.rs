@@ -1,9 +1,8 @@
 //! Columns of numbers and texts as the bytes of a table, CSV or Parquet; cells may be empty.
 
-use super::arrays;
 use super::table::not_finite;
 use crate::problem::{Problem, Result};
-use polars_arrow::array::{Array, PrimitiveArray, Utf8ViewArray};
+use polars::prelude::{Column, DataFrame, IntoColumn, NamedFrom, ParquetWriter, Series};
 use std::borrow::Cow;
 use std::path::Path;
 
@@ -76,20 +75,27 @@ pub fn csv_bytes(file: &Path, columns: &[Mixed]) -> Result<Vec<u8>> {
 
 /// Parquet; `file` is named when it cannot be written.
 pub fn parquet_bytes(file: &Path, columns: &[Mixed]) -> Result<Vec<u8>> {
+    let unwritable = |error: polars::prelude::PolarsError| {
+        Problem::error(file, format!("cannot be written as Parquet: {error}"), "report this")
+    };
     for column in columns {
         let is_none = |cells: &Vec<Option<f64>>| cells.iter().flatten().any(|number| !number.is_finite());
         if matches!(&column.cells, Cells::Numbers(cells) if is_none(cells)) {
             return not_finite(file, &column.name).alone();
         }
     }
-    let array = |column: &Mixed| -> Box<dyn Array> {
+    let column = |column: &Mixed| -> Column {
+        let name = column.name.as_str().into();
         match &column.cells {
-            Cells::Numbers(cells) => Box::new(cells.iter().copied().collect::<PrimitiveArray<f64>>()),
-            Cells::Texts(cells) => Box::new(Utf8ViewArray::from_slice(cells)),
+            Cells::Numbers(cells) => Series::new(name, cells).into_column(),
+            Cells::Texts(cells) => Series::new(name, cells).into_column(),
         }
     };
-    arrays::write(columns.iter().map(|column| (column.name.as_str(), array(column))).collect())
-        .or_else(|error| Problem::error(file, format!("cannot be written as Parquet: {error}"), "report this").alone())
+    let rows = columns.first().map_or(0, |column| column.cells.len());
+    let mut frame = DataFrame::new(rows, columns.iter().map(column).collect()).map_err(unwritable)?;
+    let mut bytes = Vec::new();
+    ParquetWriter::new(&mut bytes).finish(&mut frame).map_err(unwritable)?;
+    Ok(bytes)
 }
 
 #[cfg(test)]

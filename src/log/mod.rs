@@ -1,7 +1,6 @@
 //! A recorded campaign: `campaign.toml` -> `Campaign`; trial by trial, a CSV or Parquet log -> `Log` in SI.
 
 mod arm;
-pub mod arrays;
 mod blanks;
 mod campaign;
 mod captured;

@@ -1,21 +1,20 @@
-//! Parquet -> readings.
+//! Parquet -> readings, through Polars.
 
-use super::arrays;
 use super::columns::Wanted;
 use super::parquet_pages::Pages;
 use super::readings::{Faults, Readings, Rows, check_width, locate};
 use super::stamp;
 use crate::limits::Budget;
 use crate::problem::{Problem, Result};
-use polars_arrow::datatypes::ArrowSchema;
-use polars_parquet::read::{FileMetadata, infer_schema, read_metadata};
+use polars::io::parquet::metadata::FileMetadataRef;
+use polars::prelude::{Column, DataType, ParallelStrategy, ParquetReader, PolarsError, SerReader};
 use std::cell::Cell;
 use std::fmt::Display;
 use std::fs::File;
 use std::ops::Range;
 use std::panic::{self, AssertUnwindSafe};
 use std::path::Path;
-use std::sync::Once;
+use std::sync::{Arc, Once};
 
 /// Reads the wanted columns of `file`, its data `rows` alone where these are given. A row is counted as if a header stood in row 1. Missing columns, columns of another
 /// type than numbers, nulls, and numbers that are not finite go to `faults`.
@@ -27,10 +26,9 @@ pub(super) fn read(
     wanted: &[Wanted],
     faults: &mut Faults<'_>,
 ) -> Result<Readings> {
-    let outline = guarded(file, None, || Outline::of(file))?;
-    let names = outline.names();
-    check_width(file, names.len())?;
-    let places = locate(&names, wanted, faults);
+    let outline = guarded(file, None, || outline(file))?;
+    check_width(file, outline.names.len())?;
+    let places = locate(&outline.names, wanted, faults);
     let found = || wanted.iter().zip(&places).filter(|(_, place)| place.is_some()).map(|(want, _)| want);
     check_pages(file, &outline.metadata, found())?;
     let within = rows.map_or(0..outline.rows, |rows| rows.start.min(outline.rows)..rows.end.min(outline.rows));
@@ -41,11 +39,12 @@ pub(super) fn read(
             continue;
         }
         // A column that was not found was reported.
-        let held = match place {
-            Some(_) => Some(guarded(file, Some(want), || outline.column(file, want))?),
+        let column = match place {
+            Some(_) => guarded(file, Some(want), || column(file, want, &outline.metadata))?,
             None => None,
         };
-        let numbers = held.and_then(|held| numbers(held, &within, want, faults));
+        let column = column.map(|column| column.slice(within.start as i64, within.len()));
+        let numbers = column.and_then(|column| numbers(&column, within.start, want, faults));
         let numbers = numbers.map(|numbers| in_unit(numbers, want, &outline.metadata));
         columns.push(numbers.unwrap_or_else(|| vec![f64::NAN; within.len()]));
     }
@@ -54,24 +53,24 @@ pub(super) fn read(
 
 /// The names of all columns of `file`. Errors: it cannot be read as Parquet.
 pub(super) fn names(file: &Path) -> Result<Vec<String>> {
-    let names = guarded(file, None, || Outline::of(file))?.names();
-    check_width(file, names.len())?;
-    Ok(names)
+    let outline = guarded(file, None, || outline(file))?;
+    check_width(file, outline.names.len())?;
+    Ok(outline.names)
 }
 
 /// The numbers of a column, NaN where there is none; `None` of a column of another type.
 ///
 /// Errors: its pages are damaged.
 pub(super) fn any_numbers(file: &Path, want: &Wanted) -> Result<Option<Vec<f64>>> {
-    let outline = guarded(file, None, || Outline::of(file))?;
+    let outline = guarded(file, None, || outline(file))?;
     check_pages(file, &outline.metadata, std::iter::once(want))?;
-    let held = guarded(file, Some(want), || outline.column(file, want))?;
-    let found = numbers(held, &(0..outline.rows), want, &mut Faults::of(file));
+    let column = guarded(file, Some(want), || column(file, want, &outline.metadata))?;
+    let found = column.and_then(|column| numbers(&column, 0, want, &mut Faults::of(file)));
     Ok(found.map(|numbers| in_unit(numbers, want, &outline.metadata)))
 }
 
 /// `numbers` of a column of dates or times in the unit of `want`; others as they are.
-fn in_unit(mut numbers: Vec<f64>, want: &Wanted, metadata: &FileMetadata) -> Vec<f64> {
+fn in_unit(mut numbers: Vec<f64>, want: &Wanted, metadata: &FileMetadataRef) -> Vec<f64> {
     if let Some((count_s, origin_s)) = stamp::counted_in_s(metadata, &want.column.name) {
         numbers.iter_mut().for_each(|count| *count = (*count * count_s - origin_s) / want.column.unit.factor());
     }
@@ -80,49 +79,25 @@ fn in_unit(mut numbers: Vec<f64>, want: &Wanted, metadata: &FileMetadata) -> Vec
 
 /// What the file says of itself.
 struct Outline {
-    /// Its columns, dates and times as the whole numbers that they are stored as.
-    schema: ArrowSchema,
+    names: Vec<String>,
     rows: usize,
-    metadata: FileMetadata,
+    metadata: FileMetadataRef,
 }
 
-/// What a column holds.
-enum Held {
-    Numbers(Vec<f64>),
-    /// Something else, in words.
-    Other(String),
+fn outline(file: &Path) -> Result<Outline> {
+    let mut reader = open(file)?;
+    let metadata = reader.get_metadata().map(Arc::clone).or_else(|error| unreadable(file, &error))?;
+    let schema = reader.schema().or_else(|error| unreadable(file, &error))?;
+    let rows = metadata.row_groups.iter().fold(0usize, |rows, group| rows.saturating_add(group.num_rows()));
+    Ok(Outline { names: schema.iter_names().map(|name| name.to_string()).collect(), rows, metadata })
 }
 
-impl Outline {
-    fn of(file: &Path) -> Result<Self> {
-        let mut source = File::open(file).or_else(|error| unreadable(file, &error))?;
-        let metadata = read_metadata(&mut source).or_else(|error| unreadable(file, &error))?;
-        let schema = infer_schema(&stamp::as_counts(&metadata)).or_else(|error| unreadable(file, &error))?;
-        let rows = metadata.row_groups.iter().fold(0usize, |rows, group| rows.saturating_add(group.num_rows()));
-        Ok(Self { schema, rows, metadata })
-    }
-
-    fn names(&self) -> Vec<String> {
-        self.schema.iter_names().map(|name| name.to_string()).collect()
-    }
-
-    /// One column alone: a log may hold many more, and the memory of one is enough.
-    fn column(&self, file: &Path, want: &Wanted) -> Result<Held> {
-        let Some(field) = self.schema.get(want.column.name.as_str()) else {
-            return Ok(Held::Other("nothing of that name".to_string()));
-        };
-        if !arrays::is_numeric(&field.dtype) {
-            return Ok(Held::Other(arrays::kind(&field.dtype)));
-        }
-        let read = File::open(file).map_err(|error| error.to_string());
-        let read = read.and_then(|mut source| arrays::read(&mut source, &self.metadata, field));
-        let read = read.or_else(|error| damaged(file, Some(want), &error))?;
-        Ok(Held::Numbers(read.iter().filter_map(|array| arrays::numbers(array.as_ref())).flatten().collect()))
-    }
+fn open(file: &Path) -> Result<ParquetReader<File>> {
+    File::open(file).map(ParquetReader::new).or_else(|error| unreadable(file, &error))
 }
 
 /// Checks what the `wanted` columns would unpack to, and their pages.
-fn check_pages<'a>(file: &Path, metadata: &FileMetadata, wanted: impl Iterator<Item = &'a Wanted>) -> Result<()> {
+fn check_pages<'a>(file: &Path, metadata: &FileMetadataRef, wanted: impl Iterator<Item = &'a Wanted>) -> Result<()> {
     let mut pages = File::open(file).and_then(Pages::of).or_else(|error| unreadable(file, &error))?;
     let mut numbers = Budget::of_file(std::fs::metadata(file).map_or(0, |about| about.len()));
     for want in wanted {
@@ -151,7 +126,7 @@ thread_local! {
     static IS_GUARDED: Cell<bool> = const { Cell::new(false) };
 }
 
-/// Runs `read`, and makes an error of a panic: the reader of pages believes what a damaged file says of itself, and then stumbles.
+/// Runs `read`, and makes an error of a panic: Polars believes what a damaged file says of itself, and then stumbles.
 fn guarded<T>(file: &Path, want: Option<&Wanted>, read: impl FnOnce() -> Result<T>) -> Result<T> {
     static HUSH: Once = Once::new();
     HUSH.call_once(|| {
@@ -168,27 +143,42 @@ fn guarded<T>(file: &Path, want: Option<&Wanted>, read: impl FnOnce() -> Result<
     read.unwrap_or_else(|_| damaged(file, want, "its pages do not hold what its footer says"))
 }
 
-/// The numbers of what a column holds in `rows` of its file, NaN where there is none, which is then a fault; `None` of a column of
-/// another type.
-fn numbers(held: Held, rows: &Range<usize>, want: &Wanted, faults: &mut Faults<'_>) -> Option<Vec<f64>> {
+/// One column alone: a log may hold many more, and the memory of one is enough.
+fn column(file: &Path, want: &Wanted, metadata: &FileMetadataRef) -> Result<Option<Column>> {
     let name = &want.column.name;
-    let mut numbers = match held {
-        Held::Numbers(numbers) => numbers,
-        Held::Other(kind) => {
-            let expected = format!("expected numbers in {}", want.column.unit.name());
-            faults.add("another type", |file| {
-                Problem::error(file, format!("holds {kind}"), expected.clone()).in_column(name)
-            });
-            return None;
-        }
+    let mut reader = open(file)?;
+    reader.set_metadata(stamp::as_counts(metadata));
+    // In this thread: trials are read side by side, and the guard sees no other thread.
+    let reader = reader.with_columns(Some(vec![name.clone()])).read_parallel(ParallelStrategy::None);
+    let frame = reader.finish().or_else(|error| damaged(file, Some(want), &error.to_string()))?;
+    Ok(frame.column(name).ok().cloned())
+}
+
+/// The numbers of one column from row `start` of its file on, NaN where there is none, which is then a fault; `None` of a column
+/// of another type.
+fn numbers(column: &Column, start: usize, want: &Wanted, faults: &mut Faults<'_>) -> Option<Vec<f64>> {
+    let name = &want.column.name;
+    let expected = format!("expected numbers in {}", want.column.unit.name());
+    let kind = column.dtype();
+    if !kind.is_primitive_numeric() {
+        faults.add("another type", |file| {
+            Problem::error(file, format!("holds {kind}"), expected.clone()).in_column(name)
+        });
+        return None;
+    }
+    let read = || -> std::result::Result<Vec<f64>, PolarsError> {
+        let column = column.cast(&DataType::Float64)?;
+        Ok(column.f64()?.iter().map(|number| number.unwrap_or(f64::NAN)).collect())
     };
-    numbers.truncate(rows.end);
-    numbers.drain(..rows.start.min(numbers.len()));
+    let fault = |error: PolarsError| {
+        faults.add("another type", |file| Problem::error(file, error.to_string(), expected.clone()).in_column(name));
+    };
+    let numbers = read().map_err(fault).ok()?;
     for (sample, number) in numbers.iter().enumerate().filter(|(_, number)| !number.is_finite()) {
         faults.add("no number", |file| {
             let cure = format!("expected a number in {}; repair or delete the row", want.column.unit.name());
             let what = if number.is_nan() { "holds null or NaN".to_string() } else { format!("holds {number}") };
-            Problem::error(file, what, cure).at_row(Rows::from(rows.start).of(sample)).in_column(name)
+            Problem::error(file, what, cure).at_row(Rows::from(start).of(sample)).in_column(name)
         });
     }
     Some(numbers)

@@ -6,10 +6,12 @@
 use super::columns::Wanted;
 use crate::units::Quantity;
 use chrono::{DateTime, NaiveDateTime, NaiveTime, Timelike};
+use polars::io::parquet::metadata::FileMetadataRef;
 use polars_parquet::parquet::metadata::{FileMetadata, SchemaDescriptor};
 use polars_parquet::parquet::schema::types::{
     ParquetType, PrimitiveConvertedType, PrimitiveLogicalType, PrimitiveType, TimeUnit,
 };
+use std::sync::Arc;
 
 /// From 1970 to 2020, s.
 const ORIGIN_S: i64 = 1_577_836_800;
@@ -73,7 +75,7 @@ fn in_s(unit: &TimeUnit) -> f64 {
 }
 
 /// `metadata` in which dates and times are the whole numbers that they are stored as.
-pub(super) fn as_counts(metadata: &FileMetadata) -> FileMetadata {
+pub(super) fn as_counts(metadata: &FileMetadataRef) -> FileMetadataRef {
     let plain = |field: &ParquetType| match field {
         ParquetType::PrimitiveType(of) if counted_in_s(metadata, &of.field_info.name).is_some() => {
             ParquetType::PrimitiveType(PrimitiveType { logical_type: None, converted_type: None, ..of.clone() })
@@ -87,7 +89,7 @@ pub(super) fn as_counts(metadata: &FileMetadata) -> FileMetadata {
     if let Some(pairs) = &mut changed.key_value_metadata {
         pairs.retain(|pair| pair.key != OF_ARROW);
     }
-    changed
+    Arc::new(changed)
 }
 
 #[cfg(test)]

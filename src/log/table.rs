@@ -1,8 +1,7 @@
 //! Columns of numbers as the bytes of a log, CSV or Parquet.
 
-use super::arrays;
 use crate::problem::{Problem, Result};
-use polars_arrow::array::{Array, PrimitiveArray};
+use polars::prelude::{Column, DataFrame, IntoColumn, NamedFrom, ParquetWriter, Series};
 use std::io::Write;
 use std::path::Path;
 
@@ -50,11 +49,17 @@ pub(super) fn not_finite(file: &Path, column: &str) -> Problem {
 
 /// Parquet; `file` is named when the columns cannot be written.
 pub fn parquet_bytes(file: &Path, columns: &[Numbers]) -> Result<Vec<u8>> {
+    let unwritable = |error: polars::prelude::PolarsError| {
+        Problem::error(file, format!("cannot be written as Parquet: {error}"), "write CSV instead")
+    };
     if let Some(column) = columns.iter().find(|c| c.rounded().any(|number| !number.is_finite())) {
         return not_finite(file, column.name).alone();
     }
-    let array = |c: &Numbers| -> Box<dyn Array> { Box::new(c.rounded().map(Some).collect::<PrimitiveArray<f64>>()) };
-    arrays::write(columns.iter().map(|c| (c.name, array(c))).collect()).or_else(|error| {
-        Problem::error(file, format!("cannot be written as Parquet: {error}"), "write CSV instead").alone()
-    })
+    let column =
+        |c: &Numbers| -> Column { Series::new(c.name.into(), c.rounded().collect::<Vec<f64>>()).into_column() };
+    let rows = columns.first().map_or(0, |c| c.values.len());
+    let mut frame = DataFrame::new(rows, columns.iter().map(column).collect()).map_err(unwritable)?;
+    let mut bytes = Vec::new();
+    ParquetWriter::new(&mut bytes).finish(&mut frame).map_err(unwritable)?;
+    Ok(bytes)
 }

@@ -2,10 +2,9 @@
 
 use super::in_good_time;
 use crate::import::HEAD;
-use polars_arrow::array::{Array, PrimitiveArray};
+use polars::prelude::{Column, DataFrame, IntoColumn, NamedFrom, ParquetWriter, Series};
 use polars_parquet_format::thrift::protocol::{TCompactInputProtocol, TCompactOutputProtocol};
 use polars_parquet_format::{FileMetaData, PageHeader};
-use tautline::log::arrays::write;
 use tautline::log::{Campaign, Log, read_trial};
 use tautline::problem::Result;
 use tempfile::TempDir;
@@ -30,16 +29,18 @@ fn trial_with(columns: &str, bytes: &[u8]) -> Result<Log> {
     in_good_time(|| Campaign::read(folder.path()).and_then(|campaign| read_trial(&campaign, 0)))
 }
 
+fn table(columns: Vec<Column>) -> Vec<u8> {
+    let mut bytes = Vec::new();
+    let mut frame = DataFrame::new(columns[0].len(), columns).unwrap();
+    ParquetWriter::new(&mut bytes).finish(&mut frame).unwrap();
+    bytes
+}
+
 fn motion() -> Vec<u8> {
-    let column = |of: fn(f64) -> f64| -> Box<dyn Array> {
-        Box::new((0..2000).map(|i| Some(of(f64::from(i) * 0.001))).collect::<PrimitiveArray<f64>>())
+    let column = |name: &str, of: fn(f64) -> f64| -> Column {
+        Series::new(name.into(), (0..2000).map(|i| of(f64::from(i) * 0.001)).collect::<Vec<f64>>()).into_column()
     };
-    let columns = vec![
-        ("t", column(|t| t)),
-        ("pos", column(|t| 30.0 + 20.0 * t.sin())),
-        ("trq", column(|t| 0.3 * (3.0 * t).cos())),
-    ];
-    write(columns).unwrap()
+    table(vec![column("t", |t| t), column("pos", |t| 30.0 + 20.0 * t.sin()), column("trq", |t| 0.3 * (3.0 * t).cos())])
 }
 
 fn header(rest: &mut &[u8]) -> PageHeader {
@@ -105,8 +106,8 @@ fn checksums_of_pages_are_verified_where_there_are_any() {
 
 #[test]
 fn constant_columns_without_end_are_refused() {
-    let zeros = || -> Box<dyn Array> { Box::new(PrimitiveArray::<i32>::from_vec(vec![0; 12_000_000])) };
-    let bomb = write(vec![("t", zeros()), ("pos", zeros()), ("trq", zeros())]).unwrap();
+    let zeros = |name: &str| -> Column { Series::new(name.into(), vec![0i32; 12_000_000]).into_column() };
+    let bomb = table(vec![zeros("t"), zeros("pos"), zeros("trq")]);
     assert!(bomb.len() < 5_000_000, "{}", bomb.len());
     let said = trial(&bomb).unwrap_err().to_string();
     assert!(said.contains("unpacks to more than"), "{said}");

@@ -1,7 +1,7 @@
 //! Logs: forms of CSV that are accepted, faults that are told, Parquet as good as CSV.
 
 use super::{CAMPAIGN, faults, folder, read_first, sweep, with_row};
-use polars_arrow::array::{Array, PrimitiveArray, Utf8ViewArray};
+use polars::prelude::{Column, DataFrame, ParquetWriter};
 use std::f64::consts::PI;
 use tautline::dynamics::JointKind;
 use tautline::log::{Campaign, Log};
@@ -211,15 +211,16 @@ pub(super) fn parquet(change: impl Fn(usize, f64) -> Option<f64>) -> Vec<u8> {
     };
     let torque: Vec<Option<f64>> = rows(2).into_iter().enumerate().map(|(row, torque)| change(row, torque)).collect();
     let names: Vec<String> = rows(0).iter().map(f64::to_string).collect();
-    let floats = |of: Vec<Option<f64>>| -> Box<dyn Array> { Box::new(of.into_iter().collect::<PrimitiveArray<f64>>()) };
-    let all = |of: Vec<f64>| floats(of.into_iter().map(Some).collect());
-    let columns = vec![
-        ("text", Box::new(Utf8ViewArray::from_slice_values(&names)) as Box<dyn Array>),
-        ("trq", floats(torque)),
-        ("pos", all(rows(1))),
-        ("t", all(rows(0))),
+    let columns = [
+        Column::new("text".into(), names),
+        Column::new("trq".into(), torque),
+        Column::new("pos".into(), rows(1)),
+        Column::new("t".into(), rows(0)),
     ];
-    tautline::log::arrays::write(columns).expect("writes")
+    let mut frame = DataFrame::new_infer_height(columns.into()).expect("a frame");
+    let mut bytes = Vec::new();
+    ParquetWriter::new(&mut bytes).finish(&mut frame).expect("writes");
+    bytes
 }
 
 /// What comes of these bytes as a Parquet log.
@@ -246,7 +247,7 @@ fn parquet_holes_and_texts_are_faults() {
     }
     let found = read_parquet(&CAMPAIGN.replace("\"trq\"", "\"text\""), &parquet(|_, torque| Some(torque)));
     let found = found.expect_err("a fault").to_string();
-    assert!(found.contains("`text`: holds text; expected numbers in N m"), "{found}");
+    assert!(found.contains("`text`: holds str; expected numbers in N m"), "{found}");
 }
 
 #[test]
