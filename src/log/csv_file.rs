@@ -107,6 +107,9 @@ impl Table {
         if dialect.has_units && records.next(file, &mut record)? {
             units = record.iter().map(name).collect();
         }
+        for _ in 0..dialect.passed_rows {
+            records.next(file, &mut record)?;
+        }
         Ok(Self { records, dialect, names, units, length })
     }
 }

@@ -2,7 +2,7 @@
 //!
 //! All of it is found from the first lines. A pair of delimiter and decimal sign is judged by how many cells of the sample it makes
 //! numbers of: `0,001;1,5` has two with `;` and `,`, and one with `,`. The header is the last row without a number, as wide as
-//! the rows of numbers, above the first of these; a row of units between them is passed over.
+//! the rows of numbers, above the first of these; a row of units between them is passed over, and with it rows of words below it.
 
 use super::csv_file::number;
 use super::files::Files;
@@ -33,13 +33,23 @@ pub(super) struct Dialect {
     pub has_header: bool,
     /// Whether a row of units follows the header.
     pub has_units: bool,
+    /// Rows of words between the units and the numbers: types, comments.
+    pub passed_rows: usize,
 }
 
 impl Dialect {
     /// The dialect of a file that begins with `sample`, as far as `files` does not say it.
     pub fn of(sample: &[u8], files: &Files) -> Self {
         let encoding = files.encoding.unwrap_or_else(|| encoding_of(sample));
-        let plain = Self { encoding, delimiter: b',', decimal: b'.', skip_rows: 0, has_header: true, has_units: false };
+        let plain = Self {
+            encoding,
+            delimiter: b',',
+            decimal: b'.',
+            skip_rows: 0,
+            has_header: true,
+            has_units: false,
+            passed_rows: 0,
+        };
         let text = plain.decoded(sample);
         let lines = whole_lines(&text, sample.len() >= SAMPLE_BYTES);
         let start: String = lines.lines().take(PLAIN_LINES).fold(String::new(), |text, line| text + line + "\n");
@@ -61,7 +71,7 @@ impl Dialect {
         let mut dialect = best.0;
         if let Some(rows) = files.skip_rows {
             let under = lines.lines().skip(rows + 1).map(|line| dialect.cells(line)).next();
-            (dialect.skip_rows, dialect.has_header) = (rows, true);
+            (dialect.skip_rows, dialect.has_header, dialect.passed_rows) = (rows, true, 0);
             dialect.has_units = under.is_some_and(|cells| is_units(&cells));
         }
         dialect
@@ -85,10 +95,15 @@ impl Dialect {
         let Some(first) = (0..rows.len()).filter(is_wide).find(|at| numbers[*at] >= usual) else { return (dialect, 0) };
         let is_named = |at: &usize| rows[*at].iter().any(|cell| !cell.is_empty()) && !is_units(&rows[*at]);
         let above = || (0..first).filter(is_wide).filter(is_named);
-        let header = above().rev().find(|at| numbers[*at] == 0).or(above().next().filter(|at| *at == 0));
-        let has_units = header.is_some_and(|at| rows.get(at + 1).is_some_and(|cells| is_units(cells)));
+        let of_words = || above().rev().filter(|at| numbers[*at] == 0);
+        let is_over_units = |at: &usize| rows.get(at + 1).is_some_and(|cells| is_units(cells));
+        let over_units = of_words().find(is_over_units);
+        let header = over_units.or(of_words().next()).or(above().next().filter(|at| *at == 0));
+        let has_units = header.as_ref().is_some_and(is_over_units);
+        let is_row = |cells: &&Vec<String>| cells.iter().any(|cell| !cell.is_empty());
+        let passed_rows = over_units.map_or(0, |at| rows[(at + 2).min(first)..first].iter().filter(is_row).count());
         let skip_rows = header.or((0..=first).filter(is_wide).find(|at| numbers[*at] > 0)).unwrap_or(0);
-        (Self { skip_rows, has_header: header.is_some(), has_units, ..dialect }, count)
+        (Self { skip_rows, has_header: header.is_some(), has_units, passed_rows, ..dialect }, count)
     }
 
     fn is_plain(&self) -> bool {

@@ -23,12 +23,13 @@ fn other_forms_of_the_same_log_read_the_same() {
     let plain = sweep();
     let with_more_columns = plain.lines().map(|line| format!("text,{line},\"a, b\"\n")).collect();
     let commas = |text: &str| text.replace(',', ";").replace('.', ",");
-    let forms: [(&str, String); 14] = [
+    let forms: [(&str, String); 15] = [
         ("semicolons", plain.replace(',', ";")),
         ("tabs", plain.replace(',', "\t")),
         ("semicolons and decimal commas", commas(&plain)),
         ("lines before the header", format!("Test 12\nby,me,\n\n{plain}")),
         ("a row of units", plain.replacen("trq\n", "trq\ns,\u{b0},[Nm]\n", 1)),
+        ("rows of units and of types", plain.replacen("trq\n", "trq\ns,\u{b0},[Nm]\nFloat64,Float64,Float64\n", 1)),
         ("blanks between, header behind a sign of comment", format!("# {}", plain.replace(',', " "))),
         ("tabs, decimal commas, units, lines before", {
             let text = commas(&plain.replacen("trq\n", "trq\ns,deg,N m\n", 1)).replace(';', "\t");

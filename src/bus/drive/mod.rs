@@ -14,8 +14,9 @@ use super::coe::{Dictionary, Emergency};
 use super::description::Description;
 use super::device::Device;
 use super::fault::Fault;
+use super::motor::Law;
 use super::terminal::VENDOR;
-use super::world::{BrakeBy, Joint, Law, World};
+use super::world::{BrakeBy, Joint, World};
 use objects::{COUNTS_PER_RAD, CSP, CST, NM_PER_MILLE};
 use power::Power;
 

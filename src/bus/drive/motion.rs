@@ -5,7 +5,8 @@ use super::power::Power;
 use super::{Drive, OWN_OPTION, OWN_RAMP, STANDS_RAD_S, own};
 use crate::bus::application::Moment;
 use crate::bus::coe::Dictionary;
-use crate::bus::world::{Joint, Law};
+use crate::bus::motor::Law;
+use crate::bus::world::Joint;
 
 /// The motor runs no faster, rad/s at the joint.
 const FASTEST_RAD_S: f64 = 50.0;
