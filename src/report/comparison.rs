@@ -299,16 +299,17 @@ fn next(found: &Comparison) -> Vec<String> {
     let changed = found.attribution.differs() || found.changes.iter().any(|c| c.verdict == Verdict::Changed);
     let mut steps = Vec::new();
     if !found.attribution.is_known() {
-        let step = "To know whether the prediction's change is real, compare models that `tautline identify` wrote: they hold A and B(v) \
+        let step = "To know whether the prediction's change is real, compare models that tautline identify wrote: they hold A and B(v) \
                     with intervals.";
         steps.push(step.to_string());
     }
-    steps.push(match changed {
-        true => "Use the model of the later recordings. If nothing was changed on purpose, look for the cause: cable tension, wear, \
-                 temperature, the sensor's zero; tautline diagnose LATER_CAMPAIGN --model EARLIER_MODEL -o FOLDER ranks causes.",
-        false => "Keep the earlier model: these recordings do not show that it is out of date.",
+    if changed {
+        let step = "Use the model of the later recordings. If nothing was changed on purpose, look for the cause: cable tension, wear, \
+                    temperature, the sensor's zero; tautline diagnose LATER_CAMPAIGN --model EARLIER_MODEL -o FOLDER ranks causes.";
+        steps.push(step.to_string());
+    } else if found.attribution.is_known() {
+        steps.push("Keep the earlier model: these recordings do not show that it is out of date.".to_string());
     }
-    .to_string());
     steps
 }
 
