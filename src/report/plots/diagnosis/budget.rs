@@ -92,9 +92,10 @@ fn bars(found: &Diagnosis, units: &Units) -> Vec<Bar> {
         let told = share_text(part.share);
         bars.push(Bar { from_nm, leads_on, ..bar(&part.name(), to_nm, told, part.color) });
     }
+    let after_nm = found.verdict.gap_after_nm;
     if before_nm > 0.0 {
-        let told = format!("{}, {}", share_text(left), units.torque(before_nm * left));
-        bars.push(bar("unexplained", before_nm * left, told, palette::VERMILION));
+        let told = format!("{}, {}", share_text(after_nm / before_nm), units.torque(after_nm));
+        bars.push(bar("unexplained", after_nm, told, palette::VERMILION));
     }
     bars.push(bar("noise floor, at most", floor_nm, units.torque(floor_nm), palette::PALE));
     bars
