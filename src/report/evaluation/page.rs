@@ -49,7 +49,6 @@ pub fn page(found: &Evaluation, campaign: &str, model: &str) -> Page {
             ("trials evaluated", count(found.trials.len())),
             ("low-pass", format!("{} Hz on both sides", significant(found.lowpass_hz, 3))),
         ],
-        ..Page::default()
     }
 }
 
