@@ -76,7 +76,7 @@ def one(a, index):
             models.append(run)
             (scratch / "truth.json").write_text(json.dumps(run))
             subprocess.run([a.binary, "simulate", "--model", scratch / "truth.json", "-o", scratch / f"{i}", "--rate-hz", "100", "--cosines", "1",
-                            "--speeds", "12", "--repeats", "2", "--seed", str(100 * index + i + 1), "--quiet"], check=True)
+                            "--speeds", "12", "--repeats", "2", "--seed", str(100_000 * a.seed + 100 * index + i + 1), "--quiet"], check=True)
             file = scratch / f"{i}" / "campaign.toml"
             file.write_text(re.sub(r"gravity_nm = .*", f"gravity_nm = {model['dynamics']['gravity_nm']!r}", file.read_text()))
             lines += ["[[campaigns]]", f'path = "{i}"', f'conditions = {{ payload_kg = {numbers[i]}, operator = "{words[i]}" }}']

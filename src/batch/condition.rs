@@ -1,7 +1,7 @@
 //! A named condition under which runs were recorded, and whether it explains how they differ.
 
 use super::table::Row;
-use crate::numerics::statistics::{fisher_tail, student_t};
+use crate::numerics::statistics::{chi_squared_tail, fisher_tail, student_t};
 use std::collections::BTreeMap;
 
 /// A run's place, what it found, and the standard error of that.
@@ -15,6 +15,33 @@ pub(super) enum Condition<'a> {
     Word(Vec<&'a str>),
 }
 
+/// What a condition explains of the scatter of a quantity.
+pub(super) struct Explained {
+    /// Chance that a condition that does not matter explains as much.
+    pub chance: f64,
+    /// Chance that the intervals alone leave as much as it leaves.
+    left_by_chance: f64,
+    /// The change per unit with its 95 % half width; `None` of a condition in words.
+    pub slope: Option<(f64, f64)>,
+}
+
+impl Explained {
+    /// Whether it is one of `conditions` that may be named.
+    ///
+    /// A condition that matters leaves what the intervals claim; one that fits by accident leaves a part of whatever else scatters,
+    /// which with few runs is hardly told by its share. So one that leaves more than the intervals claim needs stronger evidence.
+    pub fn is_cause(&self, conditions: usize) -> bool {
+        /// The intervals leave as much less often than this: there is more.
+        const MORE_LEFT: f64 = 0.01;
+        /// Chance, over all conditions, that one that does not matter is named where nothing else scatters.
+        const ALL: f64 = 0.05;
+        /// The same where something else scatters too.
+        const PART: f64 = 0.002;
+        let allowed = if self.left_by_chance < MORE_LEFT { PART } else { ALL };
+        self.chance < allowed / conditions as f64
+    }
+}
+
 impl<'a> Condition<'a> {
     /// The condition called `name` of every run; `None` where one does not tell it, or all are the same.
     pub fn of(rows: &[&'a Row], name: &str) -> Option<Self> {
@@ -25,11 +52,16 @@ impl<'a> Condition<'a> {
         Some(numbers.map_or(Self::Word(texts), Self::Number))
     }
 
-    /// Chance that a condition that does not matter would explain as much of `q`, and the slope with its half width.
+    /// What it explains of `q`; `None` where there are too few runs.
     ///
     /// The scatter within equal conditions judges, by Fisher's F, but counts as no less than the intervals claim.
-    pub fn explains(&self, known: &[Known], q: f64) -> Option<(f64, Option<(f64, f64)>)> {
+    pub fn explains(&self, known: &[Known], q: f64) -> Option<Explained> {
         let runs = known.len() as f64;
+        let explained = |left: f64, over: f64, freedom: f64, slope| Explained {
+            chance: fisher_tail((q - left) / over / (left.max(freedom) / freedom), over, freedom),
+            left_by_chance: chi_squared_tail(left, freedom),
+            slope,
+        };
         match self {
             Self::Number(all) => {
                 let weight = |se: f64| se.powi(-2);
@@ -38,21 +70,16 @@ impl<'a> Condition<'a> {
                 let spread: f64 = known.iter().map(|(run, _, se)| weight(*se) * (all[*run] - middle).powi(2)).sum();
                 let slope =
                     known.iter().map(|(run, x, se)| weight(*se) * (all[*run] - middle) * x).sum::<f64>() / spread;
-                let gained = slope * slope * spread;
-                let freedom = runs - 2.0;
-                let left = (q - gained).max(freedom);
-                let chance = if freedom >= 1.0 { fisher_tail(gained / (left / freedom), 1.0, freedom) } else { 1.0 };
-                let half = student_t(freedom) * (left / freedom / spread).sqrt();
-                (spread > 0.0).then_some((chance, Some((slope, half))))
+                let (left, freedom) = (q - slope * slope * spread, runs - 2.0);
+                let half = student_t(freedom) * (left.max(freedom) / freedom / spread).sqrt();
+                (spread > 0.0 && freedom >= 1.0).then(|| explained(left, 1.0, freedom, Some((slope, half))))
             }
             Self::Word(all) => {
                 let mut groups: BTreeMap<&str, Vec<Known>> = BTreeMap::new();
                 known.iter().for_each(|one| groups.entry(all[one.0]).or_default().push(*one));
                 let (over, freedom) = (groups.len() as f64 - 1.0, runs - groups.len() as f64);
-                let within: f64 = groups.values().map(|group| about_mean(group).1).sum();
-                let left = within.max(freedom);
-                let enough = over >= 1.0 && freedom >= 1.0;
-                enough.then(|| (fisher_tail((q - within) / over / (left / freedom), over, freedom), None))
+                let left: f64 = groups.values().map(|group| about_mean(group).1).sum();
+                (over >= 1.0 && freedom >= 1.0).then(|| explained(left, over, freedom, None))
             }
         }
     }

@@ -15,9 +15,7 @@ use std::collections::BTreeMap;
 /// Fewest runs that can be judged.
 pub const RUNS_MIN: usize = 3;
 /// Of joints whose intervals tell the whole scatter this share has any quantity called otherwise, all quantities counted.
-const MORE_THAN_CLAIMED: f64 = 0.05;
-/// A condition explains the scatter when chance would do as well less often than this.
-const EXPLAINED: f64 = 0.01;
+const MORE_THAN_CLAIMED: f64 = 0.02;
 /// Pairs that absorb each other are correlated over the runs by more than this ...
 const ABSORBED: f64 = 0.9;
 /// ... in at least so many runs.
@@ -142,11 +140,11 @@ impl Quantity {
         let scatters = chi_squared_tail(q, runs - 1.0) < by_chance;
         let explained = || {
             let fits = conditions.iter().filter_map(|(name, condition)| Some((name, condition.explains(&known, q)?)));
-            fits.min_by(|a, b| a.1.0.total_cmp(&b.1.0))
+            fits.min_by(|a, b| a.1.chance.total_cmp(&b.1.chance))
         };
         let verdict = match scatters.then(explained).flatten() {
-            Some((condition, (chance, slope))) if chance < EXPLAINED => {
-                Verdict::DependsOn { condition: condition.to_string(), slope }
+            Some((condition, explained)) if explained.is_cause(conditions.len()) => {
+                Verdict::DependsOn { condition: condition.to_string(), slope: explained.slope }
             }
             _ if scatters => Verdict::Scatters,
             _ => Verdict::Repeatable,
