@@ -4,6 +4,7 @@ use std::path::Path;
 use std::sync::OnceLock;
 use tautline::diagnose::{Cause, Diagnosis, Kind, run};
 use tautline::evaluate::{Settings, run as evaluate};
+use tautline::identify;
 use tautline::log::Campaign;
 use tautline::model::Model;
 use tempfile::TempDir;
@@ -27,6 +28,17 @@ fn davinci() -> &'static Diagnosis {
         let campaign = Campaign::read(Path::new(CAMPAIGN)).unwrap();
         run(&campaign, &Model::read(Path::new(BASE)).unwrap(), &|_| ()).unwrap()
     })
+}
+
+/// Under the model identified from it nothing is missing, nor is what its encoder leaves at starts and stops a push.
+#[test]
+fn a_model_of_its_own_recording_lacks_nothing() {
+    let campaign = Campaign::read(Path::new(CAMPAIGN)).unwrap();
+    let combination = identify::combination::Settings { wanted: None, estimate_backlash: true };
+    let settings = identify::Settings { combination, ..identify::Settings::default() };
+    let model = crate::campaigns::identified(Path::new(CAMPAIGN), settings).model;
+    let found = run(&campaign, &model, &|_| ()).unwrap();
+    assert_eq!(found.verdict.kind, Kind::None, "{:?}", found.verdict.effects);
 }
 
 #[test]

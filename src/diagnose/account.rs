@@ -18,6 +18,8 @@ use std::ops::Range;
 
 /// Contact events whose RMS over all rows is above this share of the floor are reported as a cause.
 const CONTACT_FLOORS: f64 = 0.5;
+/// The same of what the encoder alone leaves, which comes again with the motion and so hides less.
+const CONTACT_ENCODER: f64 = 0.3;
 
 /// The explanation of what a base model leaves, and the evidence that it rests on.
 pub struct Account<'a, 'd> {
@@ -207,9 +209,9 @@ fn evidence<'a>(
     let floor_square = floor.rms_nm * floor.rms_nm;
     let whole = |of_units: &[f64]| of_units.iter().sum::<f64>();
     let excess = whole(&contact_nm2) - whole(&contact_rows) * floor_square;
-    // What the encoder leaves comes again with the motion: it hides no contact.
     let noise_square = (floor_square - floor.encoder_nm.powi(2)).max(0.0);
-    let is_large = excess > whole(&all_rows) * CONTACT_FLOORS.powi(2) * noise_square;
+    let hidden_square = CONTACT_FLOORS.powi(2) * noise_square + CONTACT_ENCODER.powi(2) * floor.encoder_nm.powi(2);
+    let is_large = excess > whole(&all_rows) * hidden_square;
     let contact = is_large && !contact_events::ring(&explanation.events, left_nm);
     let add = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a + b).collect::<Vec<f64>>();
     // What was set aside and is predicted nevertheless was held out in the strictest sense.

@@ -5,10 +5,13 @@ use super::names::{bounds, family, means, place};
 use super::words::{compensates, taken};
 use crate::diagnose::{Candidate, Cause, Diagnosis, Kind, signature};
 use crate::effects::{Family, Region};
+use crate::report::number::counted;
+use crate::report::wording::Units;
 
 /// What to do next, a sentence each, the first thing first.
 pub fn next_steps(found: &Diagnosis) -> Vec<String> {
     let mut steps = by_verdict(found);
+    steps.extend(standing_out(found));
     steps.extend(sentences(found));
     steps
 }
@@ -25,6 +28,18 @@ fn by_verdict(found: &Diagnosis) -> Vec<String> {
         Kind::Unknown => unknown(found),
         Kind::Stale | Kind::Effect | Kind::Several => mend(found),
     }
+}
+
+/// Stretches in which the residual stands out, where contact is not among the causes.
+fn standing_out(found: &Diagnosis) -> Option<String> {
+    let largest_nm = found.contacts.iter().map(|contact| contact.peak_nm.abs()).reduce(f64::max)?;
+    let stretches = counted(found.contacts.len(), "short stretch", "short stretches");
+    let largest = Units::of(&found.before.joint).torque(largest_nm);
+    (!found.verdict.effects.contains(&Cause::CONTACT)).then(|| {
+        format!(
+            "Look at {stretches} in which the residual stands out, by up to {largest}: too little to lift the whole above the floor,              but nothing that came again."
+        )
+    })
 }
 
 /// What to do about each cause of the verdict: the measurement first, since a model fitted to its faults is of no use elsewhere.

@@ -27,7 +27,7 @@ pub fn page(found: &Diagnosis, campaign: &str, model: &str) -> Page {
         Section::open(found_title, of(Vec::new(), vec![changes_table(found)])),
         Section::open("Beside the simulator", of(vec![motion], Vec::new())),
         Section::open("Where the gap lies", of(vec![places, position], vec![places_table(found)])),
-        Section::folded("Stretches of contact", of(Vec::new(), vec![contacts_table(found)])),
+        Section::folded("Stretches that stand out", of(Vec::new(), vec![contacts_table(found)])),
         Section::open("Grounds", vec![Block::List(grounds(found))]),
         Section::folded("Rules that decided", of(Vec::new(), vec![decisions_table(found)])),
     ];
