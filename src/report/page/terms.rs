@@ -11,15 +11,17 @@ const LETTERS_MIN: usize = 3;
 
 /// Terms of the glossary in `page`, each with its meaning, in the glossary's order.
 pub fn of(page: &Page) -> Vec<(&'static str, &'static str)> {
-    let mut words: HashSet<String> = HashSet::new();
     let mut text = String::new();
     for part in texts(page) {
         text.extend([&part.to_lowercase(), " "]);
     }
-    words.extend(text.split(|c: char| !is_word(c)).map(String::from));
+    // A word within a term of several is not a term by itself.
+    let several = entries().filter(|(term, _)| term.contains(' '));
+    let alone = several.fold(text.clone(), |text, (term, _)| text.replace(&term.to_lowercase(), " "));
+    let words: HashSet<&str> = alone.split(|c: char| !is_word(c)).collect();
     let occurs = |term: &str| match term.contains(' ') {
         true => text.contains(&term.to_lowercase()),
-        false => ["", "s"].iter().any(|plural| words.contains(&format!("{}{plural}", term.to_lowercase()))),
+        false => ["", "s"].iter().any(|plural| words.contains(format!("{}{plural}", term.to_lowercase()).as_str())),
     };
     entries().filter(|(term, _)| occurs(term)).collect()
 }
