@@ -31,7 +31,7 @@ pub enum Measure {
         /// mu_c before, dimensionless.
         mu_c: f64,
     },
-    /// Torque at the sensor, N m, beside the largest friction before, N m.
+    /// Torque at the sensor, N m, beside the largest friction before, N m; 0 of what is no friction.
     Torque {
         /// That friction.
         before_nm: f64,

@@ -209,14 +209,13 @@ fn columns(rows: &[Rows], place: &Both<usize>, count: usize, before: &Model) -> 
         }
     }
     let both = |kind, whitened, level, measure| Column { kind, direction: None, whitened, level, measure };
-    let before_nm = rows.iter().flat_map(|of| &of.levels).map(|level| level.1.abs()).fold(0.0, f64::max);
     if rows.iter().filter(|of| of.relative_a.is_some()).count() == 2 {
         columns.push(both(CauseKind::Gain, gain, None, Measure::Share));
         columns.push(both(CauseKind::Gravity, gravity.clone(), None, Measure::Share));
         columns.push(both(CauseKind::Gravity, gravity, Some(offset.clone()), Measure::Share));
     }
     if rows.iter().filter(|of| !of.levels.is_empty()).count() == 2 {
-        columns.push(both(CauseKind::Offset, offset, None, Measure::Torque { before_nm }));
+        columns.push(both(CauseKind::Offset, offset, None, Measure::Torque { before_nm: 0.0 }));
     }
     columns
 }

@@ -16,9 +16,9 @@ use super::verdict::{Evidence, Verdict, signature};
 use super::{Budget, Candidate, Contact, Gap, View};
 use std::ops::Range;
 
-/// Contact events whose RMS over all rows is above this share of the floor are reported as a cause.
+/// Contact events are reported as a cause where their RMS over all rows is above this share of the floor's noise ...
 const CONTACT_FLOORS: f64 = 0.5;
-/// The same of what the encoder alone leaves, which comes again with the motion and so hides less.
+/// ... and this share of what the encoder alone leaves, which comes again with the motion and so hides less; squares add.
 const CONTACT_ENCODER: f64 = 0.3;
 
 /// The explanation of what a base model leaves, and the evidence that it rests on.

@@ -1,7 +1,6 @@
 //! An effect that a model has, with its parameters; effects by their names.
 
-use super::{Effect, Evaluated, Hooks, LIBRARY, Parameter, Role, contact, elastic_spring, load_dependent_friction};
-use crate::dynamics::Direction;
+use super::{Effect, Evaluated, Hooks, LIBRARY, Parameter, Role, contact, elastic_spring};
 use crate::numerics::dual::Dual;
 
 /// The effect called `id`.
@@ -15,22 +14,6 @@ pub const CONTACT: &str = contact::ID;
 /// What adds `torque_nm` at the joint everywhere: a load that no column records.
 pub fn constant_load(torque_nm: f64) -> Added {
     Added { effect: &elastic_spring::ElasticSpring, parameters: elastic_spring::preload(torque_nm) }
-}
-
-/// Friction that grows by `share` of the load's size, whichever way the load acts.
-pub fn friction_of_load(share: f64) -> Added {
-    Added { effect: &load_dependent_friction::LoadDependentFriction, parameters: load_dependent_friction::even(share) }
-}
-
-/// That share in one direction, as the effects of a model have it.
-pub fn share_of_load<S>(effects: &mut [Added<S>], direction: Direction) -> Option<&mut S> {
-    let own = effects.iter_mut().find(|added| added.id() == load_dependent_friction::ID)?;
-    own.parameters.get_mut(usize::from(direction == Direction::Down))
-}
-
-/// The dotted name of that share.
-pub fn share_of_load_name(direction: Direction) -> String {
-    format!("effects.{}.{}", load_dependent_friction::ID, direction.name())
 }
 
 /// An effect that a model has, with its parameters in the order of its list.

@@ -1,7 +1,7 @@
 //! Friction in proportion to the load that the joint carries.
 
-use super::{About, ActsOn, Carried, Effect, Excitation, Extent, Family, Hooks, Parameter, Region, Sample};
-use crate::dynamics::Both;
+use super::{About, ActsOn, Added, Carried, Effect, Excitation, Extent, Family, Hooks, Parameter, Region, Sample};
+use crate::dynamics::{Both, Direction};
 use crate::numerics::scalar::Scalar;
 
 /// Pretensions, and torques at which it levels off, that are tried, as shares of the reading's range.
@@ -10,7 +10,7 @@ const FORMS: [(f64, f64); 6] = [(0.0, 0.0), (0.05, 0.0), (0.1, 0.0), (0.2, 0.0),
 /// One direction's share may be below zero by so much of the other's: it is not known better.
 const OPPOSED_MAX: f64 = 0.3;
 
-pub(super) const ID: &str = "load_dependent_friction";
+const ID: &str = "load_dependent_friction";
 
 static ABOUT: About = About {
     id: ID,
@@ -36,9 +36,20 @@ static ABOUT: About = About {
     ..About::PLAIN
 };
 
-/// Its parameters where friction grows by `share` of the load's size in either direction.
-pub(super) fn even(share: f64) -> Vec<f64> {
-    vec![share, share, 0.0, 0.0, 0.0]
+/// Friction that grows by `share` of the load's size, whichever way the load acts and the joint moves.
+pub fn friction_of_load(share: f64) -> Added {
+    Added { effect: &LoadDependentFriction, parameters: vec![share, share, 0.0, 0.0, 0.0] }
+}
+
+/// Where `effects` hold that share of one direction: which effect, and which of its parameters; `None` where none is this one.
+pub fn place_of_share<S>(effects: &[Added<S>], direction: Direction) -> Option<(usize, usize)> {
+    let at = effects.iter().position(|added| added.id() == ID)?;
+    Some((at, usize::from(direction == Direction::Down)))
+}
+
+/// The dotted name of that share.
+pub fn share_name(direction: Direction) -> String {
+    format!("effects.{ID}.{}", direction.name())
 }
 
 #[derive(Debug)]

@@ -42,7 +42,8 @@ mod transition;
 
 pub use about::{About, ActsOn, Excitation, Family, Starts};
 pub use effect::{Effect, Evaluated, Hooks, SimulatorJoint};
-pub use library::{Added, CONTACT, constant_load, find, friction_of_load, share_of_load, share_of_load_name};
+pub use library::{Added, CONTACT, constant_load, find};
+pub use load_dependent_friction::{friction_of_load, place_of_share, share_name};
 pub use parameter::{Parameter, Role};
 pub use region::Region;
 pub use ripple::{HARMONICS, NUMBERS as RIPPLE_NUMBERS};

@@ -3,7 +3,7 @@
 use super::combination::CurveKind;
 use super::predicted::Prepared;
 use super::zero::MOST_RAD;
-use crate::effects::{share_of_load, share_of_load_name};
+use crate::effects::{place_of_share, share_name};
 use crate::model::{Combination, Direction, Model, Term};
 use crate::numerics::scalar::Scalar;
 use crate::numerics::statistics::extent;
@@ -31,7 +31,7 @@ impl Free {
     pub fn name(self) -> String {
         match self {
             Self::Friction(direction, term) => term.dotted(direction),
-            Self::Carried(direction) => share_of_load_name(direction),
+            Self::Carried(direction) => share_name(direction),
             Self::Curve(kind) => format!("combination.{}", if kind == CurveKind::Power { "n" } else { "p" }),
             Self::Backlash => "joint.backlash_m".to_string(),
             Self::Zero => super::zero::NAME.to_string(),
@@ -56,7 +56,8 @@ impl Free {
         let value = match self {
             Self::Friction(direction, term) => model.friction.of(direction)[term],
             Self::Carried(direction) => {
-                share_of_load(&mut model.effects.clone(), direction).map_or(0.0, |share| *share)
+                let place = place_of_share(&model.effects, direction);
+                place.map_or(0.0, |(at, i)| model.effects[at].parameters[i])
             }
             Self::Curve(_) => match model.combination {
                 Combination::Arctan { p, .. } => p,
@@ -78,8 +79,8 @@ impl Free {
                 model.friction.of_mut(direction)[term] = value * sign;
             }
             Self::Carried(direction) => {
-                if let Some(share) = share_of_load(&mut model.effects, direction) {
-                    *share = value;
+                if let Some((at, i)) = place_of_share(&model.effects, direction) {
+                    model.effects[at].parameters[i] = value;
                 }
             }
             Self::Curve(kind) => model.combination = kind.with(value),

@@ -33,7 +33,8 @@ pub struct Part<'a> {
 
 impl<'a> Part<'a> {
     /// All strokes of `trial`, of each the samples whose sensor was in range and whose K~ is known for a clearance of
-    /// `backlash_rad` or less (without one no joint at rest tells its K~, nor what the low-pass carries from there), thinned to what the low-pass leaves; strokes of less than a period of it are left out.
+    /// `backlash_rad` or less, thinned to what the low-pass leaves; strokes of less than a period of it are left out. Without a
+    /// clearance a joint at rest does not tell its K~: those samples are left out, and those beside them that the low-pass mixes with them.
     pub fn new(trial: &'a Prepared, backlash_rad: f64, lowpass_hz: f64) -> Self {
         let period = trial.series.rate_hz / lowpass_hz;
         let step = ((period / ROWS_PER_PERIOD) as usize).max(1);
