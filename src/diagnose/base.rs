@@ -33,14 +33,14 @@ pub struct BaseModel<'d> {
 }
 
 impl<'d> BaseModel<'d> {
-    /// `model` with what of it moves: the columns by difference quotient.
+    /// `model` with what of it moves.
     pub fn new(mask: &Arc<Mask<'d>>, model: &Model, moves: Vec<Perturbation>) -> Self {
         let records = &mask.data.records;
         let (passages, branches) = (records.passages(model), records.branches(model));
         let predicted_nm = records.predicted_nm(model, &passages, &branches);
         let (model, columns, gram) = (model.clone(), Vec::new(), Gram::default());
         let mut base = Self { mask: mask.clone(), model, passages, branches, predicted_nm, moves, columns, gram };
-        base.columns = base.columns_of(&base.model, &base.passages, &base.predicted_nm, &base.moves);
+        base.columns = base.columns_of(&base.model, &base.passages, &base.moves);
         let counted: Vec<Vec<f64>> = base.columns.iter().map(|c| mask.apply(c.iter().copied())).collect();
         let columns: Vec<&[f64]> = counted.iter().map(Vec::as_slice).collect();
         base.gram = Gram::new(&mask.data.folds, &columns, &mask.residual_nm(&base.predicted_nm));
@@ -74,38 +74,30 @@ impl<'d> BaseModel<'d> {
         }
     }
 
-    /// How the prediction of `model` changes at every row per unit of each of `moves`.
-    pub(super) fn columns_of(
-        &self,
-        model: &Model,
-        passages: &Passages,
-        predicted_nm: &[f64],
-        moves: &[Perturbation],
-    ) -> Vec<Vec<f64>> {
+    /// How the prediction of `model` changes at every row per unit of each of `moves`, exactly.
+    pub(super) fn columns_of(&self, model: &Model, passages: &Passages, moves: &[Perturbation]) -> Vec<Vec<f64>> {
         let records = &self.mask.data.records;
-        let quotient = |way: &Perturbation| {
-            let mut moved = model.clone();
-            way.apply(&mut moved, way.probe);
-            let ahead = match way.changes_passage(model) {
-                true => self.prediction_nm(&moved, &records.passages(&moved)),
-                false => self.prediction_nm(&moved, passages),
+        let is_own_friction = model.friction == self.model.friction;
+        let known = if is_own_friction { &self.branches } else { &records.branches(model) };
+        let alike = |way: &Perturbation| (way.strength(model).map(|(at, ..)| at), way.changes_passage(model));
+        let together = |group: &[Perturbation]| {
+            let columns = match alike(&group[0]) {
+                // Strengths of an effect that only adds torque have no part in anything else.
+                (Some(at), _) => {
+                    let strengths = group.iter().filter_map(|way| way.strength(model));
+                    let added = model.effects[at].per_unit(strengths.map(|(_, index, unit)| (index, unit)));
+                    records.added_nm(model, &added, passages, known)
+                }
+                (None, changes_passage) => {
+                    let branches = (!group.iter().any(Perturbation::changes_branches)).then_some(known);
+                    let passages = (!changes_passage).then_some(passages);
+                    records.slopes_nm(&Perturbation::varied(model, group), passages, branches)
+                }
             };
-            ahead.iter().zip(predicted_nm).map(|(a, p)| (a - p) / way.probe).collect()
+            columns.into_iter().take(group.len()).collect::<Vec<Vec<f64>>>()
         };
-        // Strengths of one effect stand side by side, and their columns come in one pass.
-        let effect = |way: &Perturbation| way.strength(model).map(|(at, ..)| at);
-        let together = |group: &[Perturbation]| match effect(&group[0]) {
-            None => group.iter().map(quotient).collect(),
-            Some(at) => {
-                let strengths =
-                    group.iter().filter_map(|way| way.strength(model)).map(|(_, index, unit)| (index, unit));
-                let added = model.effects[at].per_unit(strengths);
-                let columns = records.added_nm(model, &added, passages, &self.branches);
-                columns.into_iter().take(group.len()).collect::<Vec<Vec<f64>>>()
-            }
-        };
-        let of_one = |a: &Perturbation, b: &Perturbation| effect(a).is_some() && effect(a) == effect(b);
-        let groups: Vec<&[Perturbation]> = moves.chunk_by(of_one).flat_map(|group| group.chunks(VARIABLES)).collect();
+        let groups: Vec<&[Perturbation]> =
+            moves.chunk_by(|a, b| alike(a) == alike(b)).flat_map(|group| group.chunks(VARIABLES)).collect();
         groups.into_par_iter().flat_map(together).collect()
     }
 
@@ -135,7 +127,7 @@ impl<'d> BaseModel<'d> {
             true => self.predicted_nm.clone(),
             false => self.prediction_nm(model, &passages),
         };
-        let columns = self.columns_of(model, &passages, &predicted_nm, moves);
+        let columns = self.columns_of(model, &passages, moves);
         self.cost_beside(&columns, &predicted_nm)
     }
 
@@ -144,7 +136,7 @@ impl<'d> BaseModel<'d> {
     pub fn square_left(&self, model: &Model, moves: &[Perturbation]) -> f64 {
         let passages = self.passages_of(model);
         let predicted_nm = self.prediction_nm(model, &passages);
-        let mut columns = self.columns_of(model, &passages, &predicted_nm, moves);
+        let mut columns = self.columns_of(model, &passages, moves);
         columns.push(predicted_nm.iter().zip(&self.predicted_nm).map(|(with, without)| with - without).collect());
         let (gram, deviations) = self.gram_beside(&columns, &self.predicted_nm);
         gram.solve(self.mask.prior(&deviations)).square / self.mask.rows().max(1) as f64

@@ -9,14 +9,19 @@ use super::perturbation::{Perturbation, of_effect};
 use super::progress::{Listener, Progress};
 use super::ripple;
 use super::stale::{Stale, stale};
-use crate::effects::{Added, Effect, Extent, LIBRARY, Starts, find};
+use crate::effects::{Added, Effect, Extent, LIBRARY, Role, Starts, find};
 use crate::model::{Combination, Model};
 use rayon::prelude::*;
 
 /// Starts of one effect that are fitted in full, the most promising first.
 const STARTS: usize = 2;
+/// Of the starts in one form so many, those that promised most beside the base alone, are looked at again beside other causes: which
+/// shapes are at all likely hardly changes.
+const KEPT: usize = 2;
 /// Effects that are fitted in full: those that do best at their starts.
 const FITTED: usize = 7;
+/// What would not come within this share of the gain of the best start is not followed to its end: what ties is far nearer.
+const REACH: f64 = 0.3;
 
 /// Why a model differs from the joint.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
@@ -53,13 +58,16 @@ impl FittedCause<'_> {
         Hypothesis::of((self.cause, self.how), &self.fit.model, &self.fit.moves)
     }
 
+    /// The effect as it was found.
+    fn added(&self) -> Option<&Added> {
+        self.fit.model.effects.iter().rev().find(|added| Cause::Effect(added.id()) == self.cause)
+    }
+
     /// Numbers that were fitted, less what it counts for that the joint confirms some.
     pub fn count(&self) -> usize {
         let effect = match self.cause {
             // To a model that passes over its clearance already, how wide that is would be no news.
-            Cause::Effect(id) if self.fit.model.combination == Combination::Sign => {
-                self.fit.model.effects.iter().rev().find(|added| added.id() == id)
-            }
+            Cause::Effect(_) if self.fit.model.combination == Combination::Sign => self.added(),
             _ => None,
         };
         let confirmed = effect.map_or(0, |added| added.effect.confirmed(&added.parameters, &self.fit.mask.data.extent));
@@ -136,24 +144,34 @@ pub struct Round<'d> {
     pub tried: Vec<FittedCause<'d>>,
     /// All of it, and what showed too little promise alone to be fitted.
     pub hypotheses: Vec<Hypothesis>,
+    /// Where to look for each effect's shape beside other causes.
+    pub likely: Likely,
 }
 
-/// All causes but those that `base` has already, each at its best; effects without promise are only sketched.
-pub fn try_all<'d>(base: &BaseModel<'d>, known: &[Cause], listener: Listener<'_>) -> Round<'d> {
+/// Of effects whose shape was searched over all that a campaign shows: where it is likely to be.
+pub type Likely = Vec<(&'static str, Vec<Vec<f64>>)>;
+
+/// All causes but those that `base` has already, each at its best; effects without promise are only sketched. Shapes are looked for where
+/// they are `likely`, else everywhere.
+pub fn try_all<'d>(base: &BaseModel<'d>, known: &[Cause], likely: &Likely, listener: Listener<'_>) -> Round<'d> {
     let residual_nm = base.residual_nm();
     let is_new = |effect: &&'static dyn Effect| !known.contains(&Cause::Effect(effect.about().id));
     let effects: Vec<&'static dyn Effect> = LIBRARY.into_iter().filter(is_new).collect();
     listener(Progress::Ahead(effects.len()));
     let sketched = |effect: &'static dyn Effect| {
-        let initialised = begin(base, effect, &residual_nm);
+        let initialised = begin(base, effect, likely, &residual_nm);
         listener(Progress::Done(effect.about().id));
         initialised
     };
     let mut initialised: Vec<Initialised> = effects.into_par_iter().filter_map(sketched).collect();
     initialised.sort_by(|a, b| a.cost().total_cmp(&b.cost()));
     let mut hypotheses: Vec<Hypothesis> = initialised.iter().flat_map(Initialised::hypotheses).collect();
+    let shapes = initialised.iter_mut().filter(|initialised| initialised.effect.about().starts == Starts::Shapes);
+    let mut likely: Likely =
+        shapes.map(|shape| (shape.effect.about().id, std::mem::take(&mut shape.promising))).collect();
     let mut place = 0..;
     initialised.retain(|initialised| place.next() < Some(FITTED) || initialised.is_shape());
+    let reach = initialised.first().map_or(f64::INFINITY, |best| reach(base, best.cost()));
     let groups: Vec<Stale> =
         stale(&base.model).into_iter().filter(|group| !known.contains(&Cause::Stale(group.name))).collect();
     listener(Progress::Ahead(groups.len() + initialised.len()));
@@ -162,17 +180,21 @@ pub fn try_all<'d>(base: &BaseModel<'d>, known: &[Cause], listener: Listener<'_>
         tried
     };
     let of_groups = groups.into_par_iter().map(|group| of_group(base, group));
-    let of_effects = initialised.into_par_iter().filter_map(|initialised| initialised.fit(base));
+    let of_effects = initialised.into_par_iter().filter_map(|initialised| initialised.fit(base, reach));
     let mut tried: Vec<FittedCause<'d>> = of_effects.chain(of_groups).map(told).collect();
     tried.sort_by(|a, b| a.score().total_cmp(&b.score()));
     hypotheses.extend(tried.iter().filter_map(FittedCause::hypothesis));
-    Round { tried, hypotheses }
+    for (id, promising) in &mut likely {
+        let fitted = tried.iter().find(|tried| tried.cause == Cause::Effect(id)).and_then(FittedCause::added);
+        promising.extend(fitted.map(|added| added.parameters.clone()));
+    }
+    Round { tried, hypotheses, likely }
 }
 
 /// `cause` alone beside `base`, from every start; none where it cannot be what it is called.
 pub fn try_one<'d>(base: &BaseModel<'d>, cause: Cause) -> Option<FittedCause<'d>> {
     match cause {
-        Cause::Effect(id) => begin(base, find(id)?, &base.residual_nm())?.fit(base),
+        Cause::Effect(id) => begin(base, find(id)?, &Likely::new(), &base.residual_nm())?.fit(base, f64::INFINITY),
         Cause::Stale(name) => {
             let groups = stale(&base.model).into_par_iter().filter(|group| group.name == name);
             let tried = groups.map(|group| of_group(base, group));
@@ -190,6 +212,8 @@ fn of_group<'d>(base: &BaseModel<'d>, group: Stale) -> FittedCause<'d> {
 struct Initialised {
     effect: &'static dyn Effect,
     starts: Vec<(f64, Model, Vec<Perturbation>)>,
+    /// The starts themselves, the most promising.
+    promising: Vec<Vec<f64>>,
 }
 
 impl Initialised {
@@ -210,9 +234,9 @@ impl Initialised {
         self.starts.iter().filter_map(|(_, model, moves)| Hypothesis::of(self.cause(), model, moves))
     }
 
-    fn fit<'d>(self, base: &BaseModel<'d>) -> Option<FittedCause<'d>> {
+    fn fit<'d>(self, base: &BaseModel<'d>, reach: f64) -> Option<FittedCause<'d>> {
         let (cause, how) = self.cause();
-        let fits = self.starts.into_par_iter().map(|(_, model, moves)| base.fit(model, moves));
+        let fits = self.starts.into_par_iter().map(|(_, model, moves)| base.fit_to_reach(reach, model, moves));
         let fits: Vec<Fit<'d>> = fits.filter(|fit| fit.is_sound(&base.data().extent)).collect();
         let best = fits.iter().min_by(|a, b| a.score().total_cmp(&b.score()))?;
         // A form with more numbers must do better by them.
@@ -225,12 +249,19 @@ impl Initialised {
 }
 
 /// `effect` at its most promising starts beside the base.
-fn begin(base: &BaseModel<'_>, effect: &'static dyn Effect, residual_nm: &[f64]) -> Option<Initialised> {
+fn begin(
+    base: &BaseModel<'_>,
+    effect: &'static dyn Effect,
+    likely: &Likely,
+    residual_nm: &[f64],
+) -> Option<Initialised> {
     let at = base.model.effects.len();
-    let starts = match effect.about().starts {
-        Starts::PositionLines { by_direction } => ripple::starts(base, residual_nm, by_direction),
-        Starts::ClipLevels => saturation_starts(base.data(), effect),
-        Starts::Shapes | Starts::Forms | Starts::Events => effect.starts(&base.data().extent),
+    let known = likely.iter().find(|(id, _)| *id == effect.about().id);
+    let starts = match (effect.about().starts, known) {
+        (Starts::Shapes, Some((_, likely))) => likely.clone(),
+        (Starts::PositionLines { by_direction }, _) => ripple::starts(base, residual_nm, by_direction),
+        (Starts::ClipLevels, _) => saturation_starts(base.data(), effect),
+        (Starts::Shapes | Starts::Forms | Starts::Events, _) => effect.starts(&base.data().extent),
     };
     let linearised_cost = |parameters: Vec<f64>| {
         let mut model = base.model.clone();
@@ -240,19 +271,37 @@ fn begin(base: &BaseModel<'_>, effect: &'static dyn Effect, residual_nm: &[f64])
         let linear: Vec<Perturbation> = moves.iter().filter(|way| way.is_linear).cloned().collect();
         let (cost, x) = base.linearised_cost(&model, &added, &linear);
         linear.iter().zip(&x).for_each(|(way, x)| way.apply(&mut model, *x));
-        (cost, model, moves)
+        ((cost, model, moves), added.parameters)
     };
-    let mut starts: Vec<(f64, Model, Vec<Perturbation>)> = starts.into_par_iter().map(linearised_cost).collect();
-    starts.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let mut starts: Vec<_> = starts.into_par_iter().map(linearised_cost).collect();
+    starts.sort_by(|((a, ..), _), ((b, ..), _)| a.total_cmp(b));
+    let (mut starts, all): (Vec<_>, Vec<Vec<f64>>) = starts.into_iter().unzip();
+    let in_same_form = |a: &[f64], b: &[f64]| {
+        let parameters = effect.about().parameters.iter().zip(a.iter().zip(b));
+        parameters
+            .filter(|(parameter, _)| matches!(parameter.role, Role::Form | Role::Choice))
+            .all(|(_, (a, b))| a == b)
+    };
+    let is_kept = |at: &usize| all[..*at].iter().filter(|better| in_same_form(better, &all[*at])).count() < KEPT;
+    let promising = (0..all.len()).filter(is_kept).map(|at| all[at].clone()).collect();
     let is_linear = starts.first()?.2.iter().all(|way| way.is_linear);
     let followed = match effect.about().starts {
-        Starts::Forms => starts.len(),
+        Starts::Forms => {
+            let reach = reach(base, starts[0].0);
+            starts.partition_point(|(cost, ..)| *cost <= reach).max(1)
+        }
         Starts::PositionLines { .. } => 1,
         _ if is_linear => 1,
         _ => STARTS,
     };
     starts.truncate(followed);
-    Some(Initialised { effect, starts })
+    Some(Initialised { effect, starts, promising })
+}
+
+/// The cost from which on something has no prospect beside what comes to `best`.
+fn reach(base: &BaseModel<'_>, best: f64) -> f64 {
+    let (alone, _) = base.cost_beside(&[], &base.predicted_nm);
+    best + REACH * (alone - best).max(0.0)
 }
 
 /// The levels at which readings pile up, where they do, beside those that are always tried.

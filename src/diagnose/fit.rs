@@ -1,6 +1,6 @@
 //! One hypothesis fitted: a model with its causes free, the base within its confidence.
 //!
-//! Causes move by Gauss-Newton on columns taken by difference quotient through the whole prediction, low-pass and all; the base
+//! Causes move by Gauss-Newton on exact derivatives of the whole prediction, low-pass and all; the base
 //! moves little, so its columns are taken once. Fits are scored on held-out units.
 
 use super::base::BaseModel;
@@ -21,6 +21,10 @@ const STEPS: usize = 6;
 const GAIN_MIN: f64 = 1e-3;
 /// A linear step whose cost is this near to the predicted one was the last.
 const PREDICTED: f64 = 1e-3;
+/// A fit ends where it would not come to what it has to even if each of the steps left gained so many times what the last one did ...
+const CATCHING_UP: f64 = 2.0;
+/// ... from this step on: the first tells little of a shape.
+const TOLD_BY: usize = 2;
 /// Quarterings of a step that makes matters worse.
 const QUARTERINGS: usize = 3;
 
@@ -100,6 +104,11 @@ impl<'d> BaseModel<'d> {
 
     /// Fits `model`, the base's with causes added, by `moves`, from where they are.
     pub fn fit(&self, model: Model, moves: Vec<Perturbation>) -> Fit<'d> {
+        self.fit_to_reach(f64::INFINITY, model, moves)
+    }
+
+    /// The same, given up once it is clear that its cost will not fall to `reach`.
+    pub fn fit_to_reach(&self, reach: f64, model: Model, moves: Vec<Perturbation>) -> Fit<'d> {
         let is_linear = moves.iter().all(|way| way.is_linear);
         let is_passing = moves.iter().any(|way| way.changes_passage(&model));
         let point = |model: Model| {
@@ -111,10 +120,10 @@ impl<'d> BaseModel<'d> {
             let cost = self.cost_beside(&[], &predicted_nm).0;
             Point { model, passages, predicted_nm, cost }
         };
-        let columns_at = |at: &Point| self.columns_of(&at.model, &at.passages, &at.predicted_nm, &moves);
+        let columns_at = |at: &Point| self.columns_of(&at.model, &at.passages, &moves);
         let mut now = point(model);
         let (mut converged, mut columns) = (false, Vec::new());
-        for _ in 0..STEPS {
+        for step in 1..=STEPS {
             columns = columns_at(&now);
             let (predicted, x) = self.cost_beside(&columns, &now.predicted_nm);
             let over = x.iter().zip(&moves).map(|(x, way)| x.abs() / way.stride).fold(1.0, f64::max);
@@ -129,8 +138,13 @@ impl<'d> BaseModel<'d> {
                 converged = true;
                 break;
             };
-            let gain = (now.cost - better.cost) / now.cost;
+            let gained = now.cost - better.cost;
+            let gain = gained / now.cost;
             now = better;
+            let catching_up = CATCHING_UP * (STEPS - step) as f64 * gained;
+            if step >= TOLD_BY && now.cost - catching_up > reach {
+                break;
+            }
             if gain < GAIN_MIN || (is_linear && (now.cost - predicted).abs() < PREDICTED * now.cost) {
                 converged = true;
                 break;

@@ -126,7 +126,7 @@ impl Gram {
     }
 }
 
-/// |r - X x|^2.
+/// |r - X x|^2; infinite where it is no number: what cannot be computed explains nothing.
 pub fn square_left(unit: &DMatrix<f64>, x: &DVector<f64>) -> f64 {
     let n = x.len();
     let mut left = unit[(n, n)];
@@ -136,7 +136,7 @@ pub fn square_left(unit: &DMatrix<f64>, x: &DVector<f64>) -> f64 {
             left += x[a] * x[b] * unit[(a, b)];
         }
     }
-    left.max(0.0)
+    if left.is_nan() { f64::INFINITY } else { left.max(0.0) }
 }
 
 /// Minimises |r - X x|^2 + s^2 sum (x / deviation)^2, with s^2 the noise of one independent sample spread over its rows; the

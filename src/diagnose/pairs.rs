@@ -39,7 +39,7 @@ fn promising(base: &BaseModel<'_>, hypotheses: &[Hypothesis]) -> Vec<[Hypothesis
         let moves = hypothesis.put(&mut model, &base.data().extent);
         let passages = base.passages_of(&model);
         let predicted_nm = base.prediction_nm(&model, &passages);
-        let mut own = base.columns_of(&model, &passages, &predicted_nm, &moves);
+        let mut own = base.columns_of(&model, &passages, &moves);
         // Its prediction beside the base's stands before its columns.
         own.insert(0, predicted_nm.iter().zip(&base.predicted_nm).map(|(p, b)| p - b).collect());
         (own, moves.iter().map(|way| way.stride).collect::<Vec<f64>>())

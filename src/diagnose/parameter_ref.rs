@@ -15,7 +15,8 @@ pub enum ParameterRef {
 }
 
 impl ParameterRef {
-    pub(super) fn slot(self, model: &mut Model) -> Option<&mut f64> {
+    /// Where it stands in `model`; nowhere where that has none.
+    pub(super) fn slot<S>(self, model: &mut Model<S>) -> Option<&mut S> {
         match self {
             Self::Gravity => Some(&mut model.dynamics.gravity_nm),
             Self::Inertia => Some(&mut model.dynamics.inertia_kg_m2),

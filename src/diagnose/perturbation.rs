@@ -7,6 +7,7 @@ use super::parameter_ref::ParameterRef;
 use crate::dynamics::Direction;
 use crate::effects::{Added, Extent, Parameter, Role};
 use crate::model::{Combination, Model, Term};
+use crate::numerics::dual::Dual;
 
 /// Confidence of a parameter for which none is given, as a share of it: the 95 % interval reaches so far to either side.
 const UNKNOWN_SHARE: f64 = 0.05;
@@ -62,6 +63,22 @@ impl Perturbation {
         }
     }
 
+    /// `model` as a function of `ways`, at most [`crate::numerics::dual::VARIABLES`] of them: the variables of its numbers.
+    pub fn varied(model: &Model, ways: &[Self]) -> Model<Dual> {
+        let mut varied = model.over::<Dual>();
+        for (variable, way) in ways.iter().enumerate() {
+            for (parameter, turn) in &way.turns {
+                if let Some(slot) = parameter.slot(&mut varied) {
+                    slot.slopes[variable] += match turn {
+                        Mode::Add(step) => *step,
+                        Mode::Scale => slot.value,
+                    };
+                }
+            }
+        }
+        varied
+    }
+
     /// The parameters that it turns.
     pub fn parameters(&self) -> impl Iterator<Item = ParameterRef> {
         self.turns.iter().map(|(parameter, _)| *parameter)
@@ -77,6 +94,11 @@ impl Perturbation {
     pub fn strength(&self, model: &Model) -> Option<(usize, usize, f64)> {
         let [(ParameterRef::Effect(at, index), Mode::Add(unit))] = self.turns[..] else { return None };
         (self.is_linear && model.effects[at].effect.only_adds()).then_some((at, index, unit))
+    }
+
+    /// Whether it changes the friction of the branches.
+    pub fn changes_branches(&self) -> bool {
+        self.parameters().any(|parameter| matches!(parameter, ParameterRef::Friction(_, term) if term != Term::Load))
     }
 
     /// Whether it changes where friction stands between its branches.

@@ -2,11 +2,12 @@
 
 use super::spectrum::{SpectralFloor, spectral};
 use crate::dynamics::{Both, Motion, RigidTorque};
-use crate::effects::{Added, Carried, Family, Sample};
+use crate::effects::{Added, Carried, Evaluated, Family, Sample};
 use crate::log::{Campaign, Log};
 use crate::model::{Asked, Model, Strokes, combined, settle};
 use crate::numerics::dual::{Dual, VARIABLES};
 use crate::numerics::filter::LowPass;
+use crate::numerics::scalar::Scalar;
 use crate::predict::{forgotten, torque_nm};
 use crate::prepare::{REST_RAD, REST_S, Trial, prepare, rests};
 use crate::problem::{Problem, Result};
@@ -150,12 +151,13 @@ impl Record {
     }
 
     /// What the sample asks of the joint.
-    pub fn asked(&self, i: usize, model: &Model) -> Asked {
+    pub fn asked<S: Scalar>(&self, i: usize, model: &Model<S>) -> Asked<S> {
         let dynamics = &model.dynamics;
         let (gravity_nm, slope_nm_rad, beside_nm) = match &self.chain {
             Some(chain) => {
                 let (rigid, slope_nm_rad) = chain[i];
-                (rigid.gravity_nm, slope_nm_rad, rigid.total_nm() - rigid.gravity_nm)
+                let beside_nm = rigid.total_nm() - rigid.gravity_nm;
+                (S::from(rigid.gravity_nm), S::from(slope_nm_rad), S::from(beside_nm))
             }
             None => {
                 let (share, slope) = self.gravity_shares[i];
@@ -169,7 +171,8 @@ impl Record {
 
     /// K~ followed at the log's full rate and averaged over what each thinned sample stands for: a reversal between two of
     /// them then comes at its own time.
-    pub fn passage(&self, model: &Model) -> Vec<f64> {
+    pub fn passage<S: Evaluated>(&self, model: &Model<S>) -> Vec<S> {
+        let zero = S::from(0.0);
         let mut along = Vec::with_capacity(self.own.len() * self.step);
         model.k_tilde_along(&self.strokes, |samples, k_tilde| along.resize(samples.end, k_tilde));
         let (last, step, n) = (self.own.len() - 1, self.step, along.len());
@@ -180,31 +183,35 @@ impl Record {
                 let end = if at == last { n } else { (at + 1) * step - early };
                 &along[(at * step).saturating_sub(early)..end.min(n)]
             });
-            let [sum, weight] = around.iter().fold([0.0, 0.0], |[sum, weight], around| {
-                [sum + around.iter().sum::<f64>(), weight + around.len() as f64]
-            });
-            sum / f64::max(weight, 1.0)
+            let add = |sum: S, around: &&[S]| around.iter().fold(sum, |sum, k_tilde| sum + *k_tilde);
+            let weight: usize = around.iter().map(|around| around.len()).sum();
+            around.iter().fold(zero, add) / weight.max(1) as f64
         };
         (0..=last).map(averaged).collect()
     }
 
     /// The unloaded friction of both branches at each thinned sample.
-    pub fn branches(&self, model: &Model) -> Vec<Both<f64>> {
-        self.own.iter().map(|own| model.branches_nm(own.velocity)).collect()
+    pub fn branches<S: Evaluated>(&self, model: &Model<S>) -> Vec<Both<S>> {
+        self.own.iter().map(|own| model.branches_nm(S::from(own.velocity))).collect()
     }
 
-    pub fn filtered_nm(&self, model: &Model, k_tilde: &[f64], branches: &[Both<f64>]) -> Vec<f64> {
-        let mut others = vec![Motion::default(); self.others.len()];
-        let mut sampled = |i: usize, then: &mut dyn FnMut(&Sample<'_>) -> f64| {
-            others.iter_mut().zip(&self.others).for_each(|(slot, other)| *slot = other[i]);
-            let sample =
-                Sample { time_s: self.time_s[i], elapsed_s: self.elapsed_s(i), own: self.own[i], others: &others };
-            then(&sample)
+    /// y at each thinned sample, N m.
+    fn torque_nm<S: Evaluated>(
+        &self,
+        model: &Model<S>,
+        k_tilde: impl Fn(usize) -> S,
+        branches: impl Fn(usize) -> Both<S>,
+    ) -> Vec<S> {
+        let mut others = vec![Motion::default().over::<S>(); self.others.len()];
+        let mut sampled = |i: usize, then: &mut dyn FnMut(&Sample<'_, S>) -> S| {
+            others.iter_mut().zip(&self.others).for_each(|(slot, other)| *slot = other[i].over());
+            let (time_s, elapsed_s) = (S::from(self.time_s[i]), S::from(self.elapsed_s(i)));
+            then(&Sample { time_s, elapsed_s, own: self.own[i].over(), others: &others })
         };
-        let mut torque_nm: Vec<f64> = (0..self.own.len())
+        let mut torque_nm: Vec<S> = (0..self.own.len())
             .map(|i| {
                 let asked = self.asked(i, model);
-                sampled(i, &mut |sample| model.driven_by_nm(sample, asked, k_tilde[i], branches[i]).torque_nm)
+                sampled(i, &mut |sample| model.driven_by_nm(sample, asked, k_tilde(i), branches(i)).torque_nm)
             })
             .collect();
         if model.effects.iter().any(|added| added.effect.about().family == Family::Fault) {
@@ -213,7 +220,35 @@ impl Record {
                 *y = sampled(i, &mut |sample| model.reading_nm(sample, *y));
             }
         }
-        self.lowpass.zero_phase(&torque_nm)
+        torque_nm
+    }
+
+    /// y at the rows, low-passed, N m.
+    pub fn predicted_nm(&self, model: &Model, k_tilde: &[f64], branches: &[Both<f64>]) -> Vec<f64> {
+        let torque_nm = self.torque_nm(model, |i| k_tilde[i], |i| branches[i]);
+        self.at_rows(&self.lowpass.zero_phase(&torque_nm))
+    }
+
+    /// How y at the rows, low-passed, changes with each variable of `varied`, N m per unit. Where none of them has a part in K~ or in the
+    /// branches, those are given.
+    pub fn slopes_nm(
+        &self,
+        varied: &Model<Dual>,
+        k_tilde: Option<&[f64]>,
+        branches: Option<&[Both<f64>]>,
+    ) -> [Vec<f64>; VARIABLES] {
+        let own_k_tilde = if k_tilde.is_none() { self.passage(varied) } else { Vec::new() };
+        let own_branches = if branches.is_none() { self.branches(varied) } else { Vec::new() };
+        let k_tilde = |i: usize| k_tilde.map_or_else(|| own_k_tilde[i], |k_tilde| Dual::from(k_tilde[i]));
+        let over = |branches: Both<f64>| Both { up: Dual::from(branches.up), down: Dual::from(branches.down) };
+        let branches = |i: usize| branches.map_or_else(|| own_branches[i], |branches| over(branches[i]));
+        self.slopes_at_rows(self.torque_nm(varied, k_tilde, branches).into_iter().map(|y| y.slopes).collect())
+    }
+
+    /// `slopes_nm` of each thinned sample, low-passed, at the rows.
+    fn slopes_at_rows(&self, mut slopes_nm: Vec<[f64; VARIABLES]>) -> [Vec<f64>; VARIABLES] {
+        self.lowpass.zero_phase_together(&mut slopes_nm);
+        std::array::from_fn(|at| self.rows.iter().map(|i| slopes_nm[*i][at]).collect())
     }
 
     /// What each of some strengths of an effect that only adds torque adds to y per unit at the rows, low-passed, N m: the
@@ -229,7 +264,7 @@ impl Record {
         let mut others = vec![Motion::default().over::<Dual>(); self.others.len()];
         let transmission = model.joint.transmission();
         let (hooks, p) = (added.hooks(), &added.parameters[..]);
-        let mut slopes_nm: Vec<[f64; VARIABLES]> = (0..self.own.len())
+        let slopes_nm = (0..self.own.len())
             .map(|i| {
                 others.iter_mut().zip(&self.others).for_each(|(slot, other)| *slot = other[i].over());
                 let (time_s, elapsed_s) = (Dual::from(self.time_s[i]), Dual::from(self.elapsed_s(i)));
@@ -245,10 +280,10 @@ impl Record {
                 (over.balance_nm(at_joint_nm, friction_nm, k_tilde) + beside_nm).slopes
             })
             .collect();
-        self.lowpass.zero_phase_together(&mut slopes_nm);
-        std::array::from_fn(|at| self.rows.iter().map(|i| slopes_nm[*i][at]).collect())
+        self.slopes_at_rows(slopes_nm)
     }
 
+    /// `series` at the rows.
     pub fn at_rows(&self, series: &[f64]) -> Vec<f64> {
         self.rows.iter().map(|i| series[*i]).collect()
     }

@@ -126,7 +126,7 @@ impl Records {
     /// Predicted y at the rows, low-passed, N m.
     pub fn predicted_nm(&self, model: &Model, passages: &Passages, branches: &Branches) -> Vec<f64> {
         let one = |((record, k_tilde), branches): ((&Record, &Vec<f64>), &Vec<Both<f64>>)| {
-            record.at_rows(&record.filtered_nm(model, k_tilde, branches))
+            record.predicted_nm(model, k_tilde, branches)
         };
         let all = self.all.par_iter().zip(passages).zip(branches).with_max_len(1);
         all.map(one).collect::<Vec<Vec<f64>>>().concat()
@@ -135,6 +135,20 @@ impl Records {
     /// What `model` predicts at the rows, N m.
     pub fn predicted_by(&self, model: &Model) -> Vec<f64> {
         self.predicted_nm(model, &self.passages(model), &self.branches(model))
+    }
+
+    /// How y at the rows, low-passed, changes with each variable of `varied`, N m per unit. Where none of them has a part in K~ or in the
+    /// branches, those are given.
+    pub fn slopes_nm(
+        &self,
+        varied: &Model<Dual>,
+        passages: Option<&Passages>,
+        branches: Option<&Branches>,
+    ) -> [Vec<f64>; VARIABLES] {
+        self.side_by_side(|at, record| {
+            let k_tilde = passages.map(|passages| &passages[at][..]);
+            record.slopes_nm(varied, k_tilde, branches.map(|branches| &branches[at][..]))
+        })
     }
 
     /// What each of some strengths of an effect that only adds torque adds to y per unit at the rows, low-passed, N m: the
@@ -146,11 +160,13 @@ impl Records {
         passages: &Passages,
         branches: &Branches,
     ) -> [Vec<f64>; VARIABLES] {
-        let one = |((record, k_tilde), branches): ((&Record, &Vec<f64>), &Vec<Both<f64>>)| {
-            record.added_nm(model, added, k_tilde, branches)
-        };
-        let all = self.all.par_iter().zip(passages).zip(branches).with_max_len(1);
-        let all: Vec<[Vec<f64>; VARIABLES]> = all.map(one).collect();
+        self.side_by_side(|at, record| record.added_nm(model, added, &passages[at], &branches[at]))
+    }
+
+    /// The columns that `of` makes of each record, one record after the other.
+    fn side_by_side(&self, of: impl Fn(usize, &Record) -> [Vec<f64>; VARIABLES] + Sync) -> [Vec<f64>; VARIABLES] {
+        let all = self.all.par_iter().enumerate().with_max_len(1);
+        let all: Vec<[Vec<f64>; VARIABLES]> = all.map(|(at, record)| of(at, record)).collect();
         std::array::from_fn(|at| all.iter().flat_map(|columns| columns[at].iter().copied()).collect())
     }
 

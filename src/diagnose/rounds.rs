@@ -1,6 +1,6 @@
 //! Every cause tried beside those that are known, and not twice in the same place.
 
-use super::candidates::{Cause, Hypothesis, Round, try_all};
+use super::candidates::{Cause, Hypothesis, Likely, Round, try_all};
 use super::choose::Search;
 use super::fit::Fit;
 use std::cell::RefCell;
@@ -35,7 +35,8 @@ impl<'d> Search<'d, '_> {
             return beside.round.clone();
         }
         let known: Vec<Cause> = known.iter().map(|hypothesis| hypothesis.cause).collect();
-        let round = try_all(&self.base_of(fit), &known, self.listener);
+        let likely = self.rounds.all.borrow().first().map_or_else(Likely::new, |first| first.round.likely.clone());
+        let round = try_all(&self.base_of(fit), &known, &likely, self.listener);
         self.rounds.all.borrow_mut().push(Beside { causes, score, round: round.clone() });
         round
     }

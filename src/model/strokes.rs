@@ -221,6 +221,10 @@ impl<S: Scalar> Bent<S> {
     ) {
         let Some(last) = rows.end.checked_sub(1).filter(|_| !rows.is_empty()) else { return };
         let (behind, from_rad) = (self.k_tilde - target, self.at_rad);
+        if Presliding::has_arrived(behind.abs()) {
+            *self = Self { k_tilde: target, at_rad: f64::from(motion.travel_rad[last]) };
+            return then(rows, target);
+        }
         let left = presliding.relaxing(behind.abs());
         let k_tilde = |travel_rad: f64| {
             let left = left(S::from(travel_rad - from_rad));

@@ -69,82 +69,101 @@ pub trait Scalar:
     fn if_positive(self, then: impl FnOnce() -> Self, otherwise: impl FnOnce() -> Self) -> Self;
 
     /// The same, by this name where it is printed.
+    #[inline]
     fn named(self, _name: &'static str) -> Self {
         self
     }
 
     /// Sine and cosine.
+    #[inline]
     fn sin_cos(self) -> (Self, Self) {
         (self.sin(), self.cos())
     }
 
     /// Its square.
+    #[inline]
     fn squared(self) -> Self {
         self * self
     }
 }
 
 impl Scalar for f64 {
+    #[inline]
     fn value(self) -> f64 {
         self
     }
 
+    #[inline]
     fn is_zero(self) -> bool {
         self == 0.0
     }
 
+    #[inline]
     fn sin(self) -> Self {
         self.sin()
     }
 
+    #[inline]
     fn cos(self) -> Self {
         self.cos()
     }
 
+    #[inline]
     fn sin_cos(self) -> (Self, Self) {
         self.sin_cos()
     }
 
+    #[inline]
     fn tanh(self) -> Self {
         self.tanh()
     }
 
+    #[inline]
     fn atan(self) -> Self {
         self.atan()
     }
 
+    #[inline]
     fn exp(self) -> Self {
         self.exp()
     }
 
+    #[inline]
     fn ln(self) -> Self {
         self.ln()
     }
 
+    #[inline]
     fn sqrt(self) -> Self {
         self.sqrt()
     }
 
+    #[inline]
     fn abs(self) -> Self {
         self.abs()
     }
 
+    #[inline]
     fn powf(self, exponent: Self) -> Self {
         self.powf(exponent)
     }
 
+    #[inline]
     fn hypot(self, other: Self) -> Self {
         self.hypot(other)
     }
 
+    #[inline]
     fn min(self, other: Self) -> Self {
         self.min(other)
     }
 
+    #[inline]
     fn max(self, other: Self) -> Self {
         self.max(other)
     }
 
+    #[inline]
     fn if_positive(self, then: impl FnOnce() -> Self, otherwise: impl FnOnce() -> Self) -> Self {
         if self > 0.0 { then() } else { otherwise() }
     }
