@@ -11,12 +11,11 @@ use tautline::simulate::{Course, Sensors, record};
 const RATE_HZ: f64 = 500.0;
 
 /// The names of the format, in its order; files hold them, so they stay.
-const IDS: [&str; 21] = [
+const IDS: [&str; 20] = [
     "reversal_transition",
     "stribeck",
     "load_dependent_friction",
     "friction_ripple",
-    "magnetic_detent",
     "torque_ripple",
     "cable_elasticity",
     "quadratic_viscous",

@@ -19,7 +19,6 @@ mod gravity_phase;
 mod inertia;
 mod joint_coupling;
 mod load_dependent_friction;
-mod magnetic_detent;
 mod presliding;
 mod quadratic_viscous;
 mod reversal_transition;
@@ -54,12 +53,11 @@ pub use transition::{Curve, Presliding};
 use crate::numerics::scalar::Scalar;
 
 /// Every effect, in the order of the format's list.
-pub const LIBRARY: [&dyn Effect; 21] = [
+pub const LIBRARY: [&dyn Effect; 20] = [
     &reversal_transition::ReversalTransition,
     &stribeck::Stribeck,
     &load_dependent_friction::LoadDependentFriction,
     &friction_ripple::FrictionRipple,
-    &magnetic_detent::MagneticDetent,
     &torque_ripple::TorqueRipple,
     &cable_elasticity::CableElasticity,
     &quadratic_viscous::QuadraticViscous,
