@@ -4,9 +4,11 @@ use super::{About, ActsOn, Effect, Excitation, Extent, Family, Hooks, Parameter,
 use crate::numerics::scalar::Scalar;
 use std::f64::consts::PI;
 
-/// Where the waves stand among the parameters.
+/// Where what settles, and where the waves stand among the parameters.
+const SETTLES: std::ops::RangeInclusive<usize> = 3..=4;
 const FIRST_WAVE: usize = 6;
-/// Most waves; without any it settles and runs on, with them it may wander.
+/// Most waves; without any it settles and runs on, with them it wanders. Both at once are more than a trial that was not seen can do without:
+/// only the first tells what settles.
 const WAVES: usize = 4;
 
 /// Times at which its size is looked at: each wave's crests are met within 1 %.
@@ -66,7 +68,11 @@ impl Effect for SensorDrift {
     }
 
     fn uses(&self, p: &[f64], at: usize) -> bool {
-        at < FIRST_WAVE || ((at - FIRST_WAVE) as f64) < p[2]
+        let wanders = p[2] > 0.0;
+        match at {
+            _ if SETTLES.contains(&at) => !wanders,
+            _ => at < FIRST_WAVE || ((at - FIRST_WAVE) as f64) < p[2],
+        }
     }
 
     /// A zero that moves by more than all that the sensor read is no drift.
