@@ -3,6 +3,7 @@
 use crate::campaigns::truth;
 use tautline::compare::{CauseKind, Comparison, FunctionKind, Verdict, compare};
 use tautline::model::{Both, BranchFunctions, Confidence, Direction, Functions, Level, Model, SharedError, Status};
+use tautline::report::chart::{Series, Shape};
 
 fn verdict(found: &Comparison, name: &str) -> Verdict {
     found.changes.iter().find(|c| c.name == name).unwrap().verdict
@@ -166,6 +167,37 @@ fn shares_are_relative_changes() {
     assert!((of(&|m| m.dynamics.gravity_nm *= 1.4) - 0.4).abs() < 1e-3);
     let scaled = (1.0 - 0.41) / (1.0 - 0.5) - 1.0;
     assert!((of(&|m| m.friction.up.mu_c = 0.5) - scaled).abs() < 1e-3);
+}
+
+/// The slowest and the fastest speed of every curve of B(v) between `before` and `after`, and the caption.
+fn drawn_speeds(before: &Model, after: &Model) -> (Vec<[f64; 2]>, String) {
+    let figures = tautline::report::plots::comparison::figures(&compare(before, after).unwrap());
+    let friction = figures.into_iter().find(|figure| figure.name == "friction").unwrap();
+    let ends = |series: &Series| match &series.shape {
+        Shape::Line(points, _) => [points[0].0, points[points.len() - 1].0],
+        _ => panic!("only lines are drawn"),
+    };
+    let curves = friction.panels().flat_map(|panel| &panel.series).map(ends).collect();
+    (curves, friction.caption)
+}
+
+#[test]
+fn b_is_drawn_over_the_speeds_that_the_data_of_both_models_cover() {
+    let sweeps = with_functions(truth());
+    let mut free = with_functions(truth());
+    for direction in Direction::BOTH {
+        let of = free.functions.branches.of_mut(direction).as_mut().unwrap();
+        of.levels.retain(|level| level.speed_rad_s > 0.1);
+    }
+    let slowest = free.functions.branches.up.as_ref().unwrap().levels[0].speed_rad_s;
+    let is_near = |[low, high]: &[f64; 2]| (low - slowest).abs() < 1e-9 && (high - 0.4).abs() < 1e-9;
+    let (curves, caption) = drawn_speeds(&sweeps, &free);
+    assert!(curves.len() == 4 && curves.iter().all(is_near), "{curves:?}");
+    assert!(caption.contains("the speeds that the data of both cover"), "{caption}");
+    // A model that somebody wrote does not say what its data cover; the other one does.
+    let (curves, caption) = drawn_speeds(&truth(), &free);
+    assert!(curves.iter().all(is_near) && caption.contains("of the model after cover"), "{curves:?} {caption}");
+    assert!(drawn_speeds(&truth(), &truth()).1.contains("may be extrapolated"));
 }
 
 #[test]
