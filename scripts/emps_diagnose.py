@@ -143,7 +143,7 @@ def run(arguments, scratch):
     ours = figures["tautline, cycle left out of the diagnosis"]
     assert ours < PUBLISHED_BY_DIRECTION, f"{ours:.4f} % is not below the published {PUBLISHED_BY_DIRECTION} %"
     assert ours < figures["by direction, cycle left out of the fit"], "no better than friction by direction, fitted alike"
-    by_direction = [any(word in named.get("viscous", "") for word in ("by itself", "only")) for named in verdicts]
+    by_direction = [any(word in named.get("viscous", "") for word in ("separately", "only")) for named in verdicts]
     assert all(by_direction), f"the asymmetry is not named: {verdicts}"
     print(f"below the published {PUBLISHED_BY_DIRECTION} % on cycles that were not fitted; friction that differs by direction is named each time")
 

@@ -11,9 +11,9 @@ const CAMPAIGN: &str = "data/davinci_l4";
 const MODEL: &str = "data/davinci_l4/base_model.json";
 /// Every figure that this campaign has data for, with labels that it must bear.
 const FIGURES: [(&str, &[&str]); 11] = [
-    ("budget", &["RMS (", "gap as delivered", "unexplained", "noise floor"]),
+    ("budget", &["RMS (", "gap as delivered", "remains", "noise floor"]),
     ("map", &["position (deg)", "speed (rad/s)", "as delivered", "floor"]),
-    ("candidates", &["how far the gap above the floor shrinks (%)", "taken", "flexible fit"]),
+    ("candidates", &["how far the gap above the floor shrinks (%)", "named in the verdict", "flexible fit"]),
     ("where", &["share of the gap's mean square (%)"]),
     ("residual_time", TRACE),
     ("residual_time_02", TRACE),
@@ -89,7 +89,7 @@ fn the_report_stands_alone() {
     for link in ["http:", "https:", "src=", "href=", "@import", "url(http", "url(\"http"] {
         assert!(!page.contains(link), "the report links to something outside: {link}");
     }
-    for heading in ["What to do next", "Candidate causes", "Where the gap lies", "The traces behind it", "Provenance"] {
+    for heading in ["What to do next", "Candidate causes", "Where the gap lies", "Residual over time", "Provenance"] {
         assert!(page.contains(heading), "{heading}");
     }
     assert_eq!(page.matches("<svg").count(), FIGURES.len());

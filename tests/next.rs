@@ -92,7 +92,7 @@ fn what_one_load_hides_is_said_with_a_motion_that_shows_it() {
     assert_eq!(found.verdict.kind, Kind::None);
     let spot = found.blind_spots.iter().find(|spot| spot.hides.contains(&"load_dependent_friction")).unwrap();
     assert!(spot.what.starts_with("one load only"), "{}", spot.what);
-    assert!(sentences(&found).iter().any(|line| line.contains("load dependence cannot be shown")));
+    assert!(sentences(&found).iter().any(|line| line.contains("load dependence cannot be detected")));
     let wide = diagnosed(&[], proposed(&found), 4);
     assert!(wide.blind_spots.iter().all(|spot| !spot.what.contains("load") && !spot.what.contains("way")));
 }

@@ -70,7 +70,7 @@ fn a_parameter_that_cannot_be_is_doubted_and_no_other() {
         let of_it = candidate.parameters.iter().filter(|parameter| parameter.doubt.is_some());
         doubted.extend(of_it.map(|parameter| (parameter.name.as_str(), parameter.value < 0.0, parameter.doubt)));
     }
-    let below_zero = Some("below zero: it compensates for an unmodelled effect");
+    let below_zero = Some("negative: it compensates for an unmodelled effect");
     assert_eq!(doubted, [("friction.up.d", true, below_zero), ("friction.down.d", true, below_zero)]);
 }
 

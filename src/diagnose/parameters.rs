@@ -15,8 +15,8 @@ const HALF_WIDTH: f64 = 1.96;
 /// A value within this share of its range from a bound is at it.
 const AT_BOUND: f64 = 1e-4;
 
-/// The doubt about friction that came out below zero.
-pub const BELOW_ZERO: &str = "below zero: it compensates for an unmodelled effect";
+/// The warning about friction that comes out negative.
+pub const BELOW_ZERO: &str = "negative: it compensates for an unmodelled effect";
 
 /// One parameter fitted.
 #[derive(Debug, Clone, PartialEq)]

@@ -6,7 +6,7 @@ use crate::dynamics::Direction;
 use crate::model::{Group, Model, Term, groups};
 
 /// How viscous friction moves where it takes Coulomb friction along: a line per direction.
-pub const WHOLE_LINE: &str = "each direction by itself, with its coulomb";
+pub const WHOLE_LINE: &str = "each direction separately, with its Coulomb term";
 
 /// How Coulomb friction moves where one direction gains what the other loses: as by a bias of the sensor.
 pub const SAME_TORQUE: &str = "up and down by the same torque";
@@ -88,7 +88,7 @@ fn of_term(model: &Model, term: Term) -> Vec<Stale> {
         add(SAME_TORQUE, vec![free(vec![by(up), by(down)])]);
     }
     if (present(up) || present(down)) != (term == Term::Load) {
-        add("each direction by itself", [up, down].map(|parameter| free(vec![by(parameter)])).to_vec());
+        add("each direction separately", [up, down].map(|parameter| free(vec![by(parameter)])).to_vec());
     }
     found
 }
@@ -115,6 +115,6 @@ fn of_stribeck(model: &Model) -> Vec<Stale> {
     let of = |how, moves| Stale { name: groups::STRIBECK_LEVEL.name, how, moves };
     vec![
         of("both directions alike", vec![free(amplitudes.concat())]),
-        of("each direction by itself", amplitudes.map(|turns| free(turns.to_vec())).to_vec()),
+        of("each direction separately", amplitudes.map(|turns| free(turns.to_vec())).to_vec()),
     ]
 }

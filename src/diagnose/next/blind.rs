@@ -78,7 +78,7 @@ impl Sight<'_> {
         let unit = if self.base.data().extent.turns { "N m" } else { "N" };
         let weighs = model.chain.is_some() || (self.base.data().extent.turns && model.dynamics.gravity_nm != 0.0);
         self.spot(
-            format!("one load only ({low:.3} to {high:.3} {unit} at the joint): load dependence cannot be shown"),
+            format!("one load only ({low:.3} to {high:.3} {unit} at the joint): load dependence cannot be detected"),
             needing(Excitation::Loads),
             if weighs { "wide_slow_sweeps" } else { "" },
             "Record the same motion again with a second, known load",
@@ -96,7 +96,7 @@ impl Sight<'_> {
             return None;
         }
         self.spot(
-            "no reversal: what happens after one cannot be shown".to_string(),
+            "no reversal: what happens after one cannot be detected".to_string(),
             needing(Excitation::Reversals),
             "small_reversals",
             "Record motion back and forth",
@@ -113,7 +113,7 @@ impl Sight<'_> {
         }
         self.spot(
             format!(
-                "one speed only ({fast:.3} {}): dependence on speed cannot be shown",
+                "one speed only ({fast:.3} {}): dependence on speed cannot be detected",
                 words::speed(&self.base.data().extent)
             ),
             needing(Excitation::Speeds),
@@ -159,7 +159,7 @@ impl Sight<'_> {
         if hides.is_empty() {
             return None;
         }
-        let what = format!("no fast motion: {} cannot be shown above the noise floor", words::listed(&hides));
+        let what = format!("no fast motion: {} cannot be detected above the noise floor", words::listed(&hides));
         self.spot(what, hides, "fast_cosines", "Record faster motion")
     }
 
@@ -184,7 +184,7 @@ impl Sight<'_> {
             false => return None,
         };
         self.spot(
-            format!("{what}: what another joint does to this one cannot be shown"),
+            format!("{what}: what another joint does to this one cannot be detected"),
             needing(Excitation::OtherJoint),
             "other_1_alone",
             "Where another joint's cables pass this one, record its position too (other_position), moving alone",

@@ -30,7 +30,7 @@ pub(super) fn blind_json(found: &Diagnosis) -> Value {
     found.blind_spots.iter().map(one).collect()
 }
 
-/// The same for people, a sentence each, nothing said twice; nothing where there is nothing to say.
+/// The same as sentences, none repeated; empty where there is nothing to report.
 pub fn sentences(found: &Diagnosis) -> Vec<String> {
     let mut said = Vec::new();
     if let Some(next) = &found.next {

@@ -17,6 +17,14 @@ pub fn claim(cause: Cause) -> String {
     }
 }
 
+/// The same of a cause that is taken in the way `how`: "viscous friction out of date (viscous, up only)".
+pub fn claim_as(cause: Cause, how: &str) -> String {
+    match how {
+        "" => claim(cause),
+        how => format!("{}, {how})", claim(cause).trim_end_matches(')')),
+    }
+}
+
 /// The formula that it adds; empty for the model's own parameters.
 pub fn formula(cause: Cause) -> &'static str {
     match cause {
@@ -60,13 +68,15 @@ pub fn place(region: Region) -> &'static str {
 pub fn floor_source(floor: &Floor) -> String {
     let noise = match floor.source {
         FloorSource::Repeats => "from repeats of one motion",
-        FloorSource::Spectrum => "from the torque's noise beyond the low-pass, because no motion was repeated",
+        FloorSource::Spectrum => {
+            "from the torque's noise beyond the low-pass's cut-off, because no motion was repeated"
+        }
         FloorSource::Unforeseen => {
-            "all that is left, because no fit finds any of it again on held-out data and no motion was repeated"
+            "the whole residual, because no fit predicts any of it on held-out data and no motion was repeated"
         }
     };
     match floor.encoder_nm.powi(2) > floor.rms_nm.powi(2) / 2.0 {
-        true => format!("mostly what the encoder alone leaves, simulated; the rest {noise}"),
+        true => format!("mostly the encoder's steps and noise, simulated; the rest {noise}"),
         false => noise.to_string(),
     }
 }
@@ -93,10 +103,10 @@ impl Role {
         }
     }
 
-    /// In a word; nothing for what was not taken.
+    /// In a word; nothing for what the verdict does not name.
     pub fn name(self) -> &'static str {
         match self {
-            Self::Taken => "taken",
+            Self::Taken => "named",
             Self::Rival => "rival",
             Self::Other => "",
         }

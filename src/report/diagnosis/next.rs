@@ -20,8 +20,8 @@ fn by_verdict(found: &Diagnosis) -> Vec<String> {
     match found.verdict.kind {
         Kind::Ambiguous if found.next.is_some() => Vec::new(),
         Kind::None => vec![
-            "Keep the model. To look closer, lower the floor (more repeats, less noise) or record motions that these trials \
-             do not hold."
+            "Keep the model. To detect smaller effects, lower the noise floor (more repeats, less noise) or record motions that \
+             these trials do not include."
                 .to_string(),
         ],
         Kind::Ambiguous => vec![ambiguous(found)],
@@ -37,23 +37,24 @@ fn standing_out(found: &Diagnosis) -> Option<String> {
     let largest = Units::of(&found.before.joint).torque(largest_nm);
     (!found.verdict.effects.contains(&Cause::CONTACT)).then(|| {
         format!(
-            "Look at {stretches} in which the residual stands out, by up to {largest}: too little to lift the whole above the floor,              but nothing that came again."
+            "Look at {stretches} with a large residual, up to {largest}: too short to raise the RMS above the floor, and not repeated with \
+             the motion."
         )
     })
 }
 
-/// What to do about each cause of the verdict: the measurement first, since a model fitted to its faults is of no use elsewhere.
+/// What to do about each cause of the verdict: the measurement first, because a model fitted to its faults is valid for nothing else.
 fn mend(found: &Diagnosis) -> Vec<String> {
     let causes = &found.verdict.effects;
     let of = |wanted: Option<Family>| causes.iter().copied().filter(move |cause| family(*cause) == wanted);
     let mut steps: Vec<String> = of(Some(Family::Fault)).map(|cause| mend_measurement(cause).to_string()).collect();
     if !steps.is_empty() {
-        let step = "The model.json written here holds the fault too: it predicts these recordings, not the joint.";
+        let step = "The model.json written here includes the fault: it predicts these recordings, not the joint.";
         steps.push(step.to_string());
     }
     if of(Some(Family::Outside)).next().is_some() {
-        let step = "Leave the stretches of contact out, or record again without anybody touching the joint; the model need not \
-                    change for it.";
+        let step = "Leave the stretches of contact out, or record again without anybody touching the joint; contact is no reason to change \
+                    the model.";
         steps.push(step.to_string());
     }
     let is_makeshift = |cause: &Cause| taken(found).any(|one| one.cause == *cause && compensates(one));
@@ -74,13 +75,13 @@ fn mend(found: &Diagnosis) -> Vec<String> {
     if !stale.is_empty() {
         let what = names(&stale);
         steps.push(format!(
-            "Find out what changed {what}: cable tension, wear, temperature, load; or identify the joint again."
+            "Find out why {what} changed (cable tension, wear, temperature, load), or identify the joint again."
         ));
     }
     if !makeshift.is_empty() {
         let what = names(&makeshift);
         steps.push(format!(
-            "Do not look for wear: {what} came out below zero, which no friction is. Something else is missing."
+            "Do not look for wear: {what} comes out negative, which is physically impossible, so it stands for an effect that is still missing."
         ));
     }
     steps.extend(rivals(found));
@@ -91,18 +92,18 @@ fn mend(found: &Diagnosis) -> Vec<String> {
 fn rivals(found: &Diagnosis) -> Option<String> {
     let of = |one: &Candidate| {
         let rivals: Vec<&str> = one.trades_with.iter().map(|rival| rival.name()).collect();
-        (!rivals.is_empty()).then(|| format!("{} in the place of {}", rivals.join(" or "), one.cause.name()))
+        (!rivals.is_empty()).then(|| format!("{} instead of {}", rivals.join(" or "), one.cause.name()))
     };
     let all: Vec<String> = taken(found).filter_map(of).collect();
     (!all.is_empty()).then(|| {
         let what = all.join("; ");
-        format!("Other causes would explain these data as well ({what}): record a motion on which they differ before you rely on the name.")
+        format!("Other causes explain these data equally well ({what}): before you rely on the name, record a motion on which they differ.")
     })
 }
 
 fn mend_measurement(fault: Cause) -> &'static str {
     let remedy = fault.effect().and_then(|effect| effect.about().remedy);
-    remedy.unwrap_or("Mend the measurement, then record again; the model need not change for it.")
+    remedy.unwrap_or("Correct the measurement, then record again; it is no reason to change the model.")
 }
 
 /// Where each rival would show: a motion that separates these regions separates the rivals.
@@ -111,11 +112,11 @@ fn ambiguous(found: &Diagnosis) -> String {
     let shows: Vec<(Cause, Region)> =
         found.verdict.effects.iter().map(|cause| (*cause, signature(*cause, how(*cause)))).collect();
     let alike = shows.windows(2).all(|pair| pair[0].1 == pair[1].1);
-    let until = "Until then either is a guess.";
+    let until = "Until then the choice between them is a guess.";
     match shows.first() {
         Some((_, region)) if alike => {
             format!(
-                "Record a motion on which they differ; all of them show {}, so vary widely what happens there. {until}",
+                "Record a motion on which they differ; all of them show {}, so vary the motion widely there. {until}",
                 place(*region)
             )
         }
@@ -131,7 +132,7 @@ fn unknown(found: &Diagnosis) -> Vec<String> {
     let at = found.places.first().map_or("time".to_string(), bounds);
     vec![
         format!(
-            "Look at the residual where most of it lies ({at}): its shape there is the best hint of what is missing."
+            "Look at the residual where most of it lies ({at}): its shape there is the best clue to the missing effect."
         ),
         "Check that joint, sensor and campaign.toml belong together: sign, radii, low-pass, units.".to_string(),
     ]

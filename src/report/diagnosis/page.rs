@@ -1,13 +1,13 @@
 //! The page of a diagnosis.
 
 use super::next::next_steps;
-use super::tables::{candidates_table, changes_table, contacts_table, decisions_table, places_table};
-use super::words::{grounds, percent, shrink, verdict};
-use crate::diagnose::{Diagnosis, FloorSource, Kind};
+use super::tables::{candidates_table, changes_table, contacts_table, decisions_table, formulas, places_table};
+use super::words::{evidence, kept_together, otherwise, percent, short, shrink, taken};
+use crate::diagnose::{Diagnosis, Floor, FloorSource, Kind};
 use crate::report::chart::Figure;
 use crate::report::number::count;
 use crate::report::page::{Block, Card, Page, Section, Table, Warning};
-use crate::report::plots::diagnosis::{Figures, figures};
+use crate::report::plots::diagnosis::{Figures, budget::added, figures};
 use crate::report::wording::Units;
 
 /// The page of `found`.
@@ -19,28 +19,26 @@ pub fn page(found: &Diagnosis, campaign: &str, model: &str) -> Page {
     };
     let trials: Vec<_> = trials.into_iter().map(|(name, figure)| (name, vec![figure])).collect();
     let traces = if trials.is_empty() { Vec::new() } else { vec![Block::Choice("trial", trials)] };
-    let found_title =
-        if found.verdict.kind == Kind::Unknown { "What fits best, but not well enough" } else { "What was found" };
+    let is_unknown = found.verdict.kind == Kind::Unknown;
+    let fitted_title = if is_unknown { "What fits best, but not well enough" } else { "What was found: parameters" };
+    let changes = changes_table(found).map(Block::Table);
     let sections = [
-        Section::open("The traces behind it", traces),
+        Section::open("Where the gap lies", of(vec![map], Vec::new())),
+        Section::open("Residual over time", traces),
         Section::open("Candidate causes", of(vec![candidates], vec![candidates_table(found)])),
-        Section::open(found_title, of(Vec::new(), vec![changes_table(found)])),
-        Section::open("Beside the simulator", of(vec![motion], Vec::new())),
-        Section::open("Where the gap lies", of(vec![places, position], vec![places_table(found)])),
-        Section::folded("Stretches that stand out", of(Vec::new(), vec![contacts_table(found)])),
-        Section::open("Grounds", vec![Block::List(grounds(found))]),
-        Section::folded("Rules that decided", of(Vec::new(), vec![decisions_table(found)])),
+        Section::open(fitted_title, changes.into_iter().chain(formulas(found)).collect()),
+        Section::open("Compared with the simulator", of(vec![motion], Vec::new())),
+        Section::open("What the gap depends on", of(vec![places, position], vec![places_table(found)])),
+        Section::folded("Contact events", of(Vec::new(), vec![contacts_table(found)])),
+        Section::open("Evidence", vec![Block::List(evidence(found))]),
+        Section::folded("Decision rules", of(Vec::new(), vec![decisions_table(found)])),
     ];
     Page {
         kicker: format!("tautline diagnose · campaign {campaign} · model {model}"),
         title: found.before.joint.name.clone(),
         subject: "diagnosis".to_string(),
-        short: format!(
-            "{} This verdict is right with a probability of {}.",
-            verdict(found),
-            percent(found.verdict.confidence)
-        ),
-        lead: std::iter::once(budget).chain(map).collect(),
+        short: short(found),
+        lead: vec![budget],
         next: next_steps(found),
         cards: cards(found),
         warnings: found.warnings.iter().map(Warning::from).collect(),
@@ -58,30 +56,59 @@ pub fn page(found: &Diagnosis, campaign: &str, model: &str) -> Page {
     }
 }
 
+/// How sure the verdict is, the gap, how much of it is explained, what remains, the floor.
 fn cards(found: &Diagnosis) -> Vec<Card> {
     let units = Units::of(&found.before.joint);
     let (gap, verdict) = (&found.gap, &found.verdict);
-    let card = |name: &str, value: String, note: String| Card { name: name.to_string(), value, note };
-    let source = match gap.floor.source {
-        FloorSource::Repeats => "from repeats of one motion",
-        FloorSource::Spectrum => "from the noise beyond the low-pass",
-        FloorSource::Unforeseen => "that no fit finds again on held-out data",
-    };
-    let mut all = vec![card(
-        "gap as delivered",
-        units.torque(verdict.gap_before_nm),
-        format!("above the floor; RMSE {}", units.torque(gap.rmse_nm)),
-    )];
-    if verdict.kind != Kind::None {
-        let note = format!("held out; shrinks by {}", shrink(verdict.shrink));
-        all.push(card("gap with what was found", units.torque(verdict.gap_after_nm), note));
+    let card =
+        |name: &str, value: String, note: String| Card { name: name.to_string(), value, note: kept_together(&note) };
+    let mut all = vec![
+        card("verdict is right", percent(verdict.confidence), format!("probability; otherwise: {}", otherwise(found))),
+        card(
+            "gap as delivered",
+            units.torque(verdict.gap_before_nm),
+            format!(
+                "RMS above the noise floor; RMSE {}, {} of the torque's RMS",
+                units.torque(gap.rmse_nm),
+                percent(gap.rmse_nm / torque_rms_nm(found))
+            ),
+        ),
+    ];
+    if verdict.kind != Kind::None && verdict.gap_before_nm > 0.0 {
+        let own = added(None, found).map_or_else(String::new, |share| {
+            format!(
+                "; {} of it could also be due to the model's own parameters, within their confidence",
+                percent(share)
+            )
+        });
+        all.push(card("explained", shrink(verdict.shrink), format!("of the gap, on held-out {}{own}", found.held_out)));
+        let rmse =
+            taken(found).map(|candidate| format!("; held-out RMSE {}", units.torque(candidate.held_out_rmse_nm)));
+        let rmse = rmse.last().unwrap_or_default();
+        all.push(card("remains", units.torque(verdict.gap_after_nm), format!("RMS above the noise floor{rmse}")));
     }
+    let floor = format!("upper limit; estimate {}, {}", units.torque(gap.floor.rms_nm), source(&gap.floor));
+    all.push(card("noise floor", units.torque(gap.floor.upper_nm()), floor));
     if let Some(motion) = &found.motion {
         let (name, value, note) = super::motion::card(motion, found.before.joint.kind);
         all.push(Card { name, value, note });
     }
-    let floor = format!("at most: {} {source}, and its standard error", units.torque(gap.floor.rms_nm));
-    all.push(card("floor", units.torque(gap.floor.upper_nm()), floor));
-    all.push(card("verdict", percent(verdict.confidence), "probability that it is right".to_string()));
     all
+}
+
+/// Where the floor comes from, in a few words: the evidence says more.
+fn source(floor: &Floor) -> &'static str {
+    match floor.source {
+        _ if floor.encoder_nm.powi(2) > floor.rms_nm.powi(2) / 2.0 => "mostly the encoder's errors",
+        FloorSource::Repeats => "from repeats of one motion",
+        FloorSource::Spectrum => "from noise beyond the low-pass",
+        FloorSource::Unforeseen => "the whole residual: no fit predicts it",
+    }
+}
+
+/// RMS of the measured torque over the samples that are scored, N m.
+fn torque_rms_nm(found: &Diagnosis) -> f64 {
+    let scored = found.views.iter().flat_map(|view| view.measured_nm.iter().zip(&view.judged));
+    let squares: Vec<f64> = scored.filter(|(_, judged)| **judged).map(|(torque_nm, _)| torque_nm * torque_nm).collect();
+    (squares.iter().sum::<f64>() / squares.len().max(1) as f64).sqrt().max(f64::MIN_POSITIVE)
 }

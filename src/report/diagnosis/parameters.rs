@@ -52,8 +52,8 @@ impl Shown {
     }
 }
 
-/// The parameters of `candidate`: a ripple's by its period and the amplitudes of harmonics that are told from zero; without
-/// what is zero before and after.
+/// The parameters of `candidate`: a ripple's by its period and the amplitudes of harmonics that differ significantly from zero; without
+/// parameters that are zero before and after.
 pub fn shown(candidate: &Candidate, found: &Diagnosis) -> Vec<Shown> {
     let units = Units::of(&found.before.joint);
     let stale = matches!(candidate.cause, Cause::Stale(_));
@@ -152,7 +152,7 @@ fn amplitudes(parameters: &[Fitted]) -> Vec<Fitted> {
     pairs.map(amplitude).enumerate().filter(told).map(|(_, p)| p).collect()
 }
 
-/// The value that goes by a dotted name in `model`.
+/// The value with a dotted name in `model`.
 pub fn of_model(model: &Model, name: &str) -> Option<f64> {
     match name {
         "dynamics.gravity_nm" => Some(model.dynamics.gravity_nm),

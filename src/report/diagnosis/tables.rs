@@ -1,15 +1,15 @@
 //! The tables of a diagnosis's page.
 
-use super::names::{Role, bounds, claim, formula, means};
+use super::names::{Role, bounds, formula, means};
 use super::parameters::{Shown, shown};
 use super::words::{clearness, percent, shrink, taken};
 use crate::diagnose::{Candidate, Decision, Diagnosis, Kind};
 use crate::report::number::significant;
-use crate::report::page::Table;
+use crate::report::page::{Block, Cell, Table};
 use crate::report::plots::diagnosis::budget::added;
 use crate::report::wording::Units;
 
-/// Contacts told, the largest first.
+/// Contact events listed, the largest first.
 const CONTACTS: usize = 20;
 
 fn table(intro: &str, heads: &[&str], rows: Vec<Vec<String>>) -> Option<Table> {
@@ -35,11 +35,11 @@ pub fn candidates_table(found: &Diagnosis) -> Option<Table> {
         ]
     };
     let mut told = table(
-        "Best first. Each is fitted along with the model's own parameters, which move within their confidence, and scored on \
-         held-out data: how far the gap above the floor shrinks, with a 95 % bootstrap interval. Where several were taken, they \
-         stand with all of them together, and any other in the place of one of them; \"adds\" is each one's part of the shrink of them \
-         all. A rival does as well as what was taken, on these data.",
-        &["cause", "verdict", "how", "adds", "gap shrinks by", "held-out RMSE"],
+        "Each candidate is fitted together with the model's own parameters, which stay within their confidence, and scored on held-out data: \
+         how far the gap shrinks, with a 95 % bootstrap interval. Where the verdict names several causes, their rows are those of all of \
+         them together (\"adds\" is the part of each), and any other candidate is fitted in the place of one of them. A rival \
+         explains these data as well as the cause that it stands for.",
+        &["cause", "verdict", "variant", "adds", "gap shrinks by", "held-out RMSE"],
         found.candidates.iter().map(row).collect(),
     )?;
     for (row, candidate) in told.rows.iter_mut().zip(&found.candidates) {
@@ -60,15 +60,26 @@ pub fn decisions_table(found: &Diagnosis) -> Option<Table> {
         ]
     };
     table(
-        "What a cause must reach to be named, what those that were named reach, and where the best of the others fall short. The rules \
-         \"share of the gap\", \"floors\" and \"encoder\" compare its gain in mean square, (N m)^2, with a share of the gap, of the \
-         floor, and with what the encoder's errors alone would let it gain; \"standard errors\" and \"clusters that gain\" ask whether it \
-         gains in most trials or cycles; \"distinct\" is the share of its gain in which it is ahead of every other cause, which a weak \
-         one must be; \"clear\" is the least of those where one cause is named, and where several are, how many times the least \
-         share of the gap the weakest explains: it decides nothing, but from which simulated verdicts the probability is taken; \"form\", \"open\" and \"named\" compare what is left, N m RMS above the floor.",
-        &["of", "rule", "value", "limit", "outcome"],
+        "The limit that a cause must reach to be named, the value that each named cause reaches, and where the best of the others fall short. \
+         \"share of the gap\", \"floors\" and \"encoder\" compare the reduction of the mean square, (N m)², with a share of the gap, with \
+         the floor, and with the reduction that the encoder's errors alone would give; \"standard errors\" and \"clusters that gain\" ask \
+         whether most trials or cycles improve; \"distinct\" is the share of the reduction that no other cause gives, which a weak cause \
+         must have; \"clear\" is the smallest of these shares where one cause is named, and for several causes the share of the gap \
+         that the weakest explains, as a multiple of the limit (it only selects the simulated verdicts that the probability is taken \
+         from); \"form\", \"open\" and \"named\" compare the remainder, N m RMS above the floor.",
+        &["cause", "rule", "value", "limit", "outcome"],
         found.verdict.decisions.iter().map(row).collect(),
     )
+}
+
+/// The formula of each cause that the verdict names; nothing where there is none.
+pub fn formulas(found: &Diagnosis) -> Option<Block> {
+    let one = |candidate: &Candidate| {
+        let name = Cell::from(candidate.cause.name().to_string());
+        (name, format!("{}: {}", means(candidate.cause), formula(candidate.cause)))
+    };
+    let all: Vec<(Cell, String)> = taken(found).map(one).collect();
+    (!all.is_empty()).then_some(Block::Terms(all))
 }
 
 /// What the causes that were taken change, parameter by parameter.
@@ -84,11 +95,9 @@ pub fn changes_table(found: &Diagnosis) -> Option<Table> {
         ]
     };
     let of = |candidate: &Candidate| shown(candidate, found).iter().map(|p| row(candidate, p)).collect::<Vec<_>>();
-    let formulas: Vec<String> = taken(found).map(|c| format!("{}: {}", claim(c.cause), formula(c.cause))).collect();
-    let intro = format!("What is added or moved, with 95 % bootstrap intervals: {}", formulas.join("; ") + ".");
     table(
-        &intro,
-        &["parameter", "delivered", "fitted", "95 % interval", "unit", "doubt"],
+        "Parameters that were added or refitted, with 95 % bootstrap intervals. Formulas below.",
+        &["parameter", "as delivered", "fitted", "95 % interval", "unit", "warning"],
         taken(found).flat_map(of).collect(),
     )
 }
@@ -101,9 +110,9 @@ pub fn places_table(found: &Diagnosis) -> Option<Table> {
     };
     let places = if found.verdict.kind == Kind::None { &[][..] } else { &found.places };
     table(
-        "What the gap goes with, and the bounds within which most of it stands; shares are of the gap's mean square. One gap may show \
-         in several ways, so they do not add up.",
-        &["where", "share of the gap", "samples within", "RMS within"],
+        "The share of the gap's mean square that a function of each quantity alone accounts for, and the narrowest range that holds most of \
+         the gap. The quantities are correlated, so the shares do not add up to 100 %.",
+        &["quantity and range", "share of the gap", "samples in the range", "RMS in the range"],
         places.iter().map(row).collect(),
     )
 }
@@ -118,8 +127,8 @@ pub fn contacts_table(found: &Diagnosis) -> Option<Table> {
         vec![contact.file.clone(), from_to, units.torque(contact.peak_nm)]
     };
     table(
-        "Torque that follows nothing recorded and is not there again when the motion is, the largest first. They are left out \
-         of every fit.",
+        "Stretches of torque that nothing recorded explains and that do not repeat with the motion, the largest first. They are left out of \
+         every fit.",
         &["trial", "from, to", "peak"],
         all.iter().take(CONTACTS).map(row).collect(),
     )

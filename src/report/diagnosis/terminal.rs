@@ -48,20 +48,20 @@ pub fn write_summary(out: &mut impl Write, found: &Diagnosis, campaign: &str, wr
 fn gap(out: &mut impl Write, found: &Diagnosis) -> io::Result<()> {
     let units = Units::of(&found.before.joint);
     let (gap, verdict) = (&found.gap, &found.verdict);
-    heading(out, &format!("Gap above the floor, on held-out {}", found.held_out))?;
+    heading(out, &format!("Gap (RMS above the noise floor), on held-out {}", found.held_out))?;
     let mut row = |name: &str, value_nm: f64, note: String| {
         writeln!(out, "  {name:<24} {:>12}  {DIM}{}{DIM:#}", units.torque(value_nm), wrapped(&note, NOTE))
     };
     row("as delivered", verdict.gap_before_nm, format!("RMSE {}", units.torque(gap.rmse_nm)))?;
     if verdict.kind != Kind::None {
-        row("with what was found", verdict.gap_after_nm, format!("shrinks by {}", shrink(verdict.shrink)))?;
+        row("with the causes found", verdict.gap_after_nm, format!("shrinks by {}", shrink(verdict.shrink)))?;
     }
-    let most = format!("what a flexible fit recovers, a shrink of {}", percent(flexible_shrink(found)));
+    let most = format!("by a flexible fit, which shrinks the gap by {}", percent(flexible_shrink(found)));
     if verdict.kind != Kind::None {
         row("recoverable", gap.recoverable_nm, most)?;
     }
-    let floor = format!("at most: {}, {}", units.torque(gap.floor.rms_nm), floor_source(&gap.floor));
-    row("floor", gap.floor.upper_nm(), floor)?;
+    let floor = format!("upper limit; {}, {}", units.torque(gap.floor.rms_nm), floor_source(&gap.floor));
+    row("noise floor", gap.floor.upper_nm(), floor)?;
     writeln!(out, "  {:<24} {:>12}  {DIM}probability that it is right{DIM:#}", "verdict", percent(verdict.confidence))
 }
 
@@ -78,7 +78,7 @@ fn places(out: &mut impl Write, found: &Diagnosis) -> io::Result<()> {
     if found.places.is_empty() || found.verdict.kind == Kind::None {
         return Ok(());
     }
-    heading(out, "Where it lies: share of the gap's mean square (one gap may show in several ways)")?;
+    heading(out, "What the gap depends on: share of its mean square (quantities are correlated)")?;
     for at in found.places.iter().take(PLACES) {
         let samples = format!("{} of the samples, RMS {}", percent(at.share_of_samples), units.torque(at.rmse_nm));
         writeln!(
@@ -96,7 +96,7 @@ fn candidates(out: &mut impl Write, found: &Diagnosis) -> io::Result<()> {
     if found.candidates.is_empty() {
         return Ok(());
     }
-    heading(out, "Candidate causes, ranked: how far the gap shrinks [95 % interval]; of several, what each adds")?;
+    heading(out, "Candidate causes, ranked: how far the gap shrinks [95 % interval]; of several, the part of each")?;
     let together = taken(found).count() > 1;
     for candidate in found.candidates.iter().take(CANDIDATES) {
         let role = Role::of(candidate, found);

@@ -1,6 +1,6 @@
 //! A diagnosis in plain words with its numbers: the verdict, and its grounds.
 
-use super::names::{bounds, claim, family, floor_source, means};
+use super::names::{bounds, claim, claim_as, family, floor_source, means};
 use super::parameters::shown;
 use crate::diagnose::{Answer, BELOW_ZERO, Candidate, Cause, Diagnosis, Floor, Form, Kind, Shrink};
 use crate::effects::Family;
@@ -12,37 +12,69 @@ use crate::report::wording::Units;
 const FOLLOWS: f64 = 0.5;
 /// More than this share of the gap within the model's own confidence is worth a sentence.
 const MUCH: f64 = 0.1;
-/// What is simulated of the encoder beyond this multiple of what is counted is told.
+/// Reported from this ratio on: the simulated part of the encoder over the part that is counted.
 const MORE_THAN_COUNTED: f64 = 1.05;
 
-/// The verdict in a sentence or three.
+/// The verdict in a sentence or three: the cause, and how far the gap shrinks with it.
 pub fn verdict(found: &Diagnosis) -> String {
     let units = Units::of(&found.before.joint);
-    let answer = match found.verdict.kind {
-        Kind::None => nothing(found, &units),
-        Kind::Stale => format!("{} {}", stale(found), shrinks("Refitted, the gap", found, &units)),
-        Kind::Effect => {
-            let outside = found.verdict.effects.iter().all(|cause| family(*cause) == Some(Family::Outside));
-            let what = if outside { "Without these the gap" } else { "With it the gap" };
-            format!("{} {}", effect(found), shrinks(what, found, &units))
-        }
-        Kind::Several => format!("{} {}", several(found), shrinks("With all of them the gap", found, &units)),
-        Kind::Ambiguous => format!("{} {}", ambiguous(found), shrinks("With the first the gap", found, &units)),
-        Kind::Unknown => unknown(found, &units),
+    let outside = found.verdict.effects.iter().all(|cause| family(*cause) == Some(Family::Outside));
+    let shrinks = match found.verdict.kind {
+        Kind::None | Kind::Unknown => String::new(),
+        Kind::Stale => shrinks("Refitted, the gap", found, &units),
+        Kind::Effect if outside => shrinks("Without these the gap", found, &units),
+        Kind::Effect => shrinks("With it the gap", found, &units),
+        Kind::Several => shrinks("With all of them the gap", found, &units),
+        Kind::Ambiguous => shrinks("With the first the gap", found, &units),
     };
-    kept_together(&match found.verdict.form {
-        Some(Form::Approximate) => format!("{answer} {}", approximate(found, &units)),
-        _ => answer,
-    })
+    sentences(&[cause(found, &units), shrinks, approximate(found, &units)])
 }
 
-/// What is left where a cause is named and its formula does not fit.
+/// The same for the page, whose numbers stand beside it: the cause, how much of the gap it explains, and how sure that is.
+pub fn short(found: &Diagnosis) -> String {
+    let units = Units::of(&found.before.joint);
+    let explains = match found.verdict.kind {
+        Kind::None | Kind::Unknown => None,
+        Kind::Stale => Some("Refitting them explains"),
+        Kind::Effect => Some("It explains"),
+        Kind::Several => Some("Together they explain"),
+        Kind::Ambiguous => Some("The first explains"),
+    };
+    let explained = explains.map_or(String::new(), |what| match found.verdict.gap_before_nm > 0.0 {
+        true => format!("{what} {} of the gap between model and recordings.", percent(found.verdict.shrink.value)),
+        false => within_the_floor(found, &units),
+    });
+    let sure = format!("Probability that this verdict is right: {}.", percent(found.verdict.confidence));
+    sentences(&[cause(found, &units), explained, approximate(found, &units), sure])
+}
+
+/// Those of `all` that are not empty, as one text.
+fn sentences(all: &[String]) -> String {
+    kept_together(&all.iter().filter(|one| !one.is_empty()).map(String::as_str).collect::<Vec<_>>().join(" "))
+}
+
+/// The cause.
+fn cause(found: &Diagnosis, units: &Units) -> String {
+    match found.verdict.kind {
+        Kind::None => nothing(found, units),
+        Kind::Stale => stale(found),
+        Kind::Effect => effect(found),
+        Kind::Several => several(found),
+        Kind::Ambiguous => ambiguous(found),
+        Kind::Unknown => unknown(found, units),
+    }
+}
+
+/// What is left where a cause is named and its formula fits only approximately; nothing where it fits.
 fn approximate(found: &Diagnosis, units: &Units) -> String {
     let verdict = &found.verdict;
+    if verdict.form != Some(Form::Approximate) {
+        return String::new();
+    }
     let share = (verdict.gap_after_nm / verdict.gap_before_nm.max(f64::MIN_POSITIVE)).min(1.0);
     let lies = found.remainder.first().map_or(String::new(), |at| format!(", mostly at: {}", bounds(at)));
     format!(
-        "{} only approximately: {}, {} of the gap, are left{lies}.",
+        "{} only approximately: {}, {} of the gap, remain{lies}.",
         if verdict.kind == Kind::Several { "The formulas fit" } else { "The formula fits" },
         units.torque(verdict.gap_after_nm),
         percent(share)
@@ -69,13 +101,14 @@ pub fn kept_together(text: &str) -> String {
     text.chars().map(keep).collect()
 }
 
-/// What the verdict rests on, a sentence each.
-pub fn grounds(found: &Diagnosis) -> Vec<String> {
+/// The evidence for the verdict, a sentence each.
+pub fn evidence(found: &Diagnosis) -> Vec<String> {
     let units = Units::of(&found.before.joint);
     let gap = &found.gap;
     let mut all = vec![format!(
-        "As delivered the model leaves {} RMSE. The floor, what no model could explain, is {}, {}; with its standard error {}. Above that \
-         lies a gap of {}, which a flexible fit to the recorded motion shrinks by {} on held-out {}.",
+        "RMSE of the model as delivered: {}. Noise floor, which no model of the recorded quantities could explain: {} ({}), or {} with its \
+         standard error. The gap is the RMS above that, sqrt(RMSE² - floor²): {}. A flexible fit to the recorded motion shrinks it by {} on \
+         held-out {}.",
         units.torque(gap.rmse_nm),
         units.torque(gap.floor.rms_nm),
         floor_source(&gap.floor),
@@ -90,10 +123,10 @@ pub fn grounds(found: &Diagnosis) -> Vec<String> {
         all.extend(found.places.first().map(|_| format!("Where the gap lies: {}.", location(found))));
     }
     let (sure, agree) = (percent(found.verdict.confidence), percent(found.verdict.agreement));
-    all.push(format!("Probabilities: {}.", probabilities(found)));
+    all.push(format!("Probabilities: {}.", probabilities(&found.verdict.probabilities)));
     all.push(format!(
-        "{agree} of the bootstrap resamples of whole {} give this verdict; weighted by how often verdicts of its kind{} were right on \
-         simulated joints with withheld answers, it is right with a probability of {sure}.",
+        "The probability of the verdict, {sure}, is the share of the bootstrap resamples of whole {} that give the same verdict, {agree}, \
+         times the share of right verdicts among those of its kind{} on simulated joints with withheld answers.",
         found.held_out,
         clearness(found).map_or(String::new(), |clearness| format!(" ({clearness})")),
     ));
@@ -104,13 +137,25 @@ pub fn grounds(found: &Diagnosis) -> Vec<String> {
 pub fn clearness(found: &Diagnosis) -> Option<&'static str> {
     let clear = found.verdict.decisions.iter().find(|decision| decision.rule == "clear")?;
     Some(match clear.value >= clear.limit {
-        true => "those whose causes stand well apart from all others",
-        false => "those whose causes have close competitors",
+        true => "those in which no other cause does nearly as well",
+        false => "those in which other causes do nearly as well",
     })
 }
 
+/// The answers that the verdict does not give, with their probabilities.
+pub fn otherwise(found: &Diagnosis) -> String {
+    let is_said = |answer: &Answer| match (answer, found.verdict.kind) {
+        (Answer::Causes(causes), Kind::None) => causes.is_empty(),
+        (Answer::Causes(causes), _) => !causes.is_empty(),
+        (Answer::Outside, kind) => kind == Kind::Unknown,
+        (Answer::Other, _) => false,
+    };
+    let rest = found.verdict.probabilities.iter().filter(|(answer, _)| !is_said(answer)).cloned();
+    probabilities(&rest.collect::<Vec<_>>())
+}
+
 /// "presliding 87 %; nothing missing 4 %; ...".
-fn probabilities(found: &Diagnosis) -> String {
+fn probabilities(of: &[(Answer, f64)]) -> String {
     let name = |answer: &Answer| match answer {
         Answer::Causes(causes) if causes.is_empty() => "nothing missing".to_string(),
         Answer::Causes(causes) => causes.iter().map(|cause| cause.name()).collect::<Vec<_>>().join(" and "),
@@ -118,34 +163,35 @@ fn probabilities(found: &Diagnosis) -> String {
         Answer::Other => "other causes of the library".to_string(),
     };
     let one = |(answer, probability): &(Answer, f64)| format!("{} {}", name(answer), percent(*probability));
-    found.verdict.probabilities.iter().map(one).collect::<Vec<_>>().join("; ")
+    of.iter().map(one).collect::<Vec<_>>().join("; ")
 }
 
 /// What of a floor is the encoder's, and whether more was simulated than can be counted.
 fn encoder_part(floor: &Floor, units: Units) -> Option<String> {
     let most = match floor.encoder_simulated_nm > MORE_THAN_COUNTED * floor.encoder_nm {
         true => format!(
-            " The simulation predicts {} from the encoder, but the residual leaves room for no more beside the noise, so only that much is \
-             counted, and what remains above the floor is a lower bound.",
+            " The simulation predicts {} from the encoder, more than the residual without its noise; only what the residual has room for is \
+             counted, so the gap is a lower bound.",
             units.torque(floor.encoder_simulated_nm)
         ),
         false => String::new(),
     };
     (floor.encoder_nm > 0.0).then(|| {
         format!(
-            "Of the floor, {} are what the encoder's steps and noise alone leave of a perfect model: simulated on the recorded motion.{most}",
+            "Of the floor, {} come from the encoder: the residual that its steps and noise alone give a perfect model, simulated on the \
+             recorded motion.{most}",
             units.torque(floor.encoder_nm)
         )
     })
 }
 
-/// How much of the gap goes while the model stays what it is, where that is much.
+/// The share of the gap that the model's own parameters absorb within their confidence, where it is large.
 fn own_confidence(found: &Diagnosis) -> Option<String> {
     let share = added(None, found).unwrap_or(0.0);
     (share > MUCH).then(|| {
         format!(
             "{} of the gap could also be absorbed by the model's own parameters within their confidence; only the rest needs what was \
-             found. Identify them more precisely to tell.",
+             found. Parameters identified more precisely would decide.",
             percent(share)
         )
     })
@@ -172,7 +218,7 @@ pub fn flexible_shrink(found: &Diagnosis) -> f64 {
     1.0 - (1.0 - share * share).max(0.0).sqrt()
 }
 
-/// Whether one of its parameters came out as no friction can be: it stands for an effect that the library lacks.
+/// Whether one of its parameters is physically impossible for friction: it stands for an effect that the library lacks.
 pub fn compensates(candidate: &Candidate) -> bool {
     candidate.parameters.iter().any(|parameter| parameter.doubt == Some(BELOW_ZERO))
 }
@@ -185,14 +231,10 @@ pub fn taken(found: &Diagnosis) -> impl Iterator<Item = &Candidate> {
 fn shrinks(what: &str, found: &Diagnosis, units: &Units) -> String {
     let verdict = &found.verdict;
     if verdict.gap_before_nm <= 0.0 {
-        return format!(
-            "All that the model leaves, {} RMSE, is within the noise floor of at most {} even so: there is no gap that could shrink.",
-            units.torque(found.gap.rmse_nm),
-            units.torque(found.gap.floor.upper_nm())
-        );
+        return within_the_floor(found, units);
     }
     format!(
-        "{what} shrinks by {}: {} before, {} after, above a floor of at most {}.",
+        "{what} shrinks by {}, from {} to {} (RMS above the noise floor, which is at most {}).",
         shrink(verdict.shrink),
         units.torque(verdict.gap_before_nm),
         units.torque(verdict.gap_after_nm),
@@ -200,17 +242,25 @@ fn shrinks(what: &str, found: &Diagnosis, units: &Units) -> String {
     )
 }
 
+fn within_the_floor(found: &Diagnosis, units: &Units) -> String {
+    format!(
+        "The whole residual, {} RMSE, is within the noise floor of at most {} all the same: there is no gap that could shrink.",
+        units.torque(found.gap.rmse_nm),
+        units.torque(found.gap.floor.upper_nm())
+    )
+}
+
 fn nothing(found: &Diagnosis, units: &Units) -> String {
     let (gap, above_nm) = (&found.gap, found.verdict.gap_before_nm);
     let rest = match above_nm > 0.0 {
         true => format!(
-            "; the {} above it are within the model's own confidence, or too little to name a cause",
+            "; the {} (RMS) above it are within the model's own confidence, or too little to name a cause",
             units.torque(above_nm)
         ),
         false => String::new(),
     };
     format!(
-        "The model lacks nothing that these data show: it leaves {} RMSE over a floor of at most {}{rest}.",
+        "These data show nothing that the model lacks: its RMSE is {}, the noise floor at most {}{rest}.",
         units.torque(gap.rmse_nm),
         units.torque(gap.floor.upper_nm())
     )
@@ -237,43 +287,50 @@ fn effect(found: &Diagnosis) -> String {
             let stretches = counted(found.contacts.len(), "stretch", "stretches");
             format!("Something outside acts on the joint: {}, in {stretches}.", claim(cause))
         }
-        _ => format!("The joint has what the model lacks: {}.", claim(cause)),
+        _ => format!("The joint has an effect that the model lacks: {}.", claim(cause)),
     }
 }
 
 fn several(found: &Diagnosis) -> String {
-    format!("Several causes together: {}.", named(found))
+    format!("{} causes together: {}.", found.verdict.effects.len(), named(found))
 }
 
-/// The causes that the verdict names and how each is taken; their parameters stand in the table.
+/// The causes that the verdict names, numbered where they are several; their parameters stand in the table.
 fn named(found: &Diagnosis) -> String {
     let one = |cause: &Cause| match taken(found).find(|candidate| candidate.cause == *cause) {
         Some(candidate) => {
-            let how = if candidate.how.is_empty() { String::new() } else { format!(", {}", candidate.how) };
-            let doubt =
-                if compensates(candidate) { ", below zero, so it compensates for an unmodelled effect" } else { "" };
-            format!("{}{how}{doubt}", claim(*cause))
+            let doubt = if compensates(candidate) {
+                "; its coefficient comes out negative, so it compensates for an unmodelled effect"
+            } else {
+                ""
+            };
+            format!("{}{doubt}", claim_as(*cause, candidate.how))
         }
         None => claim(*cause),
     };
-    found.verdict.effects.iter().map(one).collect::<Vec<_>>().join("; ")
+    let all: Vec<String> = found.verdict.effects.iter().map(one).collect();
+    match &all[..] {
+        [one] => one.clone(),
+        all => all.iter().enumerate().map(|(at, one)| format!("({}) {one}", at + 1)).collect::<Vec<_>>().join(", "),
+    }
 }
 
 fn ambiguous(found: &Diagnosis) -> String {
     let all: Vec<String> = found.verdict.effects.iter().map(|cause| claim(*cause)).collect();
-    format!("These data cannot tell apart: {}.", all.join(", or "))
+    format!("{} causes explain these data equally well: {}.", all.len(), all.join(", or "))
 }
 
 fn unknown(found: &Diagnosis, units: &Units) -> String {
     let (verdict, gap) = (&found.verdict, &found.gap);
     let recovered = units.torque(gap.recoverable_nm);
     let nature = match gap.recoverable_nm > FOLLOWS * gap.explainable_nm {
-        true => format!("A flexible fit recovers {recovered} of it, so it follows the recorded motion"),
-        false => format!("A flexible fit recovers only {recovered} of it, so it hardly follows the recorded motion"),
+        true => format!("A flexible fit recovers {recovered} of it, so it depends on the recorded motion"),
+        false => format!("A flexible fit recovers only {recovered} of it, so it hardly depends on the recorded motion"),
     };
     let lies = if found.places.is_empty() { String::new() } else { format!(" Where it lies: {}.", location(found)) };
     format!(
-        "Nothing in the library closes the gap: of {} above a floor of at most {}, {} are left at best.{} {nature}.{lies}",
+        "No cause of the library explains the gap: of {} (RMS above the noise floor, which is at most {}), {} remain at best.{} \
+         {nature}.{lies}",
         units.torque(verdict.gap_before_nm),
         units.torque(gap.floor.upper_nm()),
         units.torque(verdict.gap_after_nm),

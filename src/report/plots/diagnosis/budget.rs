@@ -10,17 +10,17 @@ use crate::report::wording::Units;
 const ROW_PX: f64 = 30.0;
 /// Half the height of a bar, in rows.
 const HALF: f64 = 0.36;
-/// Parts below this share are told with their decimals.
+/// Parts below this share are written with decimals.
 const SMALL: f64 = 0.01;
 /// Colours of the causes, in their order.
 const COLORS: [Color; 3] = [palette::BLUE, palette::GREEN, palette::PURPLE];
 /// Room to the right of the longest bar, as a share of it.
 const ROOM: f64 = 0.02;
 
-const CAPTION: &str = "The gap (RMS above the noise floor) and how far each part takes it down: first what the model's own parameters \
-                       absorb while they stay within their confidence, then what each cause adds, so that the parts add up to the shrink \
-                       of the verdict. The shrink is divided in proportion to the mean square that each part explains, because squares \
-                       add and roots do not. The noise floor, with its standard error, lies below the gap: no model could explain it.";
+const CAPTION: &str = "From the gap as delivered, sqrt(RMSE² - floor²), down to the part that remains. First the part that the model's own \
+                       parameters absorb within their confidence, then what each named cause explains beyond that; together they are the \
+                       explained share. It is divided in proportion to mean squares, because squares add and RMS values do not. No model \
+                       could explain the noise floor.";
 
 /// A part of the gap.
 struct Part {
@@ -34,9 +34,9 @@ struct Part {
 impl Part {
     fn name(&self) -> String {
         match self.cause {
-            None => "model within its confidence".to_string(),
+            None => "own parameters, in confidence".to_string(),
             Some(Cause::Effect(id)) => id.to_string(),
-            Some(Cause::Stale(name)) => format!("stale: {name}"),
+            Some(Cause::Stale(name)) => format!("{name}, refitted"),
         }
     }
 }
@@ -71,7 +71,7 @@ pub fn figure(found: &Diagnosis) -> Figure {
         }
     }
     let height = ROW_PX * bars.len() as f64;
-    Figure::single("budget", "What the gap is made of, and what each cause adds", CAPTION, height, panel)
+    Figure::single("budget", "What the gap is made of: the share that each cause explains", CAPTION, height, panel)
 }
 
 /// The rows from above: the gap, its parts, what is left, the floor.
@@ -95,9 +95,9 @@ fn bars(found: &Diagnosis, units: &Units) -> Vec<Bar> {
     let after_nm = found.verdict.gap_after_nm;
     if before_nm > 0.0 {
         let told = format!("{}, {}", share_text(after_nm / before_nm), units.torque(after_nm));
-        bars.push(bar("unexplained", after_nm, told, palette::VERMILION));
+        bars.push(bar("remains", after_nm, told, palette::VERMILION));
     }
-    bars.push(bar("noise floor, at most", floor_nm, units.torque(floor_nm), palette::PALE));
+    bars.push(bar("noise floor (upper limit)", floor_nm, units.torque(floor_nm), palette::PALE));
     bars
 }
 

@@ -5,7 +5,6 @@ use crate::diagnose::{Candidate, Diagnosis};
 use crate::report::chart::{Axis, Color, Figure, Mark, Panel, Stroke, palette};
 use crate::report::diagnosis::names::Role;
 use crate::report::diagnosis::words::{flexible_shrink, percent, shrink};
-use crate::report::number::counted;
 
 /// Causes shown.
 const SHOWN: usize = 14;
@@ -14,10 +13,10 @@ const PITCH_PX: f64 = 26.0;
 /// A cause that makes the gap wider by more than this stands at the axis' end.
 const WORST: f64 = -0.3;
 
-const CAPTION: &str = "How far the gap shrinks with each candidate cause on held-out data, with its 95 % bootstrap interval; where \
-                       several were taken, with all of them together (what each adds to the shrink stands to the right), and anything else on top. The dashed line is what a flexible fit to \
-                       the recorded motion reaches; a cause with fewer parameters may do better still. A rival does as well as \
-                       what was taken, within what these data can tell.";
+const CAPTION: &str = "How far the gap shrinks with each candidate cause on held-out data, with its 95 % bootstrap interval. Where the \
+                       verdict names several causes, their marks show all of them together, and the figure to the right is the part of \
+                       each. The dashed line is what a flexible fit to the recorded motion reaches; a cause with fewer parameters may \
+                       do better on held-out data. A rival explains these data as well as a named cause.";
 
 /// The dots; `None` where nothing was tried.
 pub(super) fn figure(found: &Diagnosis) -> Option<Figure> {
@@ -37,16 +36,16 @@ pub(super) fn figure(found: &Diagnosis) -> Option<Figure> {
     let height = PITCH_PX * shown.len() as f64;
     let rest = match found.candidates.len() - shown.len() {
         0 => String::new(),
-        more => format!(" {} more in the table.", counted(more, "cause stands", "causes stand")),
+        more => format!(" The table lists {more} more."),
     };
     Some(Figure::single("candidates", "Candidate causes, ranked", &format!("{CAPTION}{rest}"), height, panel))
 }
 
 fn look(role: Role) -> (Mark, Color, &'static str) {
     match role {
-        Role::Taken => (Mark::Disc(5.5), palette::BLUE, "taken, all together"),
-        Role::Rival => (Mark::Diamond, palette::VERMILION, "rival: does as well"),
-        Role::Other => (Mark::Ring, palette::GREY, "not taken"),
+        Role::Taken => (Mark::Disc(5.5), palette::BLUE, "named in the verdict"),
+        Role::Rival => (Mark::Diamond, palette::VERMILION, "rival: explains as much"),
+        Role::Other => (Mark::Ring, palette::GREY, "other candidate"),
     }
 }
 

@@ -22,11 +22,10 @@ const SHOWN: f64 = 0.98;
 /// Stretches of recordings kept for each cell, the largest first.
 const STRETCHES: usize = 4;
 
-const CAPTION: &str = "RMS of the residual in cells of position and signed speed, over all trials, by the model as delivered and with \
-                       what was found; one scale for both, the triangle at the floor. Empty cells hold hardly any samples. Columns \
-                       that stand out: the gap goes with position; rows: with speed; the ends of the travel near zero speed: after \
-                       reversals; above and below alike, but apart from the middle: with the direction. A click on a cell shows its \
-                       samples over time.";
+const CAPTION: &str = "RMS of the residual in cells of position and signed speed, over all trials: the model as delivered (left) and with \
+                       the causes found (right), on one scale; the triangle marks the noise floor. Empty cells have too few samples. \
+                       Columns that stand out: the gap depends on position; rows: on speed; both ends of the travel near zero speed: on the \
+                       travel after reversals; upper and lower half: on the direction. Click on a cell to see its samples over time.";
 
 /// RMS of the cells, row by row, before and after; NaN where there are too few samples.
 struct Map {
@@ -65,7 +64,7 @@ pub(super) fn figure(found: &Diagnosis) -> Option<Figure> {
             });
             panel
         });
-    let figure = Figure::new("map", "Where the gap lies: position and speed", CAPTION);
+    let figure = Figure::new("map", "Residual over position and speed, before and after", CAPTION);
     Some(figure.row(296.0, panels.collect()))
 }
 

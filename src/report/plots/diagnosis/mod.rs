@@ -94,10 +94,10 @@ fn residuals(found: &Diagnosis, view: &View) -> [Residual; 2] {
 fn after_name(found: &Diagnosis) -> &'static str {
     let found_more = found.budget.causes.iter().any(|(cause, _)| *cause != Cause::CONTACT);
     match (found_more, names_contact(found)) {
-        (true, true) => "with what was found, contacts aside",
-        (true, false) => "with what was found",
-        (false, true) => "contacts aside",
-        (false, false) => "within the model's own confidence",
+        (true, true) => "with the causes found, contacts left out",
+        (true, false) => "with the causes found",
+        (false, true) => "contacts left out",
+        (false, false) => "own parameters refitted in confidence",
     }
 }
 

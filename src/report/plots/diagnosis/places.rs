@@ -11,9 +11,9 @@ const SHOWN: usize = 8;
 /// Height of a region, px: its bar and its details below.
 const PITCH_PX: f64 = 46.0;
 
-const CAPTION: &str = "How much of the gap goes with each quantity, and the bounds within which most of it stands. Shares here are of \
-                       the gap's mean square, because only squares can be shared out by place; one gap may show in several ways, so \
-                       they do not add up to 100 %.";
+const CAPTION: &str = "The share of the gap that a function of each quantity alone accounts for, with the narrowest range that holds most \
+                       of the gap. Shares are of the gap's mean square, because only squares can be divided by place; the quantities are \
+                       correlated, so the shares do not add up to 100 %.";
 
 /// The bars; `None` without any region, or without a gap.
 pub(super) fn figure(found: &Diagnosis) -> Option<Figure> {
@@ -32,5 +32,5 @@ pub(super) fn figure(found: &Diagnosis) -> Option<Figure> {
         panel.beside.push((level + 0.22, percent(at.share_of_gap)));
     }
     let height = PITCH_PX * places.len() as f64;
-    Some(Figure::single("where", "Where the gap lies: what it goes with", CAPTION, height, panel))
+    Some(Figure::single("where", "Share of the gap by quantity", CAPTION, height, panel))
 }

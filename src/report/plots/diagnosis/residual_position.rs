@@ -12,9 +12,9 @@ const DOTS: usize = 900;
 /// Stretches of position of which median and range are drawn.
 const BINS: usize = 36;
 
-const CAPTION: &str = "All trials: samples (dots), median (line) and the range that holds 80 % of them (band) by direction, by the model \
-                       as delivered and with what was found, to one scale. Medians off zero together: load, its phase, a spring or \
-                       an offset; apart from each other: friction; a wave: ripple.";
+const CAPTION: &str = "All trials: samples (dots), median (line) and the range of 80 % of them (band) by direction, by the model as delivered \
+                       and with the causes found, on one scale. Both medians off zero alike: load, its phase, a spring or an offset; \
+                       one above the other: friction; a wave: ripple.";
 
 /// Both clouds; `None` without samples.
 pub(super) fn figure(found: &Diagnosis) -> Option<Figure> {

@@ -11,9 +11,9 @@ use std::ops::Range;
 const CLIPPED: Color = palette::PURPLE;
 const SHADE: f64 = 0.3;
 
-const CAPTION: &str = "Measured less predicted torque, low-passed, by the model as delivered and with what was found, to one scale. Pale \
-                       parts do not count; shaded stretches are contacts, which are left out of every fit, or the sensor at the end \
-                       of its range.";
+const CAPTION: &str = "Measured minus predicted torque, low-pass filtered, by the model as delivered and with the causes found, on one scale. \
+                       Pale parts are not scored; shaded stretches are contact events, which are left out of every fit, or the sensor at \
+                       the limit of its range.";
 
 /// A figure of each trial by its name, the trial with the largest gap first; those without a sample that counts are left out.
 pub(super) fn figures(found: &Diagnosis) -> Vec<(String, Figure)> {
