@@ -204,7 +204,11 @@ fn a_joint_that_drifted_is_told_apart_from_one_that_did_not() {
     assert!((level["change"].as_f64().unwrap() / expected_nm - 1.0).abs() < 0.1, "{level} {expected_nm}");
     assert_eq!(of("moving down"), None, "{drifted}");
     let report = fs::read_to_string(out.join("fleet/report.html")).unwrap();
-    assert!(report.contains("1 joint drifted") && report.contains("days since 2026-01-12"));
+    assert!(
+        report.contains(
+            "1 of 2 joints changed since the cables were last retensioned: slack, Coulomb friction moving up"
+        ) && report.contains("days since 2026-01-12")
+    );
     assert!(!report.contains("http://") || !report.contains("src=\"http"));
 }
 

@@ -7,17 +7,17 @@ use super::wording::Units;
 use crate::batch::{Drift, Event, Fleet, Forecast, Foreseen, Happened, Joint, Life, Part, date_of, day};
 use serde_json::{Value, json};
 
-pub(super) const LIMITS: &str = "The line through each history continued at its slope of now, with the 95 % interval of when it crosses \
-    the limit; refused where the history cannot say.";
-pub(super) const EVENTS: &str = "A level that changed from one campaign to the next, judged by the whole history; a date that is not a \
-    retensioning was found. What changed is told from the last campaign before and the first since; restored, against the \
-    campaign after the retensioning before, or the first of all.";
-pub(super) const DRIFTS: &str = "Steady change from the named campaign on, jumps and temperature taken out. Scatter: the standard \
-    deviation from session to session beyond what the campaigns claim.";
+pub(super) const LIMITS: &str = "Each history extrapolated at its present slope, with the 95 % interval of the date at which it crosses the \
+    limit; no date where the history does not determine one.";
+pub(super) const EVENTS: &str = "Values that changed from one campaign to the next, tested on the whole history. Retensionings are declared; all \
+    other jumps were detected. What changed compares the last campaign before with the first after; restored compares the values \
+    after with those after the previous retensioning, or with the first campaign.";
+pub(super) const DRIFTS: &str = "Constant rate of change from the named campaign on, without jumps and temperature. Scatter: the standard \
+    deviation between sessions beyond the intervals of the campaigns.";
 pub(super) const TEMPERATURE: &str =
-    "Taken out of everything above. Last: what would have been found had nobody recorded it.";
+    "Removed from everything above. Last column: what would have been found without the recorded temperature.";
 
-/// Days of the span over which drift is told.
+/// Days of the span that drift is reported per.
 const MONTH_DAYS: f64 = 30.0;
 /// Values of one event that are written out.
 const WRITTEN: usize = 4;
@@ -90,7 +90,7 @@ pub(super) fn foreseen_json(fleet: &Fleet, joint: &Joint, of: &Foreseen) -> Valu
     json
 }
 
-/// The date so many days after the last campaign of `joint`.
+/// The date `days` after the last campaign of `joint`.
 fn date_after(fleet: &Fleet, joint: &Joint, days: f64) -> String {
     let last = fleet.rows[joint.last()].entry.date.as_deref().and_then(day);
     last.map_or_else(String::new, |last| date_of(last + days))
@@ -152,7 +152,7 @@ pub(super) fn events(fleet: &Fleet) -> Cells<5> {
         [joint.name.clone(), time, told(&event.changed, &Units::of_kind(kind)), changes, restored]
     };
     let rows = fleet.joints.iter().flat_map(|joint| joint.events.iter().map(move |event| row(joint, event)));
-    (["joint", "when", "what changed", "over the whole history", "restored"], rows.collect())
+    (["joint", "when", "what changed", "change over the whole history", "restored"], rows.collect())
 }
 
 /// Drifts, for readers.

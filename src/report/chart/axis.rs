@@ -2,6 +2,8 @@
 
 /// Labelled ticks wanted on a linear axis.
 const TICKS: f64 = 5.0;
+/// Labelled ticks on an axis of numbers, at most.
+const NUMBERS_MAX: usize = 12;
 
 /// Values beyond this are drawn there: the span of two such, with its margin, is still a number.
 const LARGEST: f64 = 1e300;
@@ -19,7 +21,7 @@ enum Scale {
     },
 }
 
-/// One axis of a panel. A panel is drawn in places: what `place` makes of values.
+/// One axis of a panel. A panel is drawn in places, which `place` computes from values.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Axis {
     /// What it shows, with its unit; empty draws no label.
@@ -131,6 +133,14 @@ impl Axis {
         Self { is_names: true, ..axis }
     }
 
+    /// Places numbered from 1 to `last`: for what is counted, not measured.
+    pub fn numbered(label: impl Into<String>, last: usize) -> Self {
+        let every = last.div_ceil(NUMBERS_MAX).max(1);
+        let ticks = (1..=last).step_by(every).map(|at| (at as f64, at.to_string())).collect();
+        let axis = of_values(label, (0.6, last.max(1) as f64 + 0.4), ticks, Vec::new(), Scale::Linear);
+        Self { is_names: true, ..axis }
+    }
+
     /// What it is called in the page's script, and where a signed logarithmic one becomes linear.
     pub fn kind(&self) -> (&'static str, f64) {
         match self.scale {
@@ -200,7 +210,7 @@ pub fn span(values: impl IntoIterator<Item = f64>) -> (f64, f64) {
     if low <= high { (low, high) } else { (0.0, 0.0) }
 }
 
-/// `value` as a number that can be drawn; what is none is zero.
+/// `value` as a number that can be drawn; NaN becomes zero.
 fn bounded(value: f64) -> f64 {
     if value.is_nan() { 0.0 } else { value.clamp(-LARGEST, LARGEST) }
 }
@@ -259,61 +269,4 @@ fn minus(text: String) -> String {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::super::{Columns, Figure, Mark, Panel, Stroke, palette, svg};
-    use super::*;
-    use proptest::prelude::*;
-
-    /// Any number at all: NaN, infinite, denormal, huge, zero, and what joints have.
-    fn number() -> impl Strategy<Value = f64> {
-        let edges =
-            [f64::NAN, f64::INFINITY, f64::NEG_INFINITY, f64::MAX, f64::MIN, 5e-324, -5e-324, 0.0, -0.0, 1e-300, 1e155];
-        prop_oneof![prop::num::f64::ANY, prop::sample::select(edges.to_vec()), -10.0..10.0]
-    }
-
-    fn filled(x: &Axis, y: &Axis, points: &[(f64, f64)]) -> Figure {
-        let mut panel = Panel::new(x.clone(), y.clone());
-        panel.line("line", points.to_vec(), Stroke::solid(palette::BLUE, 1.0));
-        panel.dots("dots", points.to_vec(), 2.0, palette::BLUE, 0.5);
-        panel.band("band", [points.to_vec(), points.to_vec()], palette::BLUE, 0.5);
-        panel.marks("marks", points.to_vec(), Mark::Diamond, palette::BLUE);
-        Figure::single("any", "any", "", 200.0, panel)
-    }
-
-    fn an_axis_and_a_drawing((low, high, from): (f64, f64, f64), values: &[f64]) {
-        let axes = [
-            Axis::linear("", low, high),
-            Axis::low("", low),
-            Axis::around("", values.iter().copied(), 0.05),
-            Axis::log("", values.iter().copied()),
-            Axis::signed_log("", low, high, from),
-        ];
-        let points: Vec<(f64, f64)> = values.iter().zip(values.iter().rev()).map(|(x, y)| (*x, *y)).collect();
-        for axis in &axes {
-            assert!(axis.places.0 < axis.places.1 && (axis.places.1 - axis.places.0).is_finite(), "{axis:?}");
-            assert!(axis.ticks.iter().all(|(place, text)| place.is_finite() && text.len() < 24), "{axis:?}");
-            assert!(axis.ticks.len() < 1400);
-            let figure = filled(axis, &axes[0], &points);
-            let drawn = svg(&figure, 3).unwrap();
-            let mut columns = Columns::of(1);
-            let sent = format!("{}{}", figure.to_json(&mut columns), columns.into_json());
-            assert!(!sent.contains("NaN") && !sent.contains("inf"));
-            assert!(!drawn.contains("NaN") && !drawn.contains("inf"));
-        }
-    }
-
-    proptest! {
-        #![proptest_config(ProptestConfig::with_cases(300))]
-        #[test]
-        fn any_numbers_make_an_axis_and_a_drawing(
-            ends in (number(), number(), number()), values in prop::collection::vec(number(), 0..6),
-        ) {
-            an_axis_and_a_drawing(ends, &values);
-        }
-    }
-
-    #[test]
-    fn an_axis_to_minus_infinity_without_values_is_drawn() {
-        an_axis_and_a_drawing((0.0, f64::NEG_INFINITY, 0.0), &[]);
-    }
-}
+mod tests;

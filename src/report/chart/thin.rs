@@ -121,7 +121,7 @@ pub fn runs(points: &[(f64, f64)], buckets: usize) -> Vec<Vec<(f64, f64)>> {
     runs.map(|run| envelope(run, (buckets * run.len()).div_ceil(points.len()))).collect()
 }
 
-/// `runs` one after the other, a point that is none between them.
+/// `runs` one after the other, with a point of NaN between them.
 pub fn joined(runs: Vec<Vec<(f64, f64)>>) -> Vec<(f64, f64)> {
     runs.join(&(f64::NAN, f64::NAN))
 }

@@ -1,7 +1,7 @@
 //! The figures of a fleet: what changed in every joint over time.
 //!
-//! Drawn are changes since the campaign that the joint is held against: a drift of a tenth of the friction, in a panel that held both
-//! directions' friction, would be a line's width.
+//! Changes are drawn relative to the campaign that the joint is compared with: in a panel that showed the friction of both directions in
+//! full, a drift by a tenth of it would be as thin as a line.
 
 use crate::batch::{Fleet, Joint, Life, Part, day};
 use crate::model::{Direction, Term};
@@ -11,9 +11,9 @@ use crate::report::wording::{Units, moving};
 
 /// Joints drawn: those that drifted, then those that changed most.
 const DRAWN: usize = 12;
-/// Panels of a joint: A and B(v), those in which anything happened, then those that say something of their own.
+/// Panels of a joint, at most.
 const PANELS: usize = 5;
-/// Parameters that say something that A and B(v) do not.
+/// Parameters that A and B(v) do not depend on.
 const OF_THEIR_OWN: [&str; 3] = ["combination.p", "combination.n", "joint.backlash_m"];
 /// Height of a panel, px.
 const TALL_PX: f64 = 141.0;
@@ -43,9 +43,10 @@ struct Shown<'a> {
 struct History<'a> {
     joint: &'a Joint,
     units: Units,
-    /// When each campaign was, and what that is measured in: days since the first, or its number.
+    /// When each campaign was: days since the first, or its number.
     times: Vec<f64>,
-    label: String,
+    /// The axis of these times.
+    axis: Axis,
     /// When the cables were retensioned.
     retensioned: Vec<f64>,
 }
@@ -54,34 +55,40 @@ impl<'a> History<'a> {
     fn new(fleet: &'a Fleet, joint: &'a Joint) -> Self {
         let date = |at: usize| fleet.rows[at].entry.date.as_deref();
         let days: Option<Vec<f64>> = joint.rows.iter().map(|at| day(date(*at)?)).collect();
-        let (times, label, retensioned) = match days.zip(date(joint.rows[0]).and_then(|date| date.get(..10))) {
+        let (times, axis, retensioned) = match days.zip(date(joint.rows[0]).and_then(|date| date.get(..10))) {
             Some((days, date)) => {
                 let then = joint.events.iter().filter_map(|event| day(event.retensioned.as_deref()?));
-                let retensioned = then.map(|then| then - days[0]).collect();
-                (days.iter().map(|d| d - days[0]).collect(), format!("days since {date}"), retensioned)
+                let retensioned: Vec<f64> = then.map(|then| then - days[0]).collect();
+                let times: Vec<f64> = days.iter().map(|d| d - days[0]).collect();
+                let all = times.iter().chain(&retensioned).copied();
+                let axis = Axis::around(format!("days since {date}"), all, 0.04);
+                (times, axis, retensioned)
             }
-            None => ((1..=joint.rows.len()).map(|i| i as f64).collect(), "campaign".to_string(), Vec::new()),
+            None => {
+                let times = (1..=joint.rows.len()).map(|i| i as f64).collect();
+                (times, Axis::numbered("campaign", joint.rows.len()), Vec::new())
+            }
         };
         let kind = fleet.rows[joint.since].model.as_ref().map(|model| model.joint.kind).unwrap_or_default();
-        Self { joint, units: Units::of_kind(kind), times, label, retensioned }
+        Self { joint, units: Units::of_kind(kind), times, axis, retensioned }
     }
 
     fn figure(&self, at: usize) -> Figure {
         let panels = self.panels();
-        let caption = "Changes since the first campaign after the cables were last retensioned, or the first of all; bars are each \
-                       campaign's own 95 % intervals, lines what was fitted: levels, jumps and drift. A: how the torque at the \
-                       winch grows with gravity's. B(v): friction without load. Both directions shifting alike is a sensor's zero; \
-                       apart, friction. Parameters to which something happened stand below.";
+        let caption = "Change relative to the first campaign after the last retensioning, or to the first of all. Bars: 95 % interval of each \
+                       campaign; lines: the fitted levels, jumps and drift. A: load amplitude; B(v): friction without load. Both directions \
+                       shifting by the same amount is an offset of the torque sensor or a constant load; apart from each other, friction. \
+                       Other parameters that changed are shown below.";
         let mut figure = Figure::new(format!("joint_{:02}", at + 1), self.joint.name.clone(), caption);
         for (i, shown) in panels.iter().enumerate() {
-            let x = Axis::around(self.label.as_str(), self.times.iter().chain(&self.retensioned).copied(), 0.04);
-            let x = if i + 1 == panels.len() { x } else { x.without_texts() };
+            let x = if i + 1 == panels.len() { self.axis.clone() } else { self.axis.clone().without_texts() };
             figure = figure.row(TALL_PX, vec![self.panel(x, shown)]);
         }
         figure
     }
 
-    /// A, B(v) at the middle speed, those to which anything happened, those that say something of their own.
+    /// A, B(v) at the middle speed, quantities that changed, and those of `OF_THEIR_OWN`: A first, then B(v), then the others, each in the
+    /// history's order.
     fn panels(&self) -> Vec<Shown<'a>> {
         let mut all: Vec<Shown> = Vec::new();
         for life in &self.joint.lives {
@@ -101,10 +108,13 @@ impl<'a> History<'a> {
             title if OF_THEIR_OWN.contains(&title) => 3,
             _ => 4,
         };
-        all.retain(|shown| rank(shown) < 4);
-        all.sort_by_key(rank);
-        all.truncate(PANELS);
-        all
+        let mut ranked: Vec<(usize, Shown)> =
+            all.into_iter().enumerate().filter(|(_, shown)| rank(shown) < 4).collect();
+        ranked.sort_by_key(|(_, shown)| rank(shown));
+        ranked.truncate(PANELS);
+        let kind = |shown: &Shown| if shown.title == "A" { 0 } else { 2 - usize::from(shown.title.starts_with("B(")) };
+        ranked.sort_by_key(|(at, shown)| (kind(shown), *at));
+        ranked.into_iter().map(|(_, shown)| shown).collect()
     }
 
     fn shown(&self, title: String, direction: Option<Direction>, life: &'a Life) -> Shown<'a> {
