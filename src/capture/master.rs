@@ -12,8 +12,9 @@ use super::rig::{BrakeDevice, Drive, ProcessData, Rig};
 use super::watchdog;
 use super::wire::Wire;
 use ethercrab::subdevice_group::{DcConfiguration, HasDc, NoDc, Op, PreOp, PreOpPdi};
-use ethercrab::{AlStatusCode, Command, DcSync, DefaultLock, MainDevice, SubDeviceGroup, SubDeviceRef};
+use ethercrab::{AlStatusCode, Command, DcSync, DefaultLock, MainDevice, SubDevice, SubDeviceGroup, SubDeviceRef};
 use serde_json::Value;
+use std::ops::Deref;
 use std::time::Duration;
 
 /// Devices on a bus, a power of two as the stack wants it.
@@ -129,6 +130,34 @@ pub fn prepare<W: Wire>(
 ) -> Result<Findings, NotStarted> {
     let mut report = Vec::new();
     let devices: Vec<_> = group.iter(main).collect();
+    identify(line, &devices, rig, &mut report)?;
+    for (identity, setup) in rig.devices() {
+        mapping::start_up(line, &devices[identity.place], identity, setup, &mut report)?;
+    }
+    map_all(line, &devices, rig, &mut report)?;
+    let mut holds = Vec::new();
+    for own in rig.each_axis() {
+        let device = &devices[own.drive.identity.place];
+        let mut own_report = Vec::new();
+        holds.push(own_limits::set_all(line, device, &own, &mut own_report)?);
+        // With several drives each line names its drive.
+        let name = if rig.axes.is_empty() { String::new() } else { format!("`{}`: ", own.drive.identity.name) };
+        report.extend(own_report.into_iter().map(|told| format!("{name}{told}")));
+    }
+    let remembered =
+        |drive: &Drive| Some((drive.identity.name.clone(), history::read(line, &devices[drive.identity.place])?));
+    let histories: Vec<(String, Value)> = rig.drives().filter_map(remembered).collect();
+    report.extend(histories.iter().filter_map(|(name, history)| faults_remembered(name, history)));
+    Ok(Findings { report, unwatched: None, histories, holds })
+}
+
+/// Compares every device with the one that `rig` lists in its place; adds a line for each to `report`.
+fn identify<W: Wire, S: Deref<Target = SubDevice>>(
+    line: &mut Line<'_, W>,
+    devices: &[SubDeviceRef<'_, S>],
+    rig: &Rig,
+    report: &mut Vec<String>,
+) -> Result<(), NotStarted> {
     for (identity, _) in rig.devices() {
         let Some(device) = devices.get(identity.place) else {
             let (place, count) = (identity.place, devices.len());
@@ -140,15 +169,22 @@ pub fn prepare<W: Wire>(
         }
         report.push(format!("{}: {}", identity.name, described(&found)));
     }
-    for (identity, setup) in rig.devices() {
-        mapping::start_up(line, &devices[identity.place], identity, setup, &mut report)?;
-    }
+    Ok(())
+}
+
+/// Writes the mapping of every device's process data, once for each device.
+fn map_all<W: Wire, S: Deref<Target = SubDevice>>(
+    line: &mut Line<'_, W>,
+    devices: &[SubDeviceRef<'_, S>],
+    rig: &Rig,
+    report: &mut Vec<String>,
+) -> Result<(), NotStarted> {
     let mut mapped: Vec<usize> = Vec::new();
     for drive in rig.drives() {
         let (device, identity) = (&devices[drive.identity.place], &drive.identity);
         if !mapped.contains(&identity.place) {
-            mapping::map(line, device, identity, ASSIGNED_OUTPUTS, &drive.outputs, &mut report)?;
-            mapping::map(line, device, identity, ASSIGNED_INPUTS, &drive.inputs, &mut report)?;
+            mapping::map(line, device, identity, ASSIGNED_OUTPUTS, &drive.outputs, report)?;
+            mapping::map(line, device, identity, ASSIGNED_INPUTS, &drive.inputs, report)?;
             if rig.bus.clocks {
                 report.extend(watchdog::give_up(line, device, drive, &rig.bus));
             }
@@ -157,35 +193,22 @@ pub fn prepare<W: Wire>(
     }
     for BrakeDevice { identity, outputs, .. } in rig.brake_devices() {
         if !mapped.contains(&identity.place) {
-            mapping::map(line, &devices[identity.place], identity, ASSIGNED_OUTPUTS, outputs, &mut report)?;
+            mapping::map(line, &devices[identity.place], identity, ASSIGNED_OUTPUTS, outputs, report)?;
             mapped.push(identity.place);
         }
     }
     if !rig.sensor.is_in_drive {
         let (device, identity) = (&devices[rig.sensor.identity.place], &rig.sensor.identity);
-        mapping::map(line, device, identity, ASSIGNED_INPUTS, &rig.sensor.inputs, &mut report)?;
+        mapping::map(line, device, identity, ASSIGNED_INPUTS, &rig.sensor.inputs, report)?;
     }
-    let mut holds = Vec::new();
-    for own in rig.each_axis() {
-        let device = &devices[own.drive.identity.place];
-        let mut own_report = Vec::new();
-        holds.push(own_limits::set_all(line, device, &own, &mut own_report)?);
-        // Of several drives each is told by name.
-        let name = if rig.axes.is_empty() { String::new() } else { format!("`{}`: ", own.drive.identity.name) };
-        report.extend(own_report.into_iter().map(|told| format!("{name}{told}")));
-    }
-    let remembered =
-        |drive: &Drive| Some((drive.identity.name.clone(), history::read(line, &devices[drive.identity.place])?));
-    let histories: Vec<(String, Value)> = rig.drives().filter_map(remembered).collect();
-    report.extend(histories.iter().filter_map(|(name, history)| {
-        let messages = history["messages"].as_array().filter(|messages| !messages.is_empty())?;
-        Some(format!(
-            "`{name}` remembers {} faults ({}), which drive_faults.jsonl lists",
-            messages.len(),
-            history["object"]
-        ))
-    }));
-    Ok(Findings { report, unwatched: None, histories, holds })
+    Ok(())
+}
+
+/// The line that reports the faults that a drive remembers; nothing without any.
+fn faults_remembered(name: &str, history: &Value) -> Option<String> {
+    let messages = history["messages"].as_array().filter(|messages| !messages.is_empty())?;
+    let (count, object) = (messages.len(), &history["object"]);
+    Some(format!("`{name}` remembers {count} faults ({object}), which drive_faults.jsonl lists"))
 }
 
 fn described(found: &Found) -> String {
@@ -261,7 +284,7 @@ pub fn to_op<'m, W: Wire, C>(
         next_ns = (next_ns + period_ns).max(line.wire.now_ns());
         line.wire.sleep(next_ns);
         let Ok(seen) = line.run_until(next_ns + period_ns, exchange(&group, main)) else { continue };
-        // A counter that has not settled is none to compare with.
+        // A working counter that has not settled cannot be compared with.
         alike = if seen.fallen.is_none() && seen.working_counter == last { alike + 1 } else { 0 };
         last = seen.working_counter;
         if alike >= settled && last > 0 {

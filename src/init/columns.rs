@@ -319,61 +319,54 @@ impl Chooser<'_> {
         let slope = self
             .of_position()
             .and_then(|from| slope_on_derivative(&self.all[at].series.values, from, step_s, DERIVATIVE));
-        let name = self.all[at].series.name.clone();
-        let Some(slope) = slope else {
-            self.taken.insert(at);
-            self.notes.push(format!("`{name}` is not taken as velocity: it does not follow the position's derivative"));
-            return;
-        };
-        let label = &self.all[at].label;
+        match slope {
+            Some(slope) => self.velocity_in_units(kind, at, position, slope),
+            None => self.leave_out(at, "is not taken as velocity: it does not follow the position's derivative"),
+        }
+    }
+
+    /// Chooses column `at`, `slope` times the derivative of the chosen `position` as both are recorded, in units of which one is the
+    /// derivative of the other.
+    fn velocity_in_units(&mut self, kind: JointKind, at: usize, position: usize, slope: f64) {
+        const WHY: &str = "is the position's derivative";
+        const NO_UNIT: &str = "is left out: no unit makes it the position's derivative";
         let position_factor = self.chosen[position].measure.factor();
-        let fits = |unit: &Unit| SAME.contains(&(slope * unit.factor() / position_factor));
-        match label.unit {
-            Some(unit) if fits(&unit) => {
-                self.take(at, Quantity::Velocity.name(), unit, "is the position's derivative", None)
-            }
+        let times = |unit: &Unit| slope * unit.factor() / position_factor;
+        let fits = |unit: &Unit| SAME.contains(&times(unit));
+        let key = Quantity::Velocity.name();
+        match self.all[at].label.unit {
+            Some(unit) if fits(&unit) => self.take(at, key, unit, WHY, None),
             Some(unit) if self.is_told(position) => {
-                self.taken.insert(at);
-                let times = slope * unit.factor() / position_factor;
-                self.notes.push(format!(
-                    "`{name}` is left out: in {} it is {times:.3} times the position's derivative",
-                    unit.name()
-                ));
+                let times = times(&unit);
+                self.leave_out(
+                    at,
+                    &format!("is left out: in {} it is {times:.3} times the position's derivative", unit.name()),
+                );
             }
             Some(unit) => {
                 // The velocity's unit tells the position's.
-                let found = Quantity::Position
-                    .units(kind)
-                    .iter()
-                    .find(|p| SAME.contains(&(slope * unit.factor() / p.factor())));
-                if let Some(found) = found {
-                    self.chosen[position].measure = (*found).into();
-                    self.chosen[position].why = format!("unit such that `{name}` is its derivative");
-                    self.take(at, Quantity::Velocity.name(), unit, "is the position's derivative", None);
-                } else {
-                    self.taken.insert(at);
-                    self.notes.push(format!("`{name}` is left out: no unit makes it the position's derivative"));
+                let is_its = |of_position: &&Unit| SAME.contains(&(slope * unit.factor() / of_position.factor()));
+                match Quantity::Position.units(kind).iter().find(is_its) {
+                    Some(found) => {
+                        self.chosen[position].measure = (*found).into();
+                        let name = &self.all[at].series.name;
+                        self.chosen[position].why = format!("unit such that `{name}` is its derivative");
+                        self.take(at, key, unit, WHY, None);
+                    }
+                    None => self.leave_out(at, NO_UNIT),
                 }
             }
-            None => {
-                let found = Quantity::Velocity.units(kind).iter().copied().find(fits);
-                match found {
-                    Some(unit) => {
-                        self.take(
-                            at,
-                            Quantity::Velocity.name(),
-                            unit,
-                            "unit such that it is the position's derivative",
-                            None,
-                        );
-                    }
-                    None => {
-                        self.taken.insert(at);
-                        self.notes.push(format!("`{name}` is left out: no unit makes it the position's derivative"));
-                    }
-                }
-            }
+            None => match Quantity::Velocity.units(kind).iter().copied().find(fits) {
+                Some(unit) => self.take(at, key, unit, "unit such that it is the position's derivative", None),
+                None => self.leave_out(at, NO_UNIT),
+            },
         }
+    }
+
+    /// Leaves column `at` out, with a note of `why`.
+    fn leave_out(&mut self, at: usize, why: &str) {
+        self.taken.insert(at);
+        self.notes.push(format!("`{}` {why}", self.all[at].series.name));
     }
 
     /// The readings of the position that was chosen.

@@ -103,7 +103,7 @@ pub(super) fn parts(position: &[f64], rate_hz: f64) -> Vec<Motion> {
     found
 }
 
-/// Whether the joint stands still, but for noise.
+/// Whether the joint stands still, except for noise.
 pub(super) fn is_rest(position: &[f64]) -> bool {
     let (low, high) = extent(position);
     let mut steps: Vec<f64> = position.windows(2).map(|pair| (pair[1] - pair[0]).abs()).filter(|s| *s > 0.0).collect();
@@ -255,7 +255,7 @@ fn half_period(position: &[f64]) -> Option<f64> {
     (root_mean_square(&errors) < COSINE_MISFIT).then_some(samples)
 }
 
-/// Whether two motions are the same but for noise: as long as each other, and never far apart.
+/// Whether two motions are the same except for noise: as long as each other, and never far apart.
 pub(super) fn is_repeat(a: &[f64], b: &[f64]) -> bool {
     let (short, long) = (a.len().min(b.len()), a.len().max(b.len()));
     if short < 2 || (long - short) as f64 > 0.03 * long as f64 {

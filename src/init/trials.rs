@@ -89,56 +89,22 @@ fn number(all: Vec<Found>, kind: JointKind) -> Vec<DraftTrial> {
         Kind::Sweep { speed } => Some(speed),
         _ => None,
     }));
-    // The motions that are no sweeps, each with its first recording.
+    // The motions, each with its first recording.
     let mut motions: Vec<usize> = Vec::new();
     let mut counts: Vec<(String, u32)> = Vec::new();
     let mut trials = Vec::new();
-    let is_angle = kind == JointKind::Revolute;
-    let (unit, scale) = if is_angle { ("deg", 180.0 / std::f64::consts::PI) } else { ("mm", 1e3) };
     for (at, found) in all.iter().enumerate() {
         let same = |first: &&usize| {
             let (a, b) = (&all[**first], found);
             std::mem::discriminant(&a.kind) == std::mem::discriminant(&b.kind) && is_repeat(&a.position, &b.position)
         };
-        let motion = match motions.iter().find(same) {
-            Some(first) => *first,
-            None => {
-                motions.push(at);
-                at
-            }
-        };
-        let (protocol, words, key) = match found.kind {
-            Kind::Sweep { speed } if is_angle => {
-                let speed_rad_s = speeds.iter().copied().min_by(|a, b| (a - speed).abs().total_cmp(&(b - speed).abs()));
-                let speed_rad_s = speed_rad_s.unwrap_or(speed);
-                (
-                    Protocol::Uniform { speed_rad_s },
-                    format!("sweep at {:.4} deg/s", speed_rad_s * scale),
-                    format!("{speed_rad_s}"),
-                )
-            }
-            Kind::Sweep { speed } => {
-                (Protocol::Free, format!("sweep at {:.4} mm/s", speed * scale), format!("free {motion}"))
-            }
-            Kind::Cosine { amplitude, slowest_hz, fastest_hz } => {
-                let words =
-                    format!("cosines of {:.2} {unit}, {slowest_hz:.3} to {fastest_hz:.3} Hz", amplitude * scale);
-                (Protocol::Cosine, words, format!("cosine {motion}"))
-            }
-            Kind::Free => (Protocol::Free, "free motion".to_string(), format!("free {motion}")),
-            Kind::Rest => (Protocol::Free, "the joint is at rest".to_string(), format!("free {motion}")),
-        };
-        let repeat = match counts.iter_mut().find(|(known, _)| *known == key) {
-            Some((_, count)) => {
-                *count += 1;
-                *count
-            }
-            None => {
-                counts.push((key.clone(), 1));
-                1
-            }
-        };
+        let motion = motions.iter().find(same).copied().unwrap_or(at);
+        if motion == at {
+            motions.push(at);
+        }
+        let (protocol, words, key) = protocol(found.kind, kind, &speeds, motion);
         let rows = (!found.is_whole).then(|| found.samples.clone());
+        let repeat = next_repeat(&mut counts, key);
         trials.push((
             DraftTrial { source: found.source, rows, protocol, repeat, trajectory: None, found: words },
             motion,
@@ -146,6 +112,39 @@ fn number(all: Vec<Found>, kind: JointKind) -> Vec<DraftTrial> {
     }
     name_trajectories(&mut trials, &all);
     trials.into_iter().map(|(trial, _)| trial).collect()
+}
+
+/// The protocol of a motion of `moves` of a joint of this `kind`, in words, and the key by which its repeats are counted: the nearest of the
+/// common `speeds` for a sweep, else the number of the `motion`.
+fn protocol(moves: Kind, kind: JointKind, speeds: &[f64], motion: usize) -> (Protocol, String, String) {
+    let is_angle = kind == JointKind::Revolute;
+    let (unit, scale) = if is_angle { ("deg", 180.0 / std::f64::consts::PI) } else { ("mm", 1e3) };
+    let free = format!("free {motion}");
+    match moves {
+        Kind::Sweep { speed } if is_angle => {
+            let nearest = speeds.iter().copied().min_by(|a, b| (a - speed).abs().total_cmp(&(b - speed).abs()));
+            let speed_rad_s = nearest.unwrap_or(speed);
+            let words = format!("sweep at {:.4} deg/s", speed_rad_s * scale);
+            (Protocol::Uniform { speed_rad_s }, words, format!("{speed_rad_s}"))
+        }
+        Kind::Sweep { speed } => (Protocol::Free, format!("sweep at {:.4} mm/s", speed * scale), free),
+        Kind::Cosine { amplitude, slowest_hz, fastest_hz } => {
+            let words = format!("cosines of {:.2} {unit}, {slowest_hz:.3} to {fastest_hz:.3} Hz", amplitude * scale);
+            (Protocol::Cosine, words, format!("cosine {motion}"))
+        }
+        Kind::Free => (Protocol::Free, "free motion".to_string(), free),
+        Kind::Rest => (Protocol::Free, "the joint is at rest".to_string(), free),
+    }
+}
+
+/// The number of the next repeat counted under `key`, from 1.
+fn next_repeat(counts: &mut Vec<(String, u32)>, key: String) -> u32 {
+    if let Some((_, count)) = counts.iter_mut().find(|(known, _)| *known == key) {
+        *count += 1;
+        return *count;
+    }
+    counts.push((key, 1));
+    1
 }
 
 /// Names motions: cosines where there are several, free motions where one is repeated.
@@ -181,7 +180,7 @@ fn common(speeds: impl Iterator<Item = f64>) -> Vec<f64> {
     groups.map(|group| digits(group.iter().sum::<f64>() / group.len() as f64, SPEED_DIGITS)).collect()
 }
 
-/// `value` to so many significant digits.
+/// `value` to `digits` significant digits.
 pub(super) fn digits(value: f64, digits: i32) -> f64 {
     format!("{value:.*e}", (digits - 1).max(0) as usize).parse().unwrap_or(value)
 }

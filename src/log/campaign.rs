@@ -53,8 +53,8 @@ pub struct Campaign {
 /// What `campaign.toml` tells, however much of it can be used.
 #[derive(Debug)]
 pub struct Survey {
-    /// The campaign, where units, low-pass and trials are understood; a joint that is not is taken as one without
-    /// clearance, which finds no fault that is none.
+    /// The campaign, where units, low-pass and trials are understood; a joint that is not understood counts as one without clearance, which
+    /// causes no false findings.
     pub campaign: Option<Campaign>,
     /// Whether all of it is understood, so that the trials can be judged together.
     pub is_whole: bool,
@@ -174,19 +174,11 @@ impl Survey {
 
     fn from_section(root: &Section<'_>, folder: &Path, file: &Path) -> Self {
         let format = root.need("format").choice(&[(FORMAT, ())]);
-        let mut kind = JointKind::default();
         let files = root.may("files").section(Files::read).unwrap_or_default();
         let mut given = Given { rate_hz: files.rate_hz, gear_ratio: 1.0, ..Given::default() };
-        let joint = root.need("joint").such_as("[joint]", "a section with name and radii").section(|section| {
-            kind = Joint::read_kind(section);
-            let drive = Joint::read_drive(section, kind);
-            (given.kind, given.turns_motor) = (kind, drive == Drive::Screw);
-            given.torque_constant_nm_a = section.may("torque_constant_nm_a").positive();
-            if drive == Drive::Cable {
-                given.gear_ratio = section.may("gear_ratio").positive().unwrap_or(1.0);
-            }
-            Joint::read(section, kind)
-        });
+        let joint_field = root.need("joint").such_as("[joint]", "a section with name and radii");
+        let joint = joint_field.section(|section| read_joint(section, &mut given));
+        let kind = given.kind;
         let means = "a section with gravity_nm and inertia_kg_m2";
         let dynamics_field = root.need("dynamics").such_as("[dynamics]", means);
         let means = "a section with torque_sign, lowpass_hz and lowpass_order";
@@ -204,16 +196,7 @@ impl Survey {
         }
         check_sign(root, signal.as_ref(), torque_from);
         let entries = Entries::read(root, folder, kind);
-        if entries.trials.iter().any(|entry| entry.controller.is_some())
-            && !torque_from.is_some_and(|from| from.is_scaled())
-        {
-            let what = "is given of a trial, and not of the campaign";
-            root.reject(
-                "controller",
-                what,
-                "add [controller] with stiffness_nm_rad for the other trials, and a column `command`",
-            );
-        }
+        check_controllers(root, &entries, torque_from);
         let is_whole = format.is_some()
             && entries.are_whole
             && joint.is_some()
@@ -233,17 +216,37 @@ impl Survey {
             warnings: Vec::new(),
             clock_s: Vec::new(),
         });
-        let (folder, problems) = (folder.to_path_buf(), Vec::new());
         Self {
             campaign,
             is_whole,
-            problems,
+            problems: Vec::new(),
             readable: entries.readable,
             listed: entries.trials,
-            folder,
+            folder: folder.to_path_buf(),
             files,
             columns: named,
         }
+    }
+}
+
+/// The joint in its `section`; what it says of the columns goes into `given`.
+fn read_joint(section: &Section<'_>, given: &mut Given) -> Option<Joint> {
+    let kind = Joint::read_kind(section);
+    let drive = Joint::read_drive(section, kind);
+    (given.kind, given.turns_motor) = (kind, drive == Drive::Screw);
+    given.torque_constant_nm_a = section.may("torque_constant_nm_a").positive();
+    if drive == Drive::Cable {
+        given.gear_ratio = section.may("gear_ratio").positive().unwrap_or(1.0);
+    }
+    Joint::read(section, kind)
+}
+
+/// A trial's controller needs one of the campaign: without its stiffness the torques of the trials have no common scale.
+fn check_controllers(root: &Section<'_>, entries: &Entries, torque_from: Option<TorqueFrom>) {
+    let is_given = entries.trials.iter().any(|entry| entry.controller.is_some());
+    if is_given && !torque_from.is_some_and(|from| from.is_scaled()) {
+        let cure = "add [controller] with stiffness_nm_rad for the other trials, and a column `command`";
+        root.reject("controller", "is given of a trial, and not of the campaign", cure);
     }
 }
 

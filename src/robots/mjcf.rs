@@ -62,26 +62,8 @@ pub(super) fn described(file: &Path, root: &Node, joint: &str) -> Result<Describ
     };
     let gravity = root.all("option").find_map(|node| node.numbers("gravity"));
     let gravity = vector(gravity.as_deref()).unwrap_or(Vector3::new(0.0, 0.0, -GRAVITY_M_S2));
-    let (axis, armature) = (place.axis, number("armature").unwrap_or(0.0));
-    let mut inertia_kg_m2 = armature;
-    // What gravity does to the joint is the negative of what holds it.
-    let (mut at_0, mut at_90) = (0.0, 0.0);
-    for mass in &place.masses {
-        let arm = mass.centre_m - place.anchor_m;
-        match kind {
-            JointKind::Revolute => {
-                let across = arm - axis * axis.dot(&arm);
-                inertia_kg_m2 += axis.dot(&(mass.inertia_kg_m2 * axis)) + mass.kg * across.norm_squared();
-                at_0 -= mass.kg * axis.dot(&arm.cross(&gravity));
-                at_90 -= mass.kg * axis.dot(&axis.cross(&arm).cross(&gravity));
-            }
-            JointKind::Prismatic => {
-                inertia_kg_m2 += mass.kg;
-                at_0 -= mass.kg * axis.dot(&gravity);
-                at_90 = at_0;
-            }
-        }
-    }
+    let Carried { inertia_kg_m2, gravity_nm } = carried(&place, kind, gravity);
+    let inertia_kg_m2 = inertia_kg_m2 + number("armature").unwrap_or(0.0);
     let stiffness = number("stiffness").filter(|stiffness| *stiffness > 0.0);
     let rest = number("springref").unwrap_or(0.0) * if kind == JointKind::Revolute { angle } else { 1.0 };
     let (friction, damping) = (number("frictionloss"), number("damping"));
@@ -98,10 +80,41 @@ pub(super) fn described(file: &Path, root: &Node, joint: &str) -> Result<Describ
         friction_nm: friction.unwrap_or(0.0),
         damping_nm_s_rad: damping.unwrap_or(0.0),
         inertia_kg_m2,
-        gravity_nm: (at_0, at_90),
+        gravity_nm,
         spring: stiffness.map(|stiffness| (stiffness, rest)),
         unknown,
     })
+}
+
+/// What a joint carries.
+struct Carried {
+    inertia_kg_m2: f64,
+    /// Torque of gravity at 0 and at 90 deg.
+    gravity_nm: (f64, f64),
+}
+
+/// Inertia and gravity of the masses at `place` about or along its axis.
+fn carried(place: &Place<'_>, kind: JointKind, gravity: Vector3<f64>) -> Carried {
+    let axis = place.axis;
+    let (mut inertia_kg_m2, mut at_0, mut at_90) = (0.0, 0.0, 0.0);
+    for mass in &place.masses {
+        let arm = mass.centre_m - place.anchor_m;
+        // The torque of gravity is the negative of the torque that holds the joint at rest.
+        match kind {
+            JointKind::Revolute => {
+                let across = arm - axis * axis.dot(&arm);
+                inertia_kg_m2 += axis.dot(&(mass.inertia_kg_m2 * axis)) + mass.kg * across.norm_squared();
+                at_0 -= mass.kg * axis.dot(&arm.cross(&gravity));
+                at_90 -= mass.kg * axis.dot(&axis.cross(&arm).cross(&gravity));
+            }
+            JointKind::Prismatic => {
+                inertia_kg_m2 += mass.kg;
+                at_0 -= mass.kg * axis.dot(&gravity);
+                at_90 = at_0;
+            }
+        }
+    }
+    Carried { inertia_kg_m2, gravity_nm: (at_0, at_90) }
 }
 
 impl<'n> Reader<'n> {

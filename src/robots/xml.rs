@@ -1,4 +1,4 @@
-//! XML as a tree of elements with their attributes; texts between them are of no use here.
+//! XML as a tree of elements with their attributes; texts between them are ignored.
 
 use crate::document::bytes;
 use crate::limits::{URDF_BYTES, URDF_DEPTH, URDF_ELEMENTS};
