@@ -23,8 +23,8 @@ pub fn extrapolation_warning(residuals: &[Residual], fastest_rad_s: f64, refined
     (there_nm > EXTRAPOLATED * here_nm).then(|| {
         let cure = if refined { "" } else { "; record faster sweeps, or try --refine" };
         format!(
-            "the sweeps reach {fastest_rad_s:.2} rad/s, other trials {top_rad_s:.2}: beyond the sweeps the model leaves \
-             {:.1} mN m, within {:.1}{cure}",
+            "the sweeps reach {fastest_rad_s:.2} rad/s, other trials {top_rad_s:.2} rad/s: the RMSE is {:.1} mN m at speeds beyond the sweeps, \
+             {:.1} mN m within{cure}",
             1e3 * there_nm,
             1e3 * here_nm
         )

@@ -75,8 +75,8 @@ fn trades(fit: &FrictionFit) -> String {
 /// Taken, best supported, both or neither.
 pub fn note(taken: bool, supported: bool) -> &'static str {
     match (taken, supported) {
-        (true, true) => "taken, best supported",
-        (true, false) => "taken",
+        (true, true) => "selected, best supported",
+        (true, false) => "selected",
         (false, true) => "best supported",
         (false, false) => "",
     }

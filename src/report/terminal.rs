@@ -1,7 +1,7 @@
 //! The summary of an identification in a terminal.
 //!
-//! Colours only repeat what words say. Written through anstream's streams, which drop them where `NO_COLOR` asks for it or
-//! nobody looks.
+//! Colours only repeat what words say. Written through anstream's streams, which drop them where `NO_COLOR` is set or the output is not a
+//! terminal.
 
 use super::chart::{Figure, characters};
 use super::identification::{overall_rmse_nm, parameter};
@@ -17,7 +17,7 @@ use anstyle::{AnsiColor, Style};
 use std::io::{self, Write};
 use std::path::Path;
 
-/// Columns of running text: no wider than reads well, and where nobody looks.
+/// Columns of running text: the widest that reads well, and the width where the output is not a terminal.
 const WIDTH: usize = 112;
 /// No narrower, however narrow the terminal is.
 const WIDTH_MIN: usize = 40;
@@ -88,7 +88,7 @@ pub(super) fn width() -> usize {
     }
 }
 
-/// Writes `rows` below `heads` in columns: the first to the left, the others to the right but for words. What does not fit the
+/// Writes `rows` below `heads` in columns: the first and columns of words to the left, the others to the right. What does not fit the
 /// terminal's width goes on in a line below.
 pub(super) fn table(out: &mut impl Write, heads: &[String], rows: &[Vec<String>]) -> io::Result<()> {
     let all = || std::iter::once(heads).chain(rows.iter().map(Vec::as_slice));
@@ -152,7 +152,7 @@ pub fn sweeps(out: &mut impl Write, fits: &Both<FrictionFit>, units: &Units) -> 
     for direction in Direction::BOTH {
         let fit = fits.of(direction);
         let taken = exponentials(fit.taken.rates.len());
-        writeln!(out, "  {:<12} {}", moving(direction), wrapped(&format!("{taken} taken; {}", fit.why), 15))?;
+        writeln!(out, "  {:<12} {}", moving(direction), wrapped(&format!("{taken} selected; {}", fit.why), 15))?;
     }
     Ok(())
 }
@@ -160,8 +160,8 @@ pub fn sweeps(out: &mut impl Write, fits: &Both<FrictionFit>, units: &Units) -> 
 fn free_motion(out: &mut impl Write, free: &FreeFit, units: &Units) -> io::Result<()> {
     heading(out, "Friction from free motion")?;
     for (form, held_out_nm) in &free.forms {
-        let taken = if *form == free.form { "taken" } else { "" };
-        writeln!(out, "  {:<46} {:>12} held out  {taken}", form.name(free.is_loaded), units.torque(*held_out_nm))?;
+        let selected = if *form == free.form { "selected" } else { "" };
+        writeln!(out, "  {:<46} {:>12} held out  {selected}", form.name(free.is_loaded), units.torque(*held_out_nm))?;
     }
     if let Some(words) = share_of_load(free) {
         writeln!(out, "  {}", wrapped(&words, 2))?;
@@ -234,7 +234,7 @@ pub fn curves(out: &mut impl Write, fit: &CombinationFit, units: &Units) -> io::
     heading(out, "Change of friction after a reversal")?;
     for (at, curve) in fit.curves.iter().enumerate() {
         let own = parameter(&curve.curve).map_or(String::new(), |(name, x)| format!("{name} = {}", significant(x, 4)));
-        let notes = [(at == fit.taken, "taken"), (at == fit.supported && at != fit.taken, "best supported")];
+        let notes = [(at == fit.taken, "selected"), (at == fit.supported && at != fit.taken, "best supported")];
         let note: Vec<&str> = notes.iter().filter(|(applies, _)| *applies).map(|(_, note)| *note).collect();
         let (rmse, r_squared) = (units.torque(curve.rmse_nm), r_squared(curve.r_squared));
         let name = curve.kind.name();

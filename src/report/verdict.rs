@@ -38,7 +38,7 @@ fn whole_series(found: &Identification, units: &Units) -> Option<String> {
     let samples: usize = found.residuals.iter().map(|r| r.residual_nm.len()).sum();
     let rmse = units.torque(overall_rmse_nm(found));
     (samples > 0)
-        .then(|| format!("Over all trials, to which it was fitted, the model leaves {rmse} RMSE, both low-passed."))
+        .then(|| format!("RMSE of the model over all trials, to which it was fitted: {rmse}, after the low-pass."))
 }
 
 fn source(found: &Identification) -> String {
@@ -68,18 +68,18 @@ fn friction(fits: &Both<FrictionFit>, units: &Units) -> String {
             false => format!("where the data support {}", exponentials(supported)),
         };
         if fit.taken.freedom() < 1.0 {
-            return format!("{}, {} taken, exactly determined by the points", moving(d), exponentials(taken));
+            return format!("{}, {}, exactly determined by the points", moving(d), exponentials(taken));
         }
         let (rmse, r_squared) = (units.torque(fit.taken.rmse_nm), r_squared(fit.r_squared));
         format!("{}, {} with a fit RMSE of {rmse} (R² {r_squared}), {advice}", moving(d), exponentials(taken))
     };
-    format!("Of the friction B(v): {}; {}.", met(Direction::Up), met(Direction::Down))
+    format!("Selected form of the friction B(v): {}; {}.", met(Direction::Up), met(Direction::Down))
 }
 
 fn free_motion(free: &FreeFit, units: &Units) -> String {
     let (form, held_out) = (free.form.name(free.is_loaded), units.torque(free.held_out_nm));
     let of_load = share_of_load(free).map_or(String::new(), |words| format!(" {words}"));
-    format!("The friction taken is {form}: it leaves {held_out} RMSE on held-out strokes.{of_load}")
+    format!("The selected form of friction is {form}: RMSE {held_out} on held-out strokes.{of_load}")
 }
 
 /// By how much friction grows with the load, where the form taken says so.
@@ -107,7 +107,7 @@ fn combination(fit: &CombinationFit, units: &Units) -> String {
         JudgedOn::UnseenStrokes => "on held-out strokes",
     };
     format!(
-        "After {} friction changes over by the {} curve{own}, which leaves {} {there}{advice}; the others leave {}.",
+        "After {} friction changes over along the {} curve{own}, with an RMSE of {} {there}{advice}; RMSE of the others: {}.",
         counted(fit.windows, "reversal", "reversals"),
         curve.kind.name(),
         units.torque(curve.rmse_nm),
@@ -124,8 +124,8 @@ pub fn refinement(refined: &Refinement, units: &Units) -> String {
     let (before, after) = (units.torque(refined.before_nm), units.torque(refined.after_nm));
     let kept = match (refined.kept, refined.gained) {
         (true, _) => "the refined model is kept",
-        (false, true) => "but it runs away towards rest, so the protocol's model is kept",
-        (false, false) => "no certain gain, so the protocol's model is kept",
+        (false, true) => "but its friction diverges towards rest, so the protocol's model is kept",
+        (false, false) => "no significant gain, so the protocol's model is kept",
     };
     format!(
         "Refining all parameters on the whole series changes the RMSE from {before} to {after} on held-out trials: {kept}."

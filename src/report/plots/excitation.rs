@@ -6,7 +6,7 @@ use crate::report::chart::{Axis, Figure, Panel, Point, Stroke, palette};
 
 /// Height of a panel, px.
 const TALL_PX: f64 = 170.0;
-/// Samples drawn: of hours of motion every so many.
+/// Samples drawn, at most: longer motions are decimated.
 const SAMPLES: usize = 400_000;
 
 /// One quantity along all motions.

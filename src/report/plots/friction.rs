@@ -10,11 +10,11 @@ use crate::report::wording::{Units, moving};
 const CURVE_POINTS: usize = 240;
 /// The panel of residuals may grow to this many times the largest of them to hold the band.
 const BAND_ROOM: f64 = 2.5;
-const BAND: &str = "95 % band of the form taken (bold line)";
+const BAND: &str = "95 % band of the selected form (bold line)";
 
-const CAPTION: &str = "B of each leg with the fitted forms; below, what the form that the model takes leaves, with its 95 % band. \
-                       Points should scatter about zero there, without a wave. Where the lines of the forms cannot be told apart \
-                       within the scatter, the smaller form is enough, and the parameters of the larger one trade off.";
+const CAPTION: &str = "B of each leg with the fitted forms; below, the residual of the selected form, with its 95 % band. Points should \
+                       scatter about zero there, without a wave. Where the curves differ by less than the scatter, the smaller form is \
+                       enough, and the parameters of the larger one are correlated.";
 
 /// B against speed, a column for each direction; `None` without legs.
 pub fn figure(found: &Identification) -> Option<Figure> {

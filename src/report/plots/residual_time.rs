@@ -79,7 +79,7 @@ fn moving_points(trial: &Residual, direction: Direction, factor: f64) -> Vec<Poi
     points
 }
 
-/// What the trial's panel shows: zero and all samples, but for peaks that would flatten the rest.
+/// Range of the trial's panel: zero and all samples, except peaks that would flatten the rest.
 fn range_nm(trial: &Residual) -> (f64, f64) {
     let reach = PEAKS * thin::magnitude(trial.residual_nm.iter().copied(), BEYOND);
     let (low, high) = span(trial.residual_nm.iter().copied().chain([0.0]));

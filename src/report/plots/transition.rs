@@ -83,7 +83,7 @@ fn add_curve(panel: &mut Panel, fit: &CombinationFit, at: usize, (found, units):
 /// "power, n = 0.42 (taken): RMSE 3.1 mN m, R² 0.98".
 fn name(fit: &CombinationFit, at: usize, curve: &CurveFit, units: &Units) -> String {
     let parameter = parameter(&curve.curve).map_or(String::new(), |(n, x)| format!(", {n} = {}", significant(x, 4)));
-    let note = if at == fit.taken { " (taken)" } else { "" };
+    let note = if at == fit.taken { " (selected)" } else { "" };
     let rmse = units.torque(curve.rmse_nm);
     format!("{}{parameter}{note}: RMSE {rmse}, R² {}", curve.kind.name(), r_squared(curve.r_squared))
 }
