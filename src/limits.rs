@@ -8,7 +8,7 @@
 pub const UNPACKED_MIN_BYTES: u64 = 128 << 20;
 /// Beyond that, bytes of numbers per byte of file. Recorded signals compress by 2 to 10.
 pub const UNPACKED_PER_BYTE: u64 = 16;
-/// Bytes that are unpacked and passed over (messages of other topics) take time but no memory: so many count as one that is kept.
+/// Bytes that are unpacked and passed over (messages of other topics) take time but no memory: this many count as one that is kept.
 pub const PASSED_OVER_PER_KEPT: u64 = 2;
 
 /// Longest line of a CSV file or stream, bytes: 10,000 columns of 100 characters.
@@ -88,7 +88,7 @@ impl Budget {
         }
     }
 
-    /// Takes room for so many numbers.
+    /// Takes room for `count` numbers.
     pub fn take_numbers(&mut self, count: u64) -> Result<(), String> {
         self.take(count.saturating_mul(8))
     }

@@ -254,7 +254,7 @@ impl Unit {
                 || self.words().iter().any(|known| is_word(known)))
     }
 
-    /// Whether `text` is this unit but for capitals: not certain enough to be taken. A capital M is mega.
+    /// Whether `text` is this unit except for upper and lower case: not certain enough to be accepted. A capital M is mega.
     fn is_meant_by(self, text: &str) -> bool {
         let text = plain(text);
         let is_like = |known: &str| plain(known).eq_ignore_ascii_case(&text);

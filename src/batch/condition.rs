@@ -28,14 +28,15 @@ pub(super) struct Explained {
 impl Explained {
     /// Whether it is one of `conditions` that may be named.
     ///
-    /// A condition that matters leaves what the intervals claim; one that fits by accident leaves a part of whatever else scatters,
-    /// which with few runs is hardly told by its share. So one that leaves more than the intervals claim needs stronger evidence.
+    /// A condition that matters leaves what the intervals claim; one that fits by accident leaves a part of whatever else scatters, and
+    /// with few runs its share hardly shows which of the two it is. So a condition that leaves more than the intervals claim needs stronger
+    /// evidence.
     pub fn is_cause(&self, conditions: usize) -> bool {
         /// The intervals leave as much less often than this: there is more.
         const MORE_LEFT: f64 = 0.01;
-        /// Chance, over all conditions, that one that does not matter is named where nothing else scatters.
+        /// False-alarm rate over all conditions, where nothing but the intervals makes the runs scatter.
         const ALL: f64 = 0.05;
-        /// The same where something else scatters too.
+        /// The same where the runs scatter by more than their intervals claim.
         const PART: f64 = 0.002;
         let allowed = if self.left_by_chance < MORE_LEFT { PART } else { ALL };
         self.chance < allowed / conditions as f64
@@ -54,7 +55,7 @@ impl<'a> Condition<'a> {
 
     /// What it explains of `q`; `None` where there are too few runs.
     ///
-    /// The scatter within equal conditions judges, by Fisher's F, but counts as no less than the intervals claim.
+    /// Tested by Fisher's F against the scatter within equal conditions, which counts as no less than the intervals claim.
     pub fn explains(&self, known: &[Known], q: f64) -> Option<Explained> {
         let runs = known.len() as f64;
         let explained = |left: f64, over: f64, freedom: f64, slope| Explained {

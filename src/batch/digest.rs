@@ -44,7 +44,7 @@ fn files(entry: &Entry) -> Vec<PathBuf> {
 /// The files of the campaign in `folder`.
 fn files_of(folder: &Path) -> Vec<PathBuf> {
     let mut files = vec![folder.join("campaign.toml")];
-    // A campaign that cannot be read fails, and what failed is tried again anyway.
+    // A campaign that cannot be read fails, and failed campaigns are tried again anyway.
     if let Ok(campaign) = read_campaign(folder) {
         files.extend(campaign.trials.iter().map(|trial| campaign.folder.join(&trial.file)));
         files.extend(campaign.arm.iter().map(|arm| campaign.folder.join(&arm.urdf)));

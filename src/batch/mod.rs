@@ -69,7 +69,7 @@ pub enum Came {
     Kept,
     /// It was worked out now.
     Done,
-    /// It was tried now, in vain.
+    /// It was tried now, and failed.
     Failed,
 }
 
@@ -101,8 +101,8 @@ pub fn run(
             }
         }
     };
-    // Each worker has its own pool, most often of one thread. In a common pool a thread that waits for part of its campaign
-    // would begin another one meanwhile, and another in that: nobody could say how many are in memory.
+    // Each worker has its own pool, most often of one thread. In a common pool a thread that waits for part of its campaign would begin
+    // another one meanwhile, and another in that: there would be no bound on how many are in memory.
     std::thread::scope(|scope| {
         for at in 0..workers {
             let share = threads / workers + usize::from(at < threads % workers);

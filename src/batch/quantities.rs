@@ -1,5 +1,5 @@
-//! What several campaigns of one joint know of it: every identified parameter, and the functions that the parameters amount to,
-//! each with its standard error.
+//! The quantities of one joint over several campaigns: every identified parameter, and the functions of the parameters (A, B(v)), each with
+//! its standard error.
 
 use super::table::Row;
 use crate::compare::{change_over_m, parameters_of};

@@ -1,9 +1,9 @@
-//! Several recordings of one joint under nominally the same conditions: which of its parameters, and which of the functions
-//! that they amount to, come out the same; which scatter more than their intervals claim; which follow a named condition.
+//! Several recordings of one joint under nominally the same conditions: which of its parameters, and of the functions of these, are
+//! repeatable; which scatter more than their intervals claim; which depend on a named condition.
 //!
-//! Each run gives a value with its standard error s. With weights 1 / s^2, the sum of squares about their mean, Q, is chi
-//! squared with one degree less than there are runs if the intervals tell the whole scatter (Cochran's Q). What exceeds it is a
-//! variance between runs tau^2 by the method of moments of DerSimonian and Laird (Controlled Clinical Trials 7:177, 1986).
+//! Each run gives a value with its standard error s. With weights 1 / s^2, the sum of squares about their mean, Q, is chi squared with one
+//! degree less than there are runs if the intervals account for the whole scatter (Cochran's Q). What exceeds it is a variance between runs
+//! tau^2 by the method of moments of DerSimonian and Laird (Controlled Clinical Trials 7:177, 1986).
 
 use super::condition::{Condition, Known, about_mean};
 use super::quantities;
@@ -14,11 +14,11 @@ use std::collections::BTreeMap;
 
 /// Fewest runs that can be judged.
 pub const RUNS_MIN: usize = 3;
-/// Of joints whose intervals tell the whole scatter this share has any quantity called otherwise, all quantities counted.
+/// Family-wise false-alarm rate: share of the joints whose intervals account for the whole scatter that have any quantity called otherwise.
 const MORE_THAN_CLAIMED: f64 = 0.02;
 /// Pairs that absorb each other are correlated over the runs by more than this ...
 const ABSORBED: f64 = 0.9;
-/// ... in at least so many runs.
+/// ... in at least this many runs.
 const ABSORBED_RUNS: usize = 5;
 
 /// Runs of one joint, judged.

@@ -67,7 +67,7 @@ fn work(entry: &Entry, settings: &Settings, mut record: Record) -> Result<Record
     if settings.diagnose {
         match reference(entry, &model, settings) {
             Ok((model, against)) => diagnosed(&timed(&campaign, &model)?, &model, against, &mut record)?,
-            // A fault of another campaign is none of this one.
+            // A fault of another campaign is no fault of this one.
             Err(problems) => record.warnings.push(format!("not diagnosed: its reference: {}", reason(&problems))),
         }
     }

@@ -8,7 +8,7 @@ const CATCHES_UP: i64 = 4;
 
 /// The shortest period of pulses that a device here keeps up with, ns.
 pub const SHORTEST_CYCLE_NS: u32 = 50_000;
-/// So many pulses are made up for after a pause.
+/// Pulses that are caught up with after a pause, at most.
 const MANY: u64 = 10_000;
 
 /// One clock.

@@ -25,8 +25,8 @@ pub enum Fault {
         /// How many.
         frames: u32,
     },
-    /// The next `frames` frames of process data come back damaged, in turn: a datagram's number, a length, a working counter, the
-    /// end missing. What no header or counter betrays, Ethernet's checksum would have.
+    /// The next `frames` frames of process data come back damaged, in turn: a datagram's number, a length, a working counter, the end
+    /// missing. Damage that neither header nor counter shows would have failed Ethernet's checksum.
     Corrupted {
         /// How many.
         frames: u32,
@@ -101,7 +101,7 @@ pub enum Fault {
     IgnoredControl,
     /// The drive ignores a quick stop, and obeys every other command.
     IgnoredQuickStop,
-    /// In speed mode the drive runs at so many times the speed it is told.
+    /// In speed mode the drive runs at this multiple of the commanded speed.
     Runaway {
         /// How many times.
         factor: f64,

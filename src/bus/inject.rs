@@ -13,7 +13,7 @@ pub(super) enum Struck {
 }
 
 impl Bus {
-    /// Has something go wrong, at a time (ns) or at a cycle. What is of a drive or its joint is of the first.
+    /// Injects a fault at a time (ns) or at a cycle; a fault of a drive or its joint strikes the first drive.
     pub fn inject(&mut self, fault: Fault, when: impl Into<When>) {
         self.to_come.push((when.into(), Struck::First, fault));
     }

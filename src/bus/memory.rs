@@ -67,7 +67,7 @@ pub struct Touched {
 }
 
 impl Memory {
-    /// Zeros, with so many sync managers and FMMUs.
+    /// Zeros, with the given number of sync managers and FMMUs.
     pub fn new(sync_managers: usize, fmmus: usize) -> Self {
         Self { bytes: vec![0; SIZE], sync_managers, fmmus, shut: 0 }
     }

@@ -6,7 +6,7 @@ use std::fmt;
 /// What ends a motion early. Every one leads to a quick stop.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Cause {
-    /// Answers failed to come, so many cycles one after the other.
+    /// No answer for this many consecutive cycles.
     MissedCycles(u32),
     /// Fewer devices than expected took part in a cycle.
     WorkingCounter {
@@ -50,11 +50,11 @@ pub enum Cause {
     NotFollowing(Beyond),
     /// Measured and commanded speed differ by too much, rad/s.
     SpeedGap(Beyond),
-    /// The drive has sent nothing new for so many cycles, though it answers.
+    /// The drive has sent no new inputs for this many cycles, though it answers.
     DriveStale(u32),
     /// In the first small motion torque and position had opposite signs: torque up less torque down, N m.
     Signs(f64),
-    /// Too many cycles were missed while nothing moved: so many of so many.
+    /// Too many cycles were missed while nothing moved: the number missed, of the number run.
     CycleQuality {
         /// Missed.
         missed: u32,
@@ -77,7 +77,7 @@ pub enum Cause {
     EncoderJump(Beyond),
     /// What was to be commanded is outside the limits: position, rad, or its change, rad/s.
     Command(Beyond),
-    /// The sensor has sent nothing new for so many cycles.
+    /// The sensor has sent no new reading for this many cycles.
     SensorStale(u32),
     /// The sensor is at the end of its range.
     SensorSaturated,

@@ -1,11 +1,11 @@
 //! A jog, with what the operator saw of it -> the rig's numbers: sign and scale of drive and sensor, the joint's zero.
 //!
 //! **Drive**: the counts between the ends of the jog by the angle that was seen between them are `counts_per_rad`; `sign` is wrong where
-//! the joint went down while up was asked for. What was there before stays where it agrees as well as an angle can be read.
-//! **Zero**: from a pose that the operator tells. **Sensor**: friction acts against every motion, so the torque going up is above that
-//! going down (see `tried`): where it is not, `nm_per_count` has the wrong sign. The mean of both ways is free of friction: under a known
-//! load it gives the scale. Without one, the drive's own torque shows what the sensor should have seen, which is told and not taken over:
-//! friction before the sensor makes it less.
+//! the joint went down while up was asked for. What was there before stays where it agrees as well as an angle can be read. **Zero**: from
+//! a pose that the operator tells. **Sensor**: friction acts against every motion, so the torque going up is above that going down (see
+//! `tried`): where it is not, `nm_per_count` has the wrong sign. The mean of both ways is free of friction: under a known load it gives the
+//! scale. Without one, the drive's own torque shows what the sensor should have read; this is reported but not written to the rig, because
+//! friction ahead of the sensor reduces it.
 
 use super::rig::Rig;
 use super::tried::{self, Fit};
@@ -194,7 +194,7 @@ fn mean(values: &[f64]) -> f64 {
     values.iter().sum::<f64>() / values.len().max(1) as f64
 }
 
-/// What the sensor saw of the drive's change of torque between the two ways, where that is something.
+/// The sensor's share of the drive's change of torque between the two directions; `None` where the drive's torque hardly changed.
 fn share(up: &[Sample], down: &[Sample]) -> Option<f64> {
     let change = |torque: fn(&Sample) -> f64| {
         let [up, down] = [up, down].map(|side| mean(&side.iter().map(torque).collect::<Vec<_>>()));

@@ -1,9 +1,9 @@
-//! Whether the joint does what it is told: the way that was commanded against the way that is measured.
+//! Whether the joint follows its command: the commanded travel against the measured one.
 //!
-//! Three rules. Where the command has gone on by `stuck_rad` in one direction, the measurement must have gone at least a tenth of it
-//! the same way: else the encoder is frozen, the joint is blocked, or a sign is wrong. And the mean speeds over the last cycles must
-//! not differ by more than half the limit of speed (all of it in torque mode). And a position that moved must not stand, to the count,
-//! from one cycle to the next while the command goes on: no joint stops so.
+//! Three rules. Where the command has gone on by `stuck_rad` in one direction, the measurement must have gone at least a tenth of it the
+//! same way: else the encoder is frozen, the joint is blocked, or a sign is wrong. And the mean speeds over the last cycles must not differ
+//! by more than half the limit of speed (all of it in torque mode). And a position that was moving must not stay at the same count from one
+//! cycle to the next while the command goes on: no joint stops that abruptly.
 //!
 //! What cannot be known from positions: whether the joint or only its encoder stands still, and, while nothing is commanded,
 //! whether an encoder that shows no change is alive (see `fresh`).
@@ -19,14 +19,14 @@ const FOLLOWED: f64 = 0.1;
 const MARKS: usize = 8;
 /// Share of the limit of speed by which measured and commanded speed may differ ...
 const SPEED_GAP: f64 = 0.5;
-/// ... the same in torque mode, where our own loop is soft: a joint that friction held slips forward faster than it is told ...
+/// ... the same in torque mode, where the loop of this program is compliant: a joint released by friction moves faster than its command ...
 const SOFT_SPEED_GAP: f64 = 1.0;
-/// ... and at least what the limit of acceleration makes of a delay of so long, s.
+/// ... and at least the speed gained at the limit of acceleration within this delay, s.
 const DELAY_S: f64 = 0.02;
 
 /// Cycles for which a position must stand to the count, ...
 const STANDS: u32 = 4;
-/// ... while the command goes on by so many counts at least, ...
+/// ... while the command advances by at least this many counts, ...
 const STANDS_COUNTS: f64 = 3.0;
 /// ... both, before and meanwhile, faster than this share of the limit of speed.
 const MOVES: f64 = 0.15;

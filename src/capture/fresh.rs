@@ -9,9 +9,9 @@
 //! same one again, and a computer that sleeps through two of three cycles sees the same buffer each time though all is well. A frame that
 //! was not received is a missed cycle, not a stale input.
 
-/// A signal that stood for more looks than this, one after the other, tells nothing.
+/// A signal that stayed the same for more consecutive checks than this cannot be used.
 const ALIVE: u32 = 2;
-/// Standing for so many looks is a fault.
+/// A signal that stays the same for this many checks is a fault.
 const STALE: u32 = 4;
 /// Looks that make sure that the signal can be used.
 const LOOKS: u32 = 100;
@@ -27,8 +27,8 @@ pub struct Freshness {
 }
 
 impl Freshness {
-    /// The signal as it is now, `periods` after the last look; `is_judged` once there is torque: until then it shows what it is worth.
-    /// Gives for how many looks it has stood, where that is too many.
+    /// The signal as it is now, `periods` after the last look; `is_judged` once there is torque: until then it only shows whether it can be
+    /// used. Returns for how many checks it has stayed the same, where these are too many.
     pub fn look(&mut self, signal: u32, periods: u32, is_judged: bool) -> Option<u32> {
         let is_next = periods == 1;
         self.stands = if is_next && self.last == Some(signal) { self.stands + 1 } else { 0 };

@@ -14,7 +14,7 @@ const FIRST_MESSAGE: u8 = 6;
 const DIAGNOSIS: u16 = 0x10F3;
 /// The list of errors, the newest first, 32 bits each.
 const ERRORS: u16 = 0x1003;
-/// More than so many are not read: each takes a millisecond or more.
+/// At most this many are read: each takes a millisecond or more.
 const MOST: u8 = 20;
 /// How long all of it may take, ns.
 const ANSWER_NS: u64 = 500_000_000;

@@ -1,9 +1,9 @@
 //! Our own loop between the EtherCAT stack and the wire, in place of the stack's, which one late frame ends for good.
 //!
-//! A future of the stack is polled, what it wants to send is sent, what comes in is handed over, and so on until it is done or
-//! its time is up. Whatever the stack makes of a frame that comes late, twice or damaged, is let pass: what was to be answered
-//! is then missed, which the caller sees. A panic of the stack ends only what was being asked; what is known to make it panic, an
-//! emergency message during a transfer of objects, is kept from it (see `unasked`).
+//! A future of the stack is polled, what it wants to send is sent, what comes in is handed over, and so on until it is done or its time is
+//! up. Errors of the stack from a frame that comes late, twice or damaged are ignored: the answer is then missing, which the caller sees. A
+//! panic of the stack ends only what was being asked; what is known to make it panic, an emergency message during a transfer of objects, is
+//! kept from it (see `unasked`).
 
 use super::clock;
 use super::master::{BYTES, DEVICES};

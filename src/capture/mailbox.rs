@@ -1,7 +1,7 @@
 //! The drive's mailbox, looked into beside the process data: what comes unasked is an emergency message (CiA 301; ETG.1000.6).
 //!
 //! It is read by registers and not through the stack, which does not survive such a message where it expects an answer. Nothing is
-//! asked of the drive while data flow, so that nobody's answer is taken away.
+//! requested from the drive during the exchange of process data, so no answer to a request can be removed by mistake.
 
 use super::line::Line;
 use super::wire::Wire;
@@ -16,8 +16,8 @@ const FULL: u8 = 1 << 3;
 /// What is read of a message: its header, 6 bytes, that of CoE, 2 bytes, and an emergency, 8 bytes.
 pub(super) const HEAD: usize = 16;
 
-/// Takes a message out of the mailbox of `device`, if there is one, until `until_ns` at most: the code of an emergency, nothing
-/// within where it is none. What only says that an error is over (code 0) is no message.
+/// Takes a message out of the mailbox of `device`, if there is one, until `until_ns` at most: the code of an emergency; the inner `None` is
+/// another message. One that only reports the end of an error (code 0) does not count.
 pub(super) fn fetch<W: Wire, S: Deref<Target = SubDevice>>(
     line: &mut Line<'_, W>,
     device: &SubDeviceRef<'_, S>,

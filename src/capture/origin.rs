@@ -1,7 +1,7 @@
 //! When a campaign began, so that a capture that goes on after a break stamps its samples by the same clock.
 //!
 //! The time of day may be set back or forth between two runs. Therefore the time since the computer was started counts where it was not
-//! restarted meanwhile, and the time of day only where it was. Whatever they say, no sample is stamped before those that are recorded.
+//! restarted meanwhile, and the time of day only where it was. In any case no sample is stamped earlier than those already recorded.
 
 use std::time::{SystemTime, UNIX_EPOCH};
 

@@ -190,7 +190,7 @@ impl State {
             Self::Cutting if seen.cycles >= patience.cutting => Self::Leaving,
             Self::Leaving if seen.cycles >= patience.cutting => Self::Lost,
             Self::Cutting | Self::Leaving | Self::Lost => self,
-            // A dry run has nothing to stop; what it sees is told all the same.
+            // A dry run has nothing to stop; causes are reported all the same.
             Self::Watching if seen.request == Request::Watch => Self::Watching,
             _ if seen.has_cause => Self::Stopping,
             // Who does not answer is not taken over.

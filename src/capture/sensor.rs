@@ -31,7 +31,7 @@ pub struct SensorReader {
 pub struct Reading {
     /// As it came, counts.
     pub counts: f64,
-    /// Torque, N m; nothing where it is of no use.
+    /// Torque, N m; `None` where it is not valid.
     pub torque_nm: Option<f64>,
     /// The status word, 0 where there is none.
     pub status: u16,

@@ -55,7 +55,7 @@ pub struct Live {
     pub state: &'static str,
     /// rad.
     pub position_rad: f64,
-    /// N m; nothing where the sensor is of no use.
+    /// N m; `None` where the sensor is not valid.
     pub torque_nm: Option<f64>,
     /// What is left to the nearest limit of position, rad, and of torque, N m.
     pub margins: (f64, f64),

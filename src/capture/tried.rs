@@ -16,7 +16,7 @@ const SHARE_OF_RANGE: f64 = 0.05;
 const SPEED_RAD_S: f64 = 0.04;
 /// Share of the limit of acceleration that it takes.
 const GENTLE: f64 = 0.1;
-/// What a difference must be to tell something: so many standard errors of it, and such a share of the limit of torque.
+/// A difference is significant from this many of its standard errors on, and from this share of the limit of torque.
 const ERRORS: f64 = 5.0;
 const SHARE_OF_TORQUE: f64 = 0.002;
 

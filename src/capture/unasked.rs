@@ -1,4 +1,4 @@
-//! Messages that nobody asked for, kept out of the stack's way while it waits for an answer.
+//! Unsolicited messages, withheld from the stack while it waits for an answer.
 //!
 //! A drive sends an emergency message whenever it has reason to: after a fault of the last session, often as soon as it is in PRE-OP. The
 //! stack does not survive one where it expects the answer to its request for an object. So frames are looked at as they come in: an

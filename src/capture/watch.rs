@@ -1,17 +1,17 @@
 //! What is measured, held against the limits cycle by cycle.
 //!
-//! Whether the encoder has lost count shows in three ways. A **jump**: in one cycle the joint goes farther than it ever could. A **kink**: its
-//! way changes from one cycle to the next as no torque can change it. A **slip**: in one cycle it goes farther than in those before and
-//! after, which are alike. A joint that did so would be accelerated and braked within two cycles: an impact stops it at most, so the
-//! way of its neighbours is allowed, and so are `SLIP_ACCELERATIONS` of the limit of acceleration. An answer that brings an old
-//! position is made up for by the next and is no slip. No motion of a joint is told from a slip below that.
+//! Whether the encoder has lost count shows in three ways. A **jump**: in one cycle the joint goes farther than it ever could. A **kink**:
+//! its way changes from one cycle to the next as no torque can change it. A **slip**: in one cycle it goes farther than in those before and
+//! after, which are alike. A joint that did so would be accelerated and braked within two cycles: an impact stops it at most, so the way of
+//! its neighbours is allowed, and so are `SLIP_ACCELERATIONS` of the limit of acceleration. An answer with an old position is corrected by
+//! the next one and is not a slip. Below that acceleration a slip cannot be distinguished from motion of the joint.
 
 use super::cause::{Beyond, Cause};
 use super::limits::{Limits, SPEED_ROOM};
 
 /// How many times the limit of speed a jump of the position is: no joint gets there in one cycle.
 const JUMP_SPEEDS: f64 = 5.0;
-/// The same of its change from one cycle to the next: what no torque can do to a joint in a cycle.
+/// The same for the change of this travel from one cycle to the next, beyond what any torque can do to a joint within a cycle.
 const KINK_SPEEDS: f64 = 2.0;
 /// How many times the limit of acceleration takes a slip for a motion ...
 const SLIP_ACCELERATIONS: f64 = 10.0;
@@ -19,7 +19,7 @@ const SLIP_ACCELERATIONS: f64 = 10.0;
 const SLIP_SPEEDS: f64 = 0.1;
 /// By how much the ways before and after a slip may differ, as a share of it.
 const SLIP_ALIKE: f64 = 0.5;
-/// What counting makes of a smooth motion at most: of a kink two counts, of a slip two, and noise.
+/// Largest error that the encoder's counts add on a smooth motion: two counts for a kink, two for a slip, and noise.
 const COUNTS: f64 = 4.0;
 /// Cycles over which the measured speed is taken: in one, a count of the encoder more or less is a lot.
 pub const SPEED_CYCLES: usize = 10;

@@ -101,7 +101,7 @@ fn parameters(model: &Model) -> Vec<Figure> {
 /// A parameter: two recordings know it independently, so a difference is known √2 times worse than either.
 fn parameter(model: &Model, name: String, unit: &str, value: f64) -> Figure {
     let half_width = |c: &Confidence| (c.high - value).max(value - c.low);
-    // What nobody estimated was declared, or follows from what was: it has no errors of its own.
+    // A parameter that was not estimated was declared, or follows from declared ones: it has no error of its own.
     let half_width = model.confidence.get(&name).map_or(0.0, half_width);
     let rounding = (ROUNDING * value.abs()).max(ROUNDING_OF_INTERVAL * half_width);
     Figure {
@@ -140,7 +140,7 @@ pub(super) fn of_evaluation(found: &Evaluation, trials: &[TrialMark]) -> Vec<Fig
     all
 }
 
-/// What a trial's RMSE may differ by from one repeat to the next, by their scatter, as a share of it; 0 where there are none.
+/// How far a trial's RMSE may differ between repeats, from their scatter, as a share of it; 0 without repeats.
 fn scatter(group: &Group, repeats_nm: &[f64]) -> f64 {
     if !group.repeats || repeats_nm.len() < 2 {
         return 0.0;

@@ -31,9 +31,9 @@ impl Part {
 /// Whether a difference matters.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Outcome {
-    /// There is none beyond rounding.
+    /// No difference beyond rounding.
     Same,
-    /// The data are the same but for rounding.
+    /// The data are the same except for rounding.
     Rounded,
     /// The data changed; by itself that is no regression.
     Changed,

@@ -167,7 +167,7 @@ fn figures(before: &Snapshot, now: &Snapshot, has_changed: impl Fn(&Figure) -> b
                 found.push(finding(Held::Number(new.value), allowed, outcome, note));
             }
             None if !now.refused.is_empty() || figure.file.as_ref().is_some_and(|file| !is_there(file)) => {}
-            // The choice that took its place, or the trials that it needs, are told already.
+            // The other choice that was made, or the trials that it needs, are reported already.
             None if has_changed(figure) => found.push(finding(Held::Nothing, f64::NAN, Outcome::Changed, "gone")),
             None => found.push(finding(Held::Nothing, f64::NAN, Outcome::Regressed, "gone, on the same data")),
         }

@@ -22,7 +22,7 @@ pub struct TrialMark {
 }
 
 impl TrialMark {
-    /// Whether both logs hold the same, but for rounding.
+    /// Whether both logs hold the same data, except for rounding.
     pub fn holds_same(&self, other: &Self) -> bool {
         self.rows == other.rows
             && self.columns.len() == other.columns.len()

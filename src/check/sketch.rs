@@ -1,4 +1,4 @@
-//! A digest of one column that tells rounding from change, and says which change it was where that is simple.
+//! A digest of one column that distinguishes rounding from change, and identifies a simple change (scale, offset).
 //!
 //! A hash turns over with the last bit of any sample, and what another machine's rounding or other text for the same number
 //! does to it cannot be told from a new recording. So a column x of n samples is held by sums s_k = Σ w_ki x_i / √n instead,
@@ -48,7 +48,7 @@ impl Sketch {
         Self { rms: squares.sqrt() / n, sums: sums.map(|sum| sum / n) }
     }
 
-    /// Whether both are of one column, but for rounding.
+    /// Whether both are of the same column, except for rounding.
     pub fn is_same(&self, other: &Self) -> bool {
         let near = SAME * self.rms.max(other.rms);
         (self.rms - other.rms).abs() <= near && self.sums.iter().zip(other.sums).all(|(a, b)| (a - b).abs() <= near)

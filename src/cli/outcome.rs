@@ -109,7 +109,7 @@ fn written(write: impl FnOnce(&mut Vec<u8>) -> io::Result<()>) -> String {
     String::from_utf8_lossy(&bytes).into_owned()
 }
 
-/// Writes to standard output, its colours dropped where `NO_COLOR` asks for it or nobody looks, and everything else that would act
+/// Writes to standard output, without colours where `NO_COLOR` is set or the output is not a terminal, and everything else that would act
 /// on a terminal made visible. A reader that went away (`| head`) is no failure of ours, a full disk is.
 pub fn say(write: impl FnOnce(&mut Vec<u8>) -> io::Result<()>) -> Result<()> {
     let text = written(write);

@@ -3,7 +3,7 @@
 use super::outcome::Talk;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 
-/// A bar over `length` steps called `what`; hidden when the command should not talk or nobody watches.
+/// A bar over `length` steps called `what`; hidden with `--quiet` or where standard error is not a terminal.
 pub fn bar(talk: &Talk, what: &'static str, length: usize) -> ProgressBar {
     // indicatif itself hides a bar on standard error that is no terminal.
     let target = if talk.shows_progress() { ProgressDrawTarget::stderr() } else { ProgressDrawTarget::hidden() };

@@ -7,8 +7,8 @@ use super::observed::Observed;
 use crate::model::{Combination, Model};
 use crate::numerics::statistics::{HALF_WIDTH, chi_squared_tail, together};
 
-/// A cause is taken when it explains more of chi squared than chance does in one of so many comparisons with a probability of
-/// 5 %: 3.5 standard errors. A dozen causes are tried in each.
+/// Bonferroni factor: a cause is accepted when it explains more of chi squared than chance would in any of this many comparisons, with a
+/// probability of 5 %: 3.5 standard errors. A dozen causes are tried in each.
 const TRIED: usize = 100;
 /// The observations as a whole differ when chance would give their chi squared less often than this.
 const DIFFER: f64 = 1e-3;
@@ -83,7 +83,7 @@ fn change_over(before: &Model, after: &Model, explains: f64) -> Option<Cause> {
     };
     let (a, b) = (ln(before), ln(after));
     let (ratio, relative) = ((b.0 - a.0).exp(), a.1.hypot(b.1));
-    // Of curves that nobody fitted nothing is known.
+    // Without fitted curves nothing is known.
     let is_known = a.1 > 0.0 && b.1 > 0.0 && ratio.is_finite();
     let comparable = is_known && before.combination.name() == after.combination.name();
     comparable.then(|| alone(CauseKind::ChangeOver, Measure::Share, ratio - 1.0, ratio * relative, explains))?

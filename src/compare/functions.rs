@@ -4,7 +4,7 @@
 use crate::model::{Both, BranchFunctions, Combination, Direction, Model, shared_speeds};
 use crate::numerics::statistics::HALF_WIDTH;
 
-/// The share of the change-over whose travel is told: a curve that creeps to its end has no other end to speak of.
+/// The share of the change-over whose travel is reported: a curve that approaches its end asymptotically has no other end.
 const DONE: f64 = 0.9;
 
 /// A function of both models.
@@ -69,7 +69,7 @@ impl FunctionChange {
     }
 }
 
-/// Cable travel until friction has changed over by `DONE`, m, with its standard error; `None` where nobody fitted the curve.
+/// Cable travel until friction has changed over by `DONE`, m, with its standard error; `None` where the curve was not fitted.
 pub fn change_over_m(model: &Model) -> Option<(f64, f64)> {
     let travel = |curve: Combination| model.joint.backlash_m * curve.done_by(DONE);
     let se = |name: &str| {
@@ -91,7 +91,7 @@ pub fn change_over_m(model: &Model) -> Option<(f64, f64)> {
     Some((value, by_curve.hypot(by_backlash)))
 }
 
-/// Speeds at which B is told where the usual ones lie outside of what the models know.
+/// Number of speeds at which B is reported where the usual ones lie outside the range of the models.
 const SPEEDS: usize = 3;
 
 /// Those of `usual_rad_s` at which both models know B in both directions, or some of their own between the slowest and the fastest.
@@ -168,7 +168,7 @@ pub(super) fn known_nm(model: &Model, positions_rad: &[f64], rate_hz: f64) -> f6
         let Some(of) = model.functions.branches.of(direction) else { return f64::INFINITY };
         let Some((slowest, fastest)) = of.levels.first().zip(of.levels.last()) else { return f64::INFINITY };
         let level = of.at(speed_rad_s.abs().clamp(slowest.speed_rad_s, fastest.speed_rad_s)).unwrap_or(*slowest);
-        // Without gravity A is nothing, and nothing of it is open.
+        // Without gravity A is zero, and has no error.
         let share = if of.a_nm == 0.0 { 0.0 } else { model.joint.kind.gravity_share(pair[0]).0 };
         if !of.common_se_nm.is_finite() || (share != 0.0 && !of.a_se_nm.is_finite()) {
             return f64::INFINITY;

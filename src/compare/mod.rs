@@ -16,7 +16,7 @@ use crate::dynamics::JointKind;
 use crate::model::{Combination, Confidence, Direction, Friction, Model, Status, Term};
 use crate::problem::{Problem, Problems, Result};
 
-/// A parameter of which nobody said how well it is known: within this share of it.
+/// Half width of the 95 % interval of a parameter without one, as a share of the value.
 const ASSUMED: f64 = 0.05;
 /// Radii that differ by less than this share are the same, written with fewer digits.
 const SAME: f64 = 1e-3;
@@ -43,8 +43,7 @@ pub struct Comparison {
 }
 
 impl Comparison {
-    /// Whether the effect leaves out gravity and inertia, which a chain holds: then also what friction that grows with the load
-    /// makes of them.
+    /// Whether the effect leaves out gravity and inertia, which a chain holds, and with them the friction that grows with their load.
     pub fn load_is_missing(&self) -> bool {
         self.before.chain.is_some() || self.after.chain.is_some()
     }
@@ -207,7 +206,7 @@ fn change(name: String, unit: &'static str, a: (Option<f64>, &Model), b: (Option
         let verdict = Verdict::Unknown;
         return Change { name, unit, before: a.0, after: b.0, low: f64::NEG_INFINITY, high: f64::INFINITY, verdict };
     };
-    // Nobody said how well a zero is known: 5 % of it would be perfectly.
+    // A zero without an interval: 5 % of it would mean that it is known exactly.
     let unsaid = |value: f64, model: &Model| value == 0.0 && !model.confidence.contains_key(&name);
     let known = |value: f64, model: &Model| {
         let assumed = ASSUMED * value.abs();

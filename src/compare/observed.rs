@@ -26,7 +26,7 @@ use nalgebra::{Cholesky, DMatrix, DVector};
 /// What a cause's second number must explain of chi squared to count: of two numbers chance explains 9.21 once in a hundred times,
 /// of one 6.63.
 const SECOND_NUMBER: f64 = 2.58;
-/// Differences of this share of A or B are none, however little scatters.
+/// Differences below this share of A or B count as zero, however small the scatter.
 const IMMATERIAL: f64 = 1e-3;
 /// Speeds compared in one direction at most: those of the later model, thinned.
 const SPEEDS: usize = 24;
@@ -145,7 +145,7 @@ impl Observed {
         let gram = design.tr_mul(&design);
         let scale = gram.diagonal().map(f64::sqrt);
         let scaled = gram.map_with_location(|i, j, product| product / scale[i] / scale[j]);
-        /// Columns that are one but for this share of their length cannot be told apart.
+        /// Columns that differ by less than this share of their length are collinear.
         const APART: f64 = 1e-4;
         if scaled.symmetric_eigenvalues().min() < APART {
             return None;

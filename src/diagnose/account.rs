@@ -1,4 +1,4 @@
-//! What an explanation says in figures: gap, budget, places, candidates, contacts, series.
+//! The results of an explanation: gap, budget, places, candidates, contacts, series.
 
 use super::answer::Kind;
 use super::base::BaseModel;
@@ -18,10 +18,10 @@ use std::ops::Range;
 
 /// Contact events are reported as a cause where their RMS over all rows is above this share of the floor's noise ...
 const CONTACT_FLOORS: f64 = 0.5;
-/// ... and this share of what the encoder alone leaves, which comes again with the motion and so hides less; squares add.
+/// ... and above this share of the encoder's part, which repeats with the motion and so hides less; squares add.
 const CONTACT_ENCODER: f64 = 0.3;
 
-/// The explanation of what a base model leaves, and the evidence that it rests on.
+/// The explanation of a base model's residual, and the evidence for it.
 pub struct Account<'a, 'd> {
     /// The model as delivered, over all rows that are scored.
     base: &'a BaseModel<'d>,
@@ -260,7 +260,7 @@ mod tests {
     use crate::diagnose::mask::Mask;
     use crate::diagnose::perturbation::within_confidence;
 
-    /// So high that nothing is sought, N m.
+    /// So high that no cause is searched for, N m.
     const FLOOR_NM: f64 = 1.0;
 
     #[test]

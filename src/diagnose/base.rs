@@ -142,7 +142,7 @@ impl<'d> BaseModel<'d> {
         gram.solve(self.mask.prior(&deviations)).square / self.mask.rows().max(1) as f64
     }
 
-    /// Products of the base's columns, `columns` and what `predicted_nm` leaves, with the columns' prior deviations.
+    /// Products of the base's columns, `columns` and the residual of `predicted_nm`, with the columns' prior deviations.
     pub(super) fn gram_beside(&self, columns: &[Vec<f64>], predicted_nm: &[f64]) -> (Gram, Vec<f64>) {
         let free = std::iter::repeat_n(f64::INFINITY, columns.len());
         let deviations = self.moves.iter().map(|way| way.prior).chain(free).collect();
@@ -184,7 +184,7 @@ mod tests {
             BaseModel::new(&mask, &model, within_confidence(&model)).residual_nm()
         };
         let as_recorded_nm = left_nm(&data);
-        // As if somebody had pushed there.
+        // As if the joint had been pushed there.
         data.measured_nm[event.rows.clone()].iter_mut().for_each(|y| *y += 1.0);
         let pushed_nm = left_nm(&data);
         for (row, (before, after)) in as_recorded_nm.iter().zip(&pushed_nm).enumerate() {

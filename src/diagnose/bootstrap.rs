@@ -1,4 +1,4 @@
-//! Intervals by resampling whole clusters: what another campaign like this one might have said.
+//! Intervals by resampling whole clusters: the scatter between campaigns like this one.
 
 use super::floor::Floor;
 use super::folds::Folds;
@@ -31,7 +31,7 @@ pub struct Shrink {
     pub high: f64,
 }
 
-/// What the numbers of a fit cost it on held-out units: noise moved them.
+/// What the parameters of a fit cost it on held-out units, because noise moved them.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Numbers {
     /// How many of them the data decide.
@@ -80,8 +80,8 @@ impl Resamples {
         self.weights.iter().map(mean).collect()
     }
 
-    /// How far the gap shrinks from `before` to `after`, squares left in each unit, over `rows`, above the floor's square. No
-    /// fit leaves less than the errors of its `numbers` do; only the upper end is what the units alone say.
+    /// How far the gap shrinks from `before` to `after`, squares left in each unit, over `rows`, above the floor's square. No fit leaves
+    /// less than the errors of its `numbers` do; only the upper end is from the units alone.
     pub fn shrink(&self, before: &[f64], after: &[f64], rows: &[f64], floor_square: f64, numbers: Numbers) -> Shrink {
         let all = |squares: &[f64]| squares.iter().sum::<f64>() / rows.iter().sum::<f64>().max(1.0);
         let share = |before: f64, after: f64, floor_square: f64, least_square: f64| {

@@ -16,7 +16,7 @@ use std::sync::Arc;
 
 /// Most causes that are looked for.
 const CAUSES_MAX: usize = 6;
-/// Of causes that were refused last so many are told.
+/// Number of the causes refused last that are reported.
 const REFUSED_TOLD: usize = 5;
 
 /// Causes found, and all that was tried in the place of each.
@@ -75,14 +75,14 @@ impl Found<'_> {
     }
 }
 
-/// Looks for the causes of what `model` leaves.
+/// Searches for the causes of the residual of `model`.
 pub fn choose<'d>(mask: &Arc<Mask<'d>>, model: &Model, listener: Listener<'_>) -> Choice<'d> {
     let first = BaseModel::new(mask, model, within_confidence(model));
     let rest = first.alone();
     let start = rest.score();
     let search = Search { first, again: OnceCell::new(), start, rounds: Rounds::default(), listener };
     let Forward { chosen, fit, opening, refused } = search.forward(&rest);
-    // What showed too little promise alone to be fitted explains nothing alone.
+    // Causes that were not promising enough alone to be fitted count as explaining nothing alone.
     let scores: Vec<(Cause, f64)> = opening.tried.iter().map(|tried| (tried.cause, tried.score())).collect();
     let alone = |cause: Cause| scores.iter().filter(|(of, _)| *of == cause).fold(start, |least, (_, x)| least.min(*x));
     let (steps, last) = match &chosen[..] {
@@ -114,7 +114,7 @@ pub(super) struct Forward<'d> {
     pub(super) fit: Fit<'d>,
     /// What was tried first.
     pub(super) opening: Round<'d>,
-    /// What was tried last, in vain.
+    /// What was tried last, without success.
     refused: Vec<FittedCause<'d>>,
 }
 
@@ -130,12 +130,12 @@ pub(super) struct Search<'d, 's> {
 }
 
 impl<'d> Search<'d, '_> {
-    /// One cause after the other; two of them also as a pair, for the best one alone may be a compromise between both.
+    /// One cause after the other; also two as a pair, because the best single cause may be a compromise between both.
     fn forward(&self, rest: &Fit<'d>) -> Forward<'d> {
         let floor_nm = self.first.mask.floor_nm;
         let is_gap = |now: f64| now - floor_nm.powi(2) > (FLOOR_SHARE * floor_nm).powi(2);
         let mut way = Forward { chosen: Vec::new(), fit: rest.clone(), opening: Round::default(), refused: Vec::new() };
-        // However little is left at first: a floor is not known so well that a weak cause could not show.
+        // Even if hardly anything remains at first: the floor is not known so precisely that a weak cause could not show.
         while way.chosen.len() < CAUSES_MAX && (way.chosen.is_empty() || is_gap(way.fit.score())) {
             (self.listener)(Progress::Begins(Phase::Cause(way.chosen.len() + 1)));
             let round = self.round(&way.chosen, &way.fit);
@@ -175,8 +175,7 @@ impl<'d> Search<'d, '_> {
             chosen.iter().flat_map(|hypothesis| hypothesis.put(&mut model, self.extent())).collect();
         let mut fit = self.first.fit(model, moves.clone());
         if !moves.is_empty() {
-            // What the base does depends on the causes: its friction no longer jumps where a transition is. Once more on its own
-            // base.
+            // The base's columns depend on the causes: with a transition its friction no longer jumps. Once more on its own base.
             let own = BaseModel::new(&self.first.mask, &fit.model, self.first.moves.clone());
             fit = own.fit(fit.model, moves);
         }

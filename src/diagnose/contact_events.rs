@@ -1,5 +1,5 @@
-//! Contacts: stretches in which the torque leaves all that depends on the recorded motion, and that are not there again when the
-//! motion is.
+//! Contacts: stretches in which the torque departs from everything that depends on the recorded motion, and that do not repeat with the
+//! motion.
 
 use super::base::BaseModel;
 use super::data::DataSet;
@@ -11,33 +11,33 @@ use std::ops::Range;
 
 /// Rounds of fitting without what the last round found.
 const ROUNDS: usize = 3;
-/// An event reaches so many times the usual level ...
+/// An event reaches this many times the usual level ...
 const PEAK: f64 = 4.5;
-/// (more in proportion to the root of the level over so many floors) ...
+/// (more, in proportion to the root of the level over this many floors) ...
 const MISFIT: f64 = 1.5;
-/// ... and lasts as long as it stays above so many.
+/// ... and lasts as long as it stays above this many.
 const EDGE: f64 = 1.8;
-/// The level is taken over so many independent samples.
+/// The level is averaged over this many independent samples.
 const WINDOW: f64 = 2.0;
 /// Above this share of the rows what stands out is not contact.
 const SHARE_MAX: f64 = 0.35;
 /// A model that leaves less than this share of an event's square predicts it.
 const PREDICTED: f64 = 0.5;
-/// What is there again at this share of its size, in one row of five in the same state elsewhere, is repeated.
+/// A residual that reaches this share of its size again, in one row of five in the same state elsewhere, is repeated.
 const REPEATED: f64 = 0.4;
 const OFTEN: f64 = 0.8;
 /// Repeats of one motion show the same event when its peak comes within this share of the range of positions.
 const SAME_PLACE: f64 = 0.02;
 /// The same state: position within this share of the range, ...
 const NEAR: f64 = 0.05;
-/// ... speed within this factor, or both slower than this share of the fastest; so many rows at least.
+/// ... speed within this factor, or both slower than this share of the fastest; this many rows at least.
 const FASTER: f64 = 1.6;
 const SLOW: f64 = 0.02;
 const ROWS_MIN: usize = 12;
 
-/// What the encoder leaves may be so many times one draw of it.
+/// The residual that the encoder causes may be this many times as large as one simulation of it.
 const OF_ENCODER: f64 = 2.5;
-/// What swings so often, each time by this share of the largest area at least, rings.
+/// A residual oscillates if it changes sign this often, each lobe with at least this share of the largest area.
 const SWINGS: usize = 4;
 const SWING_SHARE: f64 = 0.25;
 
@@ -52,7 +52,7 @@ pub struct ContactEvent {
     pub peak_nm: f64,
 }
 
-/// The events in `target_nm`, what `base` leaves, and the flexible fit without them.
+/// The events in `target_nm`, the residual of `base`, and the flexible fit without them.
 pub fn find(base: &BaseModel<'_>, columns: &[Vec<f64>], target_nm: &[f64]) -> (Vec<ContactEvent>, Flexible) {
     let mask = &base.mask;
     let mut fitted = flexible::fit(mask, columns, target_nm);

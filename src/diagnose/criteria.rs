@@ -1,6 +1,6 @@
 //! When a cause is enough to be named, when one does as well as another, and which are rivals.
 //!
-//! Samples are strongly correlated: what is counted are clusters, whole trials or cycles.
+//! Samples are strongly correlated, so statistics are taken over clusters: whole trials or cycles.
 
 use super::candidates::{Cause, FittedCause};
 use super::fit::Fit;
@@ -11,45 +11,47 @@ use crate::numerics::statistics::standard_deviation;
 
 /// A cause must change the prediction by this share of the floor at least, RMS ...
 pub const FLOOR_SHARE: f64 = 0.4;
-/// ... the first by this share of the gap's square, any other by this share of what is left ...
+/// ... the first cause by this share of the gap's square, any further one by this share of the remainder ...
 const GAP_SHARE_FIRST: f64 = 0.15;
 const GAP_SHARE_MORE: f64 = 0.30;
 /// ... and of the whole gap's square ...
 const WHOLE_SHARE_MORE: f64 = 0.02;
-/// ... or nearly all that is left, which is as large as the floor and this share of the whole ...
+/// ... or by nearly all of the remainder, if that is as large as the floor and this share of the whole ...
 const GAP_SHARE_NEARLY: f64 = 0.6;
 const WHOLE_SHARE_NEARLY: f64 = 0.01;
-/// ... or by so much of the whole: of a gap with many small causes even a large one is no great share of what is left.
+/// ... or by this share of the whole: in a gap with many small causes even a large one is a small share of the remainder.
 const WHOLE_SHARE_ALONE: f64 = 0.12;
-/// A further cause of which so much of the gain falls to no other is distinct: then less of what is left is enough ...
+/// A further cause is distinct if no other cause gives this share of its gain: then a smaller share of the remainder is enough ...
 pub const DISTINCT: f64 = 0.3;
 /// ... this share, and this of the whole.
 const GAP_SHARE_DISTINCT: f64 = 0.1;
 const WHOLE_SHARE_DISTINCT: f64 = 0.02;
-/// Its gain must exceed so many standard errors over clusters.
+/// Its gain must exceed this many standard errors over clusters.
 const ERRORS: f64 = 2.0;
-/// It must exceed so many times what the encoder's errors alone, drawn once, would let it gain.
+/// It must exceed this multiple of the gain that the encoder's errors alone, simulated once, would give.
 const ENCODER_GAINS: f64 = 2.5;
-/// What clusters lose by it is little, as a share of what others win.
+/// Largest loss over clusters that get worse, as a share of the gain of the others.
 const LOST_SHARE: f64 = 0.2;
-/// A simpler cause is taken, and an equal one is a rival, within so many standard errors over clusters ...
+/// A simpler cause is preferred, and an equal one is a rival, within this many standard errors over clusters ...
 const TIE_ERRORS: f64 = 1.5;
-/// ... or this share of the gap's square, once more for each number that it has less, or of the floor's.
+/// ... or this share of the gap's square, once more for each parameter fewer, or of the floor's.
 const TIE_SHARE: f64 = 0.001;
 const TIE_FLOOR_SHARE: f64 = 0.01;
-/// ... or this share of what the best leaves above the floor: where its form fails, so much of the others' failure is form, too.
+/// ... or this share of the remainder of the best cause above the floor: where its formula does not fit exactly, as much of the others'
+/// misfit may be due to their formulas.
 const TIE_LEFT_SHARE: f64 = 0.05;
-/// However uncertain, what lies further apart than this share of the gap's square is not equal.
+/// Causes that differ by more than this share of the gap's square are not equal, however uncertain they are.
 const TIE_SHARE_MAX: f64 = 0.05;
 
-/// A law is known to this share of the gap's square: by less, forms of one thing are not told apart.
+/// Accuracy of a formula, as a share of the gap's square: forms of the same effect that differ by less are not distinguished.
 const FORM_SHARE: f64 = 0.01;
-/// A cause that moves the base by so much more, in squared standard deviations, does not do as well: e^-5 as likely ...
+/// A cause that moves the base by this much more, in squared standard deviations, is worse: its prior is e^-5 times as likely ...
 const SURPRISE_APART: f64 = 10.0;
-/// ... and each number that it has less is worth as much as finding one within a hundredth of its range: 2 ln 100.
+/// ... and each parameter fewer is worth as much as determining one to a hundredth of its range: 2 ln 100.
 const SURPRISE_A_NUMBER: f64 = 9.0;
 
-/// Whether friction would have to grow in one direction by just as much as it falls in the other: of equals no likely cause.
+/// Whether friction would have to grow in one direction by exactly as much as it falls in the other: unlikely, if another cause explains as
+/// much.
 pub fn is_makeshift((cause, how): (Cause, &str)) -> bool {
     cause == Cause::Stale(groups::COULOMB.name) && how == SAME_TORQUE
 }
@@ -77,8 +79,8 @@ pub fn is_tie(best: &Fit, other: &Fit, start: f64) -> bool {
         || (uncertain && behind <= TIE_SHARE_MAX * (start - floor_square).max(floor_square))
 }
 
-/// How far a cause may be behind for no reason, (N m)^2, where the best leaves `left` of a gap of `whole`, squares above a floor of
-/// `floor_square`, and it has so many numbers less: `spared`.
+/// Difference that does not count against a cause, (N m)^2, where the best leaves `left` of a gap of `whole`, squares above a floor of
+/// `floor_square`, and the cause has `spared` parameters fewer.
 fn negligible(left: f64, whole: f64, floor_square: f64, spared: f64) -> f64 {
     let of_gap = TIE_SHARE * (1.0 + spared) * whole;
     of_gap.max(TIE_LEFT_SHARE * left).max(TIE_FLOOR_SHARE * floor_square)
@@ -124,7 +126,7 @@ pub enum Share {
 }
 
 impl Share {
-    /// The least that counts of a gap of which `gap` is left of `whole`, above a floor of `floor_square`, (N m)^2.
+    /// The smallest gain that counts where `gap` of `whole` remains, above a floor of `floor_square`, (N m)^2.
     fn least(self, gap: f64, whole: f64, floor_square: f64) -> f64 {
         let nearly = (GAP_SHARE_NEARLY * gap).max(WHOLE_SHARE_NEARLY * whole).max(floor_square);
         let much = (GAP_SHARE_MORE * gap).max(WHOLE_SHARE_MORE * whole);
@@ -246,7 +248,7 @@ pub fn rivals(taken: &FittedCause, tried: &[FittedCause], start: f64) -> Vec<Cau
     found
 }
 
-/// Whether `other` is the same thing in another form, and does as well but for what no form is known better than.
+/// Whether `other` is the same effect in another form, and explains as much within the accuracy of any formula.
 fn is_other_form(taken: &FittedCause, other: &FittedCause, start: f64) -> bool {
     let floor_square = taken.fit.mask.floor_square();
     is_alike(taken.cause, other.cause) && other.score() - taken.score() <= FORM_SHARE * (start - floor_square).max(0.0)
@@ -257,7 +259,7 @@ fn is_alike(cause: Cause, other: Cause) -> bool {
     cause.effect().is_some_and(|effect| effect.about().alike.contains(&other.name()))
 }
 
-/// Causes that `taken` is known to be mistaken for and that do as well: only their numbers speak against them.
+/// Causes that `taken` is known to be mistaken for and that do as well: only their number of parameters speaks against them.
 pub fn seconds(taken: &FittedCause, tried: &[FittedCause], start: f64) -> Vec<Cause> {
     let known = rivals(taken, tried, start);
     let mut found: Vec<Cause> = Vec::new();
@@ -284,7 +286,7 @@ mod tests {
         let (left, whole, floor_square) = (0.001, 2.0, 0.05);
         assert_eq!(negligible(left, whole, floor_square, 0.0), 0.002);
         assert_eq!(negligible(left, whole, floor_square, 3.0), 0.008);
-        // What the best leaves above the floor is form, and so may the others' be.
+        // The remainder of the best above the floor is misfit of its formula, and so may the others' be.
         assert_eq!(negligible(1.0, whole, floor_square, 0.0), 0.05);
     }
 
@@ -296,10 +298,10 @@ mod tests {
         for of_time in ["sensor_drift", "warm_up"] {
             assert_eq!(Share::of(Cause::Effect(of_time), 1.0), Share::Further);
         }
-        // A tenth of a gap of which half is left: enough for one that is distinct, not for another.
+        // A tenth of a gap of which half remains: enough for a distinct cause, not for any other.
         let least = |share: Share| share.least(0.5, 1.0, 0.01);
         assert!(least(Share::Distinct) < 0.1 && least(Share::Further) > 0.1);
-        // Of next to nothing that is left no share is enough: it must be as large as the floor.
+        // Of a negligible remainder no share is enough: it must be as large as the floor.
         assert!(Share::Distinct.least(0.01, 1.0, 0.01) >= 0.01);
     }
 }

@@ -44,7 +44,7 @@ impl DataSet {
         self.again.as_ref().map(|(_, again)| again.as_ref())
     }
 
-    /// One draw of what the encoder alone leaves at the rows of a joint that is like `model` throughout, N m.
+    /// One simulation of the residual that the encoder alone causes at the rows, on a joint exactly like `model`, N m.
     pub fn encoder_nm(&self, model: &Model) -> Vec<f64> {
         let Some((smooth, again)) = &self.again else { return vec![0.0; self.measured_nm.len()] };
         let (true_nm, predicted_nm) = (smooth.predicted_by(model), again.records.predicted_by(model));

@@ -1,9 +1,9 @@
-//! What the encoder alone leaves of a perfect model: its steps and its noise, through velocity, acceleration and the reversals that
-//! are seen late, make a residual that repeats with the motion and that causes can fit.
+//! The residual that the encoder alone gives a perfect model: its steps and its noise act through velocity, acceleration and reversals that
+//! are detected late, and give a residual that repeats with the motion and that causes can fit.
 //!
-//! The recorded motion, smoothed, is taken as the true one and read again by an encoder with the recorded one's step and noise: what causes
-//! make of a perfect model's residual then is what they may make of it by themselves. Errors in the regressors count along: a noisy
-//! acceleration alone makes an inertia look smaller than it is.
+//! The recorded motion, smoothed, is taken as the true one and read again by an encoder with the recorded one's step and noise: the gain of
+//! a cause on the residual of a perfect model is then the gain that the encoder's errors alone give it. Errors in the regressors are
+//! included: a noisy acceleration alone makes an inertia look smaller than it is.
 
 use crate::log::Campaign;
 use crate::numerics::filter::LowPass;

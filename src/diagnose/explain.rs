@@ -1,4 +1,4 @@
-//! The causes that explain the recordings, told apart from contact.
+//! The causes that explain the recordings, separated from contact.
 //!
 //! A contact event that the model with its causes predicts was no contact: the search is then repeated with its samples back in.
 
@@ -13,7 +13,7 @@ use super::progress::Listener;
 use crate::model::Model;
 use std::sync::Arc;
 
-/// Causes that leave no more than so many times the RMS with all rows as they leave without those of contact events need no contact.
+/// Contact is not needed if the causes' RMS over all rows is at most this multiple of that without the rows of contact events.
 const AS_WELL: f64 = 1.2;
 
 /// Causes found, with what was set aside while they were sought.
@@ -25,13 +25,13 @@ pub struct Explanation<'d> {
     pub after: Model,
     /// What it predicts, N m.
     pub after_nm: Vec<f64>,
-    /// What it leaves, N m.
+    /// Its residual, N m.
     pub left_nm: Vec<f64>,
     /// The contact events: of those set aside, the ones that no model predicts.
     pub events: Vec<ContactEvent>,
 }
 
-/// The causes of what `base` leaves (`rest_nm` at every row), `suspected` contact events set aside.
+/// The causes of the residual of `base` (`rest_nm` at every row), with `suspected` contact events set aside.
 pub fn explain<'d>(
     base: &BaseModel<'d>,
     suspected: Vec<ContactEvent>,

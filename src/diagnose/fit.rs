@@ -52,7 +52,7 @@ pub struct Fit<'d> {
 }
 
 impl Fit<'_> {
-    /// Whether each of its effects is what its name says, by all that can be seen over `extent`.
+    /// Whether each of its effects agrees with its name over `extent`.
     pub fn is_sound(&self, extent: &Extent) -> bool {
         self.model.effects.iter().all(|added| added.effect.is_itself(&added.parameters, extent))
     }
@@ -72,7 +72,7 @@ impl Fit<'_> {
         self.held_out.iter().sum::<f64>() / self.mask.rows().max(1) as f64
     }
 
-    /// What its numbers cost on held-out units.
+    /// Cost of its number of parameters on held-out units.
     pub fn numbers(&self) -> Numbers {
         let seen = self.mask.rows().max(1) as f64 * (FOLDS - 1) as f64 / FOLDS as f64;
         let each_square = self.mask.floor_square() * self.mask.data.records.rows_per_independent / seen;
@@ -166,7 +166,7 @@ impl<'d> BaseModel<'d> {
         converged: bool,
     ) -> Fit<'d> {
         let (gram, mut deviations) = self.gram_beside(columns, predicted_nm);
-        // About the optimum a shape's step is believed within its stride only.
+        // Near the optimum a step of a shape parameter is valid only within its stride.
         for (deviation, way) in deviations.iter_mut().skip(self.moves.len()).zip(&moves) {
             *deviation = way.stride;
         }

@@ -1,8 +1,7 @@
 //! The ceiling: what a fit without any physics recovers of a gap from the recorded quantities alone.
 //!
-//! Sums of broken lines over position, speed, travel since a reversal, time, load and other joints, each alone and with the sign
-//! of the motion, low-passed like the torque. What it leaves on held-out units depends on nothing that was recorded, or on too
-//! much of it at once.
+//! Sums of broken lines over position, speed, travel since a reversal, time, load and other joints, each alone and with the sign of the
+//! motion, low-passed like the torque. Its residual on held-out units depends on no recorded quantity, or on too many of them at once.
 
 use super::base::BaseModel;
 use super::data::DataSet;
@@ -18,9 +17,9 @@ const CORNERS: usize = 9;
 const CORNERS_FEW: usize = 6;
 /// Travels since a reversal, as shares of the range, over which something may have decayed.
 const TRAVELS: [f64; 4] = [0.005, 0.02, 0.06, 0.15];
-/// Other joints looked at.
+/// Other joints considered.
 const OTHERS: usize = 3;
-/// A column may account for so many times what is to be explained.
+/// A column may account for at most this multiple of the residual to be explained.
 const WIDE: f64 = 3.0;
 
 /// What depends on recorded quantities.

@@ -1,10 +1,10 @@
-//! The noise floor: what no model could explain, because it is not there again when the motion is.
+//! The noise floor: the part of the torque that no model could explain, because it does not repeat with the motion.
 //!
-//! From repeats of one motion: half the variance of the difference of their residuals, aligned in time by their positions.
-//! Slow differences are taken out (a drift between repeats is no noise), and blocks are combined by their median (a contact in
-//! one repeat is no noise either). Without repeats: the density of the raw torque's noise beyond the low-pass, carried on below; where no fit
-//! finds any of the residual again on held-out data, all of it.
-//! Either way what the encoder's steps leave of a perfect model comes on top, as far as it comes again with the motion.
+//! From repeats of one motion: half the variance of the difference of their residuals, aligned in time by their positions. Slow differences
+//! are removed (a drift between repeats is not noise), and blocks are combined by their median (neither is a contact in one repeat).
+//! Without repeats: the density of the raw torque's noise beyond the low-pass, extrapolated below; where no fit predicts any of the
+//! residual on held-out data, all of it. In both cases the residual that the encoder's steps give a perfect model is added, as far as it
+//! repeats with the motion.
 
 use super::data::DataSet;
 use super::record::Record;
@@ -15,7 +15,7 @@ use crate::numerics::statistics::{extent, quantile};
 
 /// Independent samples in a block.
 const BLOCK: f64 = 10.0;
-/// Independent samples over which slow differences are taken out; that share of white noise goes with them.
+/// Independent samples over which slow differences are removed; the same share of white noise is removed with them.
 const SLOW: f64 = 20.0;
 /// The same once the causes are known, and a drift is explained: noise that is not white has its slow part, too.
 const BLOCK_LATER: f64 = 40.0;
@@ -24,22 +24,23 @@ const SLOW_LATER: f64 = 80.0;
 const STRIKING: f64 = 3.0;
 /// However much slow noise there seems to be, the floor rises by no more than this factor: the rest may have a cause.
 const RISE_MAX: f64 = 1.25;
-/// Without repeats, what is left is noise, however much, if a flexible fit finds no more than this share of its square again on held-out data.
+/// Without repeats, the residual is noise, however large, if a flexible fit predicts no more than this share of its square on held-out
+/// data.
 const FOUND_AGAIN_MIN: f64 = 0.04;
-/// So much of the rise of its square is uncertain.
+/// Relative error of the rise of its square.
 const RISE_ERROR: f64 = 0.5;
-/// Repeats are aligned within so many independent samples.
+/// Repeats are aligned within this many independent samples.
 const LAG_MAX: f64 = 10.0;
 /// Repeats that are further apart than this share of the range are not at the same place.
 const APART: f64 = 0.02;
-/// Fewer blocks tell no floor.
+/// Fewer blocks do not determine a floor.
 const BLOCKS_MIN: usize = 8;
 /// However many blocks there are, the floor's square is not known better than this share of it: noise differs between trials, and
 /// what repeats differ by is not all noise (simulated campaigns scatter by 0.08 about what chance allows).
 const SYSTEMATIC: f64 = 0.06;
-/// The square of a floor from the spectrum is known within so much of it.
+/// Relative error of the square of a floor from the spectrum.
 const SPECTRUM_ERROR: f64 = 0.1;
-/// What the encoder leaves is simulated once: its mean square is known within so much of it.
+/// Relative error of the mean square that the encoder causes, which is simulated once.
 const ENCODER_ERROR: f64 = 0.3;
 
 /// The floor and where it comes from.
@@ -49,7 +50,7 @@ pub struct Floor {
     pub rms_nm: f64,
     /// RMS of its quick part, N m: slow noise may come on top.
     pub quick_nm: f64,
-    /// What the encoder alone leaves of a perfect model again with every motion, N m; the RMS above holds it.
+    /// The residual that the encoder alone gives a perfect model in every repeat of a motion, N m; included in the RMS above.
     pub encoder_nm: f64,
     /// The same as simulated, N m: more where the model leaves less than that, which is then all that is counted.
     pub encoder_simulated_nm: f64,
@@ -60,7 +61,7 @@ pub struct Floor {
 }
 
 impl Floor {
-    /// The floor's square with its standard error, (N m)^2: what lies above is a gap for all that the floor is not known better.
+    /// The floor's square with its standard error, (N m)^2: what lies above it is a gap, in spite of the floor's error.
     pub fn upper_square(&self) -> f64 {
         self.rms_nm * self.rms_nm * (1.0 + self.relative_error)
     }
@@ -75,8 +76,8 @@ impl Floor {
         Self { rms_nm, quick_nm: rms_nm, encoder_nm: 0.0, encoder_simulated_nm: 0.0, source, relative_error }
     }
 
-    /// The floor of noise alone, its square raised by what the encoder leaves, (N m)^2, both to no more than `most_square`: a floor is not
-    /// above what some fit leaves on held-out units.
+    /// The floor of noise alone, its square raised by that of the encoder, (N m)^2, both limited to `most_square`: no floor is above the
+    /// residual of a fit on held-out units.
     fn with_encoder(self, encoder_square: f64, most_square: f64) -> Self {
         let encoder_simulated_nm = encoder_square.sqrt();
         let encoder_square = encoder_square.min((most_square - self.rms_nm.powi(2)).max(0.0));
@@ -101,7 +102,7 @@ pub enum FloorSource {
     Repeats,
     /// The noise beyond the low-pass, its density carried on below.
     Spectrum,
-    /// All that is left: no fit finds it again on held-out data.
+    /// The whole residual: no fit predicts it on held-out data.
     Unforeseen,
 }
 
@@ -116,8 +117,8 @@ impl FloorSource {
     }
 }
 
-/// The floor of noise alone; some fit leaves `most_square` on held-out units: a density that carried on below the low-pass says more than
-/// that was not noise, and only its lowest part is believed.
+/// The floor of noise alone; some fit leaves `most_square` on held-out units: where the density extrapolated below the low-pass exceeds
+/// that, it was not all noise, and only its lowest part is used.
 pub fn of_noise(records: &Records, residual_nm: &[f64], most_square: f64) -> Floor {
     let mut blocks = repeats_blocks(records, residual_nm, BLOCK, SLOW);
     if blocks.len() >= BLOCKS_MIN {
@@ -135,8 +136,8 @@ pub fn of_noise(records: &Records, residual_nm: &[f64], most_square: f64) -> Flo
     Floor::of_noise(rms_nm, FloorSource::Spectrum, SPECTRUM_ERROR)
 }
 
-/// Mean square of what the encoder alone leaves of a joint that is like `model` throughout, less what repeats differ by in it, (N m)^2: it
-/// comes again with the motion.
+/// Mean square of the residual that the encoder alone causes on a joint exactly like `model`, (N m)^2, without the part that differs
+/// between repeats: it repeats with the motion.
 fn of_encoder(data: &DataSet, model: &Model) -> f64 {
     let Some(again) = data.again() else { return 0.0 };
     let (encoder_nm, scored) = (data.encoder_nm(model), data.scored(model));
@@ -151,10 +152,10 @@ fn differing_square(blocks: &mut [f64]) -> f64 {
     median_square(blocks) / 2.0 / (1.0 - 1.0 / SLOW)
 }
 
-/// The floor under `left_nm`, what `after`, the model with its causes, leaves at all rows: slow noise is in it. Without long repeats
-/// nothing tells that from a cause but that no fit finds it again on held-out units: `unforeseen_square` is what a flexible one leaves
-/// there, (N m)^2. The model itself leaves `left_square`, which is where the encoder's part ends. Where no cause and no contact
-/// was found (`is_bare`) and such a fit finds nothing again, all is noise.
+/// The floor under `left_nm`, the residual at all rows of `after`, the model with its causes; it includes slow noise. Without long repeats,
+/// slow noise differs from a cause only in that no fit predicts it on held-out units: `unforeseen_square` is the residual of a flexible fit
+/// there, (N m)^2. The residual of the model itself, `left_square`, limits the encoder's part. Where no cause and no contact was found
+/// (`is_bare`) and such a fit predicts nothing, the whole residual is noise.
 pub fn settled(
     (data, after): (&DataSet, &Model),
     left_nm: &[f64],
@@ -181,7 +182,7 @@ pub fn settled(
     settled.with_encoder(encoder_square, left_square)
 }
 
-/// Mean squares of what repeats differ by, in blocks, slow differences taken out.
+/// Mean squares of the differences between repeats, in blocks, slow differences removed.
 fn repeats_blocks(records: &Records, residual_nm: &[f64], block: f64, slow: f64) -> Vec<f64> {
     let rows = |independent: f64| (independent * records.rows_per_independent).round() as usize;
     let spans = Spans { block: rows(block), slow: rows(slow), lag: rows(LAG_MAX) as isize };
@@ -197,7 +198,7 @@ fn repeats_blocks(records: &Records, residual_nm: &[f64], block: f64, slow: f64)
     blocks
 }
 
-/// The mean over blocks but for those that stand out: a contact in one repeat.
+/// The mean over blocks without outliers, such as a contact in one repeat.
 fn usual_mean(mut blocks: Vec<f64>) -> f64 {
     let most = STRIKING * quantile(&mut blocks, 0.5);
     blocks.retain(|square| *square <= most);

@@ -1,4 +1,4 @@
-//! What may be counted as one observation: motion cycles, and the folds that are held out in turn.
+//! The independent observations: motion cycles, and the folds that are held out in turn.
 //!
 //! Samples of a filtered signal are no independent observations, cycles nearly are. Whole trials are held out where there are
 //! enough of them, else cycles.
@@ -10,13 +10,13 @@ use std::ops::Range;
 
 /// Folds held out in turn.
 pub const FOLDS: usize = 4;
-/// From so many trials on, trials are held out and resampled; with fewer, cycles.
+/// From this many trials on, trials are held out and resampled; with fewer, cycles.
 const TRIALS_MIN: usize = 4;
 /// A reversal is one after travel back of this share of the range.
 const REVERSAL: f64 = 0.05;
-/// Cycles are joined until they have so many rows: two tens of independent samples.
+/// Cycles are joined until they have this many rows: about twenty independent samples.
 const ROWS_MIN: usize = 50;
-/// A campaign with fewer cycles is cut into so many pieces of time.
+/// A campaign with fewer cycles is cut into this many pieces of time.
 const PIECES: usize = 8;
 
 /// The rows cut into units.

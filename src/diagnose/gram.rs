@@ -5,16 +5,16 @@ use super::folds::{FOLDS, Folds};
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 
-/// Share of a column's own square added to it: keeps dependent columns from running away, changes no fit that means anything.
+/// Ridge as a share of a column's own square: bounds the coefficients of dependent columns, without a visible effect on any other fit.
 const RIDGE: f64 = 1e-7;
 /// Rounds in which the noise and the weight of the priors settle.
 const ROUNDS: usize = 3;
-/// Priors are limits, too: the sum of squares of their moves stays within its expectation and so many standard deviations. A
-/// gap would else draw the base beyond its confidence wherever it has samples enough.
+/// Priors also act as limits: the sum of squares of the moves stays within its expectation plus this many standard deviations. Otherwise a
+/// gap with enough samples would draw the base beyond its confidence.
 const SURPRISE_ERRORS: f64 = 3.0;
-/// ... and each of them within so many of its own.
+/// ... and each move within this many of its own standard deviations.
 const MOVE_ERRORS: f64 = 3.0;
-/// Until it does, priors weigh so many times more, at most so often.
+/// Until it does, the weight of the priors is raised by this factor, at most this often.
 const FIRMER: f64 = 3.0;
 const FIRMER_MAX: usize = 10;
 
@@ -139,11 +139,11 @@ pub fn square_left(unit: &DMatrix<f64>, x: &DVector<f64>) -> f64 {
     if left.is_nan() { f64::INFINITY } else { left.max(0.0) }
 }
 
-/// Minimises |r - X x|^2 + s^2 sum (x / deviation)^2, with s^2 the noise of one independent sample spread over its rows; the
-/// noise is what the fit itself leaves, but no less than the floor.
+/// Minimises |r - X x|^2 + s^2 sum (x / deviation)^2, with s^2 the noise of one independent sample spread over its rows; the noise is the
+/// residual of the fit itself, but no less than the floor.
 pub fn solve(sum: &DMatrix<f64>, rows: usize, prior: Prior<'_>) -> Solution {
     let n = sum.nrows() - 1;
-    // What moves nothing stays where it is.
+    // A column of zeros keeps its coefficient.
     let scale = |square: f64| if square > 0.0 { square.sqrt() } else { 1.0 };
     let scales: Vec<f64> = (0..n).map(|i| scale(sum[(i, i)])).collect();
     let per_row = |square: f64| square / rows.max(1) as f64;

@@ -15,9 +15,9 @@ use crate::numerics::statistics::quantile;
 const BINS: usize = 24;
 /// The window in which most of the gap stands is the narrowest that holds this share of it.
 const WINDOW_SHARE: f64 = 0.7;
-/// A constant that accounts for this share of what any quantity does leaves nothing to locate.
+/// If a constant accounts for this share of what any quantity accounts for, there is nothing to locate.
 const FLAT: f64 = 0.85;
-/// Regions below this share are not told.
+/// Regions below this share are not reported.
 pub(super) const SHARE_MIN: f64 = 0.03;
 
 /// A region of the gap.
@@ -186,7 +186,7 @@ impl Survey<'_> {
                 used += 1.0;
             }
         }
-        // So many means take their part of pure noise, too.
+        // This many means also account for a part of pure noise.
         let noise = used * self.rows_per_independent * self.floor_square;
         ((explained - noise) / self.whole).clamp(0.0, 1.0)
     }

@@ -30,7 +30,7 @@ impl<'d> Mask<'d> {
         Arc::new(Self { floor_nm, ..self.clone() })
     }
 
-    /// The same but for the rows of `events`.
+    /// The same without the rows of `events`.
     pub fn without(&self, events: &[ContactEvent]) -> Arc<Self> {
         let mut used = self.used.clone();
         events.iter().for_each(|event| used[event.rows.clone()].fill(false));
@@ -58,7 +58,7 @@ impl<'d> Mask<'d> {
         self.floor_nm * self.floor_nm
     }
 
-    /// What is known of coefficients with prior `deviations`, for sums over these rows.
+    /// The prior of coefficients with the standard deviations `deviations`, for sums over these rows.
     pub fn prior<'p>(&'p self, deviations: &'p [f64]) -> Prior<'p> {
         Prior {
             deviations,

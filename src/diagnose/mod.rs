@@ -95,7 +95,7 @@ pub struct Diagnosis {
     pub warnings: Vec<String>,
     /// What to record next, if that would say more.
     pub next: Option<NextExperiment>,
-    /// What the recordings cannot show at all.
+    /// Effects that these recordings cannot show.
     pub blind_spots: Vec<BlindSpot>,
 }
 
@@ -182,11 +182,11 @@ pub struct View {
     pub clipped: Vec<bool>,
 }
 
-/// What is said where the motion of a trial cannot be read again.
+/// Warning where the motion of a trial cannot be read again by the simulated encoder.
 const ENCODER_UNKNOWN: &str = "what the encoder alone leaves of a perfect model is not known: its smoothed motion cannot be prepared as the \
                                recorded one; a coarse encoder may be taken for a gap";
 
-/// What is said where the floor is all that is left.
+/// Warning where the floor is the whole residual.
 const UNFORESEEN: &str = "what is left exceeds the torque's noise beyond the low-pass, but no fit finds any of it again on held-out data: it \
                           counts as slow noise; whether it comes again with the motion, only repeats of one motion would tell";
 
@@ -248,8 +248,8 @@ pub fn run(campaign: &Campaign, model: &Model, listener: Listener<'_>) -> Result
     })
 }
 
-/// `explanation`, its causes given up where the gap is too weak for so few resamples that agree; with the floor under what it leaves, of
-/// which `columns` are the flexible fit's, and how to resample.
+/// `explanation`, without its causes where the gap is too weak for the share of resamples that agree; with the floor under its residual
+/// (`columns` are those of the flexible fit), and how to resample.
 fn weighed<'d>(
     base: &BaseModel<'d>,
     explanation: Explanation<'d>,

@@ -1,7 +1,7 @@
-//! Which two causes could explain a gap together: all pairs looked at as if their torques added up, a matter of small matrices.
+//! Which two causes could explain a gap together: all pairs are evaluated as if their torques added up, which takes only small matrices.
 //!
-//! One cause at a time finds a compromise where two are at work. Here every cause that was fitted or initialised alone gives its
-//! prediction and its columns; what a pair would leave is what both predictions and both sets of columns leave.
+//! One cause at a time finds a compromise where two are at work. Here every cause that was fitted or initialised alone gives its prediction
+//! and its columns; the residual of a pair is that of both predictions and both sets of columns together.
 
 use super::base::BaseModel;
 use super::candidates::{Cause, Hypothesis, try_one};
@@ -17,12 +17,12 @@ use rayon::prelude::*;
 
 /// Pairs that are fitted in full.
 const FOLLOWED: usize = 6;
-/// So many of those, the best, are tried in other forms.
+/// Number of these, the best, that are tried in other forms.
 const REFINED: usize = 3;
-/// Rows looked at: every so-manieth where there are more.
+/// Rows used, at most: beyond that they are decimated.
 const ROWS: usize = 30_000;
 
-/// What a hypothesis adds to the base: where its columns begin among all, how many, and how far they are believed.
+/// What a hypothesis adds to the base: where its columns begin among all, how many, and their prior deviations.
 struct Part<'s> {
     hypothesis: &'s Hypothesis,
     from: usize,
@@ -90,7 +90,7 @@ fn promising(base: &BaseModel<'_>, hypotheses: &[Hypothesis]) -> Vec<[Hypothesis
 }
 
 impl<'d> Search<'d, '_> {
-    /// A pair that does better than `next`, or than `one`, which `way` found, alone where that is nothing.
+    /// A pair that does better than `next` or, where that is `None`, than `one` alone, which `way` found.
     pub fn or_pair(
         &self,
         next: Option<(Vec<Hypothesis>, Fit<'d>)>,
@@ -108,7 +108,7 @@ impl<'d> Search<'d, '_> {
         let all: Vec<(Vec<Hypothesis>, Fit<'d>)> = refined.chain(next).collect();
         let best = all.iter().min_by(|a, b| a.1.score().total_cmp(&b.1.score()))?.1.clone();
         let equals = all.into_iter().filter(|(_, fit)| is_tie(&best, fit, self.start));
-        // Of pairs that do as well the simplest; to have what does best alone is worth a number.
+        // The simplest of pairs that do as well; including the cause that is best alone is worth one parameter.
         let has_one = |pair: &[Hypothesis]| {
             pair.iter().any(|hypothesis| (hypothesis.cause, hypothesis.how) == (one.cause, one.how))
         };

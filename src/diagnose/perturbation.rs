@@ -14,7 +14,7 @@ const UNKNOWN_SHARE: f64 = 0.05;
 /// Half a 95 % interval in standard deviations.
 const HALF_WIDTH: f64 = 1.96;
 
-/// How a parameter turns with its move's number.
+/// How a parameter changes with the number of its perturbation.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Mode {
     /// value + x step
@@ -31,9 +31,9 @@ pub struct Perturbation {
     pub prior: f64,
     /// The number's size for a difference quotient.
     pub probe: f64,
-    /// The largest step of the number that is believed at once.
+    /// The largest change of the number in one step.
     pub stride: f64,
-    /// The most that its parameters may come to.
+    /// Upper limit of its parameters.
     pub most: f64,
     /// Whether the prediction is in proportion to it, or nearly so.
     pub is_linear: bool,
@@ -44,7 +44,7 @@ impl Perturbation {
         Self { turns, prior, probe, stride: f64::INFINITY, most: f64::INFINITY, is_linear: true }
     }
 
-    /// The same, its number known to be within about `deviation` before any data are seen.
+    /// The same with a prior standard deviation of `deviation`.
     pub fn believed_within(self, deviation: f64) -> Self {
         Self { prior: deviation, ..self }
     }
@@ -139,8 +139,8 @@ pub(super) fn matters(model: &Model, parameter: ParameterRef) -> bool {
     }
 }
 
-/// Standard deviation of a base parameter. Where only a combination with others is known, its own wide interval would let it
-/// wander with theirs held: it is then as if nobody had said.
+/// Standard deviation of a base parameter. Where only a combination with others is known, its own wide interval would leave it nearly free
+/// while the others are held: the default for a parameter without an interval is used instead.
 fn deviation(model: &Model, parameter: ParameterRef) -> f64 {
     let unknown = UNKNOWN_SHARE * parameter.value(model).abs() / HALF_WIDTH;
     match model.confidence.get(&parameter.name(model)) {

@@ -1,4 +1,4 @@
-//! A trial thinned to what its low-pass leaves, and what any model makes of it.
+//! A trial thinned to the bandwidth of its low-pass, and any model's prediction of it.
 
 use super::spectrum::{SpectralFloor, spectral};
 use crate::dynamics::{Both, Motion, RigidTorque};
@@ -102,7 +102,7 @@ impl Record {
         let ends_at_rest = rests[n.saturating_sub((2.0 * REST_S * rate_hz) as usize)..].iter().all(|rests| *rests);
         let last = if ends_at_rest { at.len() } else { at.len().saturating_sub(memory.div_ceil(step)) };
         let compared = ((thinned_hz / (ROWS_PER_PERIOD * lowpass_hz)) as usize).max(1);
-        // What a stuck sensor reads tells nothing of the joint; what a clipped one does tells its range.
+        // The readings of a stuck sensor say nothing about the joint; those of a clipped one show its range.
         let clear = trial.clear_of(&trial.log.stuck(), lowpass_hz);
         let rows = (first..last).step_by(compared).filter(|row| clear[at[*row]]).collect();
         let entry = &trial.entry;

@@ -1,5 +1,5 @@
-//! A campaign thinned to what its low-pass leaves, and what any model makes of it: the form in which hundreds of models are
-//! held against the same recordings.
+//! A campaign thinned to the bandwidth of its low-pass, and any model's prediction of it: the form in which hundreds of models are compared
+//! with the same recordings.
 
 use super::encoder;
 use super::progress::{Listener, Progress};
@@ -170,8 +170,8 @@ impl Records {
         std::array::from_fn(|at| all.iter().flat_map(|columns| columns[at].iter().copied()).collect())
     }
 
-    /// A signal given at every thinned sample, low-passed like the torque, at the rows.
-    /// `of` is told the record's place in the list, the record, and the sample.
+    /// A signal given at every thinned sample, low-passed like the torque, at the rows. `of` receives the record's place in the list, the
+    /// record, and the sample.
     pub fn low_passed(&self, of: impl Fn(usize, &Record, usize) -> f64 + Sync) -> Vec<f64> {
         let one = |(at, record): (usize, &Record)| {
             let signal: Vec<f64> = (0..record.own.len()).map(|i| of(at, record, i)).collect();

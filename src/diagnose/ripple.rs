@@ -9,7 +9,7 @@ use std::f64::consts::TAU;
 const PERIODS: (f64, f64) = (1.5, 150.0);
 /// Wave numbers are tried at this share of a period over the range: a line is two thirds of a period wide at half its height.
 const SPACING: f64 = 0.3;
-/// At most so many rows are looked at: lines are found on few.
+/// At most this many rows are used: lines are found on few.
 const ROWS: usize = 8000;
 /// The ripple must be slower than this share of the low-pass, where the joint moves at its speed.
 const PASSED: f64 = 0.8;

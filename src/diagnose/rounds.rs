@@ -5,7 +5,7 @@ use super::choose::Search;
 use super::fit::Fit;
 use std::cell::RefCell;
 
-/// Causes that leave the same square but for this share of it stand where they stood.
+/// Causes whose squares differ by less than this share keep their order.
 const SAME_SCORE: f64 = 1e-3;
 
 /// What was tried so far, and beside which causes.

@@ -35,8 +35,8 @@ impl<'d> Step<'d> {
 }
 
 impl<'d> Search<'d, '_> {
-    /// Tries each cause again with the others in, until all stay: an early compromise gives way to what it stood for. Leaves out
-    /// what the others explain as well without it. Returns the causes, and the fit of all.
+    /// Tries each cause again with the others in, until all stay: an early compromise is replaced by the causes that it stood for. Leaves
+    /// out what the others explain as well without it. Returns the causes, and the fit of all.
     pub fn settle(&self, mut chosen: Vec<Hypothesis>) -> (Vec<Step<'d>>, Fit<'d>) {
         let mut steps: Vec<Step<'d>> = Vec::new();
         for _ in 0..SWEEPS {
@@ -75,8 +75,8 @@ impl<'d> Search<'d, '_> {
         Step::new(taken, step.tried, step.without)
     }
 
-    /// `hypothesis` as one of `tried`, or fitted on `base` from where it stands, whichever does better: the others alone may have
-    /// moved to where it is of no use.
+    /// `hypothesis` as one of `tried`, or fitted on `base` from where it stands, whichever does better: fitted alone, the others may have
+    /// moved to where it gains nothing.
     pub fn place(
         &self,
         hypothesis: &Hypothesis,

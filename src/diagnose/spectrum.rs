@@ -9,7 +9,7 @@ use crate::prepare::Trial;
 const BANDS: [f64; 6] = [1.6, 2.5, 4.0, 6.4, 10.0, 16.0];
 /// ... and below this share of the rate.
 const BELOW: f64 = 0.35;
-/// What a sample keeps of the noise of the one before: so many values tried, so far apart.
+/// Autocorrelation of the noise at one sample: number of values that are tried.
 const KEEPS: usize = 20;
 const KEEP_STEP: f64 = 0.05;
 /// Frequencies at which a density is summed.
@@ -28,11 +28,11 @@ pub struct SpectralFloor {
 
 /// The noise of `trial` beyond the low-pass, carried on below.
 ///
-/// The noise is taken for a first-order process, white at best: its density's fall over the bands beyond the low-pass is carried on
-/// below. In each band the median over stretches counts, for a reversal is no noise.
+/// The noise is taken for a first-order process, white at best: its density's fall over the bands beyond the low-pass is carried on below.
+/// In each band the median over stretches counts, because a reversal is not noise.
 ///
-/// What a motion makes of the torque beyond the low-pass is no noise either, and a short one reverses in every stretch: the torque
-/// less `predicted_nm` is looked at too, and the lower of both counts.
+/// The torque that the motion causes beyond the low-pass is not noise either, and a short motion reverses in every stretch: the torque
+/// minus `predicted_nm` is evaluated too, and the lower of both counts.
 pub fn spectral(trial: &Trial, predicted_nm: &[f64], signal: &Signal) -> SpectralFloor {
     let raw_nm = &trial.log.torque_nm;
     let left_nm: Vec<f64> = raw_nm.iter().zip(predicted_nm).map(|(y, predicted)| y - predicted).collect();

@@ -30,7 +30,7 @@ pub struct Stale {
 /// The terms that a Stribeck curve is in proportion to.
 const AMPLITUDES: [Term; 2] = [Term::CableStribeck, Term::JointStribeck];
 
-/// What only data limit; half its own size is believed at once.
+/// A parameter without prior; one step changes it by at most half of its size.
 fn free(turns: Vec<(ParameterRef, Mode)>) -> Perturbation {
     Perturbation { stride: 0.5, ..Perturbation::of(turns, f64::INFINITY, 1e-3) }
 }

@@ -1,4 +1,4 @@
-//! What is said in the end, and how sure that is.
+//! The verdict and its probability.
 
 use super::answer::{Answer, Form, Kind};
 use super::bootstrap::{Numbers, Resamples, Shrink, above};
@@ -10,19 +10,19 @@ use super::stale::{DOWN_ONLY, UP_ONLY};
 use crate::effects::Region;
 use crate::model::groups::LOAD_COEFFICIENT;
 
-/// What is left after the causes is material above this many floors ...
+/// The remainder after the causes is material above this many floors ...
 const OPEN_FLOORS: f64 = 1.0;
-/// ... and this share of what the base leaves (RMS).
+/// ... and above this share of the residual of the base (RMS).
 const OPEN_SHARE: f64 = 0.4;
-/// Where no contact is among the causes a form that is right leaves less: not so many floors, slow noise in them, and not this share.
+/// Without contact among the causes, a correct formula leaves less than this many floors (with slow noise) and less than this share.
 const FORM_FLOORS: f64 = 0.75;
 const FORM_SHARE: f64 = 0.25;
-/// Causes that leave more than this share of what the base leaves (RMS) do not name the gap: a fifth of its energy.
+/// Causes that leave more than this share of the residual of the base (RMS) do not name the gap: a fifth of its energy.
 const UNNAMED_SHARE: f64 = 0.45;
-/// Where the base leaves less than so many floors a cause is named only if this share of the resamples agrees.
+/// Where the residual of the base is below this many floors, a cause is named only if this share of the resamples agrees.
 const WEAK_FLOORS: f64 = 0.6;
 const WEAK_AGREEMENT: f64 = 0.5;
-/// Of several causes the weakest explains so many times the least that counts, or the verdict is not clear.
+/// A verdict with several causes is clear if the weakest explains this multiple of the limit.
 const CLEAR_MARGIN: f64 = 1.5;
 
 /// The answer.
@@ -66,7 +66,7 @@ pub struct Evidence<'e> {
     pub resamples: &'e Resamples,
     /// The floor's square with its error, (N m)^2.
     pub floor_square: f64,
-    /// That of its quick part alone: what is open is judged by it, lest slow noise hide a cause.
+    /// That of its fast part alone, by which an open remainder is judged, so that slow noise does not hide a cause.
     pub quick_square: f64,
     /// What the numbers of the causes that were found, and of the base, cost on unseen units.
     pub numbers: Numbers,
@@ -105,7 +105,7 @@ impl Evidence<'_> {
         self.open(rest, last).0 && (!has_causes || naming.value > naming.limit)
     }
 
-    /// How far the gap shrinks where `left` squares are left in each unit by a fit of so many `numbers`.
+    /// How far the gap shrinks where a fit of `numbers` parameters leaves the squares `left` in each unit.
     pub fn shrink(&self, left: &[f64], numbers: Numbers) -> Shrink {
         self.resamples.shrink(&self.delivered, left, &self.rows, self.floor_square, numbers)
     }
@@ -192,8 +192,8 @@ pub fn verdict(choice: &Choice<'_>, evidence: &Evidence<'_>) -> Verdict {
     }
 }
 
-/// Whether a verdict is one that was nearly always right: a single cause that no other comes close to, several of which the weakest
-/// explains well more than it must.
+/// Whether a verdict belongs to those that were nearly always right: a single cause that no other comes close to, or several of which the
+/// weakest explains much more than the limit.
 fn clear(kind: Kind, found: &[Found<'_>]) -> Option<Decision> {
     let least = |of: &dyn Fn(&Found<'_>) -> f64| found.iter().map(of).min_by(f64::total_cmp);
     let (value, limit) = match kind {

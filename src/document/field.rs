@@ -120,7 +120,7 @@ impl<'a> Field<'_, 'a> {
         found
     }
 
-    /// A table, read by `read`, which asks for every key before it gives up on one.
+    /// A table, read by `read`, which reads every key before it returns early for a missing one.
     pub fn section<T>(self, read: impl FnOnce(&Section<'a>) -> Option<T>) -> Option<T> {
         let (parent, path, row) = (self.section, self.name(), self.row());
         let table = self.take("a table", table)?;

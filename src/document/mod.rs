@@ -10,8 +10,8 @@
 //! # Ok::<(), tautline::problem::Problems>(())
 //! ```
 //!
-//! There is no list of known keys: a key is known once it was asked for. So a reader asks for every key first and
-//! gives up on what is missing last; the section then reports what nobody asked for.
+//! There is no list of known keys: a key is known once it was read. So a reader first reads every key, and only then returns early if one
+//! is missing; the section then reports the keys that were never read.
 
 mod field;
 mod parse;
@@ -116,7 +116,7 @@ impl Document {
         Ok(Self { file: file.to_path_buf(), root: parse::json(file, text)? })
     }
 
-    /// What `read` makes of the outermost table, or everything that is wrong with the file, by row.
+    /// The value that `read` returns for the outermost table, or all faults of the file, by row.
     ///
     /// `read` gives None only where a problem was reported. Doubts alone are dropped: `examine` tells them.
     pub fn read<T>(&self, read: impl FnOnce(&Section<'_>) -> Option<T>) -> Result<T> {
@@ -128,7 +128,7 @@ impl Document {
         }
     }
 
-    /// What `read` makes of the outermost table, as far as it goes, and everything that is wrong with the file, by row.
+    /// The value that `read` returns for the outermost table, if any, and all faults of the file, by row.
     pub fn examine<T>(&self, read: impl FnOnce(&Section<'_>) -> Option<T>) -> (Option<T>, Vec<Problem>) {
         let problems = RefCell::new(Vec::new());
         let value = Section::root(&self.file, &self.root, &problems).finish_with(read);

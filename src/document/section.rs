@@ -63,7 +63,7 @@ impl<'a> Section<'a> {
         self.problems.borrow_mut().push(problem.at_row(row).in_column(self.name_of(key)));
     }
 
-    /// Runs `read`, then reports every key that it did not ask for.
+    /// Runs `read`, then reports every key that it did not read.
     pub(super) fn finish_with<T>(self, read: impl FnOnce(&Self) -> Option<T>) -> Option<T> {
         let value = read(&self);
         let asked = self.asked.borrow();

@@ -116,11 +116,11 @@ pub struct About {
     pub example: &'static str,
     /// Its parameters, in order.
     pub parameters: &'static [Parameter],
-    /// What the recorded motion must hold for it to show; any motion shows it where nothing is said.
+    /// What the recorded motion must include for it to show; empty: any motion shows it.
     pub needs: &'static [Excitation],
     /// How a person checks it alone, without the joint's motion.
     pub by_hand: Option<&'static str>,
-    /// What no motion tells it apart from, and what does.
+    /// What no motion distinguishes it from, and what else does.
     pub told_apart: &'static [(&'static str, &'static str)],
     /// How to mend the measurement, for a fault.
     pub remedy: Option<&'static str>,
@@ -135,7 +135,7 @@ pub struct About {
 }
 
 impl About {
-    /// What holds of an effect of which nothing more is said.
+    /// Defaults of an effect.
     pub(super) const PLAIN: Self = Self {
         id: "",
         family: Family::Physics,

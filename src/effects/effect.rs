@@ -27,7 +27,8 @@ pub trait Effect: Hooks<f64> + Hooks<Dual> + for<'t> Hooks<Expression<'t>> + Syn
         true
     }
 
-    /// What it counts for that numbers found are those that the joint of `extent` has: so many numbers less.
+    /// By how many the number of its fitted parameters is reduced in comparisons, because their values agree with those that the joint of
+    /// `extent` has.
     fn confirmed(&self, _p: &[f64], _extent: &Extent) -> usize {
         0
     }
@@ -52,7 +53,7 @@ pub trait Effect: Hooks<f64> + Hooks<Dual> + for<'t> Hooks<Expression<'t>> + Syn
         true
     }
 
-    /// Whether it goes by the time since the campaign began.
+    /// Whether it depends on the time since the campaign began.
     fn needs_clock(&self, _p: &[f64]) -> bool {
         false
     }

@@ -52,7 +52,7 @@ impl Effect for ElasticSpring {
         at < 3 || p[2] > 0.5
     }
 
-    /// One that drives, softens, or stiffens the wrong way, is another thing.
+    /// A spring that drives the motion, softens, or stiffens the wrong way is not this effect.
     fn is_itself(&self, p: &[f64], _extent: &Extent) -> bool {
         p[0] >= 0.0 && (p[2] <= 0.5 || p[3] >= 0.0)
     }

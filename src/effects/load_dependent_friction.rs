@@ -7,7 +7,7 @@ use crate::numerics::scalar::Scalar;
 /// Pretensions, and torques at which it levels off, that are tried, as shares of the reading's range.
 const FORMS: [(f64, f64); 6] = [(0.0, 0.0), (0.05, 0.0), (0.1, 0.0), (0.2, 0.0), (0.0, 0.25), (0.0, 0.7)];
 
-/// One direction's share may be below zero by so much of the other's: it is not known better.
+/// One direction's share may be negative by this share of the other's: it is not known more precisely.
 const OPPOSED_MAX: f64 = 0.3;
 
 const ID: &str = "load_dependent_friction";

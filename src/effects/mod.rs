@@ -5,10 +5,10 @@
 //!
 //! y = w + [ (r1/r2) (G + I a + j) + K~ (u + fu) h + (1 - K~) (d + fd) h ] / (1 - mu)
 //!
-//! where j is `Hooks::joint_torque_nm`, fu and fd `Hooks::friction_nm`, h `Hooks::friction_factor` and w
-//! `Hooks::winch_torque_nm`; G is taken where `Hooks::position_lag_rad` says the joint is; K~ changes over by
-//! `Hooks::curve` and builds up elastically by `Hooks::presliding`. What the sensor makes of y comes last: `Hooks::delay_s`
-//! and `Hooks::lag_s`, then `Hooks::reading_nm`, last of those that say `Effect::clips`.
+//! where j is `Hooks::joint_torque_nm`, fu and fd `Hooks::friction_nm`, h `Hooks::friction_factor` and w `Hooks::winch_torque_nm`; G is
+//! taken where `Hooks::position_lag_rad` says the joint is; K~ changes over by `Hooks::curve` and builds up elastically by
+//! `Hooks::presliding`. The sensor's errors are applied to y last: `Hooks::delay_s` and `Hooks::lag_s`, then `Hooks::reading_nm`, last of
+//! those that say `Effect::clips`.
 
 mod cable_elasticity;
 mod contact;

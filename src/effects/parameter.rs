@@ -13,7 +13,7 @@ pub enum Role {
     Level,
     /// It selects, and is neither fitted nor has it an interval: which joint, which clock.
     Choice,
-    /// It selects a form of the effect, like a choice; 0 is the plainest, and is meant where nothing is said.
+    /// It selects a form of the effect, like a choice; 0 is the simplest, and the default.
     Form,
 }
 
@@ -26,9 +26,9 @@ pub struct Parameter {
     pub role: Role,
     /// The range beyond which it makes no sense.
     pub bounds: (f64, f64),
-    /// How large it is believed to be, as a share of the torque's range: infinite where nobody can say.
+    /// Prior scale, as a share of the torque's range; infinite where there is none.
     pub share: f64,
-    /// What it is where nothing is said; none where it must be said.
+    /// Its default; `None` where it must be given.
     pub default: Option<f64>,
 }
 

@@ -37,7 +37,7 @@ impl Effect for QuadraticViscous {
         vec![vec![0.0, 0.0, 2.0, 0.0], vec![0.0, 0.0, 2.0, 1.0]]
     }
 
-    /// Drag that levels off with speed is another thing.
+    /// Drag that levels off with speed is not this effect.
     fn is_itself(&self, p: &[f64], _extent: &Extent) -> bool {
         p[0] + p[1] >= 0.0
     }

@@ -7,7 +7,7 @@ use crate::numerics::scalar::Scalar;
 const WIDTHS: (f64, f64) = (0.004, 0.4);
 /// A clearance found within this share of the joint's own is that clearance; by chance one of many sizes is there seldom ...
 const OWN: f64 = 0.15;
-/// ... which counts for so many numbers: it is itself none, and what goes by another travel needs one to be there.
+/// ... and counts as this many parameters fewer: the clearance need not be fitted, and no second one has to be assumed.
 const OWN_COUNTS: usize = 2;
 /// Widest clearance, as a share of the stroke that crosses it.
 const CROSSED: f64 = 0.8;

@@ -31,7 +31,7 @@ pub(super) const fn parameters(sin: &'static str, cos: &'static str) -> [Paramet
 
 /// At least this many periods within the range: fewer are not told from any other function of position ...
 const PERIODS_MIN: f64 = 1.5;
-/// ... and at most so many.
+/// ... and at most this many.
 const PERIODS_MAX: f64 = 150.0;
 
 /// The ripple at `sample`, N m: what is always there, and what there is of it in each N m that the cable carries.

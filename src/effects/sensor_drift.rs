@@ -7,8 +7,8 @@ use std::f64::consts::PI;
 /// Where what settles, and where the waves stand among the parameters.
 const SETTLES: std::ops::RangeInclusive<usize> = 3..=4;
 const FIRST_WAVE: usize = 6;
-/// Most waves; without any it settles and runs on, with them it wanders. Both at once are more than a trial that was not seen can do without:
-/// only the first tells what settles.
+/// Most waves; without waves the drift settles and goes on linearly, with them it varies slowly. Both together are not identifiable on a
+/// held-out trial: only the first trial shows what settles.
 const WAVES: usize = 4;
 
 /// Times at which its size is looked at: each wave's crests are met within 1 %.

@@ -22,7 +22,7 @@ impl<S: Scalar> Presliding<S> {
         if Self::has_arrived(left) { S::from(0.0) } else { self.relaxing(left)(travel_rad) }
     }
 
-    /// Whether a distance to the branch is none.
+    /// Whether the distance to the branch is zero.
     pub fn has_arrived(left: S) -> bool {
         left.value() < ARRIVED
     }

@@ -67,7 +67,7 @@ impl Effect for WarmUp {
         extent.clocks().flat_map(of).collect()
     }
 
-    /// Friction that is less when cold is another thing; where only a part of it warms up the share may come out a little below zero.
+    /// Friction that is lower when cold is not this effect; where only a part of it warms up, the share may come out slightly negative.
     fn is_itself(&self, p: &[f64], _extent: &Extent) -> bool {
         p[1] >= -LESS_MAX
     }

@@ -28,7 +28,7 @@ pub enum Source {
     Model,
     /// The identification fitted it beside the model's own.
     Identification,
-    /// Nobody fitted it: it is the one of its kind that comes nearest to the model's curve.
+    /// Not fitted: the curve of its kind that is nearest to the model's.
     Nearest,
     /// It has none.
     None,

@@ -14,7 +14,7 @@ const GRAVITY_DIFFERS: f64 = 0.02;
 /// Errors: another joint's name, kind or radii.
 pub fn fitted(campaign: &Campaign, model: &Model) -> Result<(Model, Vec<String>)> {
     let mut model = model.clone();
-    // A model's file need not say how its joint moves; with both radii 1 there is nothing that turns.
+    // A model's file need not declare the kind of its joint; with both radii 1 no winch is known.
     if (model.joint.winch_radius_m, model.joint.pulley_radius_m) == (1.0, 1.0) {
         model.joint.kind = campaign.joint.kind;
     }

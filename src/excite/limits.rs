@@ -26,7 +26,7 @@ const OF_THE_RIG: [&str; 3] = ["torque_step_nm", "lag_rad", "approach_rad_s"];
 impl Limits {
     /// Reads `[limits]` of `file`; what else a rig's file holds is not looked at.
     ///
-    /// Errors: no such section, an unknown key in it, a number that makes no sense, a range that is none.
+    /// Errors: no such section, an unknown key in it, an impossible number, an empty range.
     pub fn read(file: &Path) -> Result<Self> {
         Document::open(file)?.read(|root| {
             root.keys().for_each(|key| root.may(key).ignore());

@@ -180,7 +180,7 @@ fn follows(model: &Model, settings: &Settings) -> Option<Follows> {
     Some(Follows { reading, now, before })
 }
 
-/// y of one sample, friction standing at `k`: the model's own formula over expressions, then what the sensor makes of it.
+/// y of one sample, friction standing at `k`: the model's own formula over expressions, then the sensor's errors.
 fn body(model: &Model, language: Language, others: usize) -> String {
     let tape = Tape::default();
     let of_sample = |name: &str| tape.input(language.member("x", name));

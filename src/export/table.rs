@@ -7,7 +7,7 @@ use crate::report::number::{interval, significant};
 use crate::report::parameters::parameters;
 use crate::report::wording::{Units, status_word};
 
-/// Significant digits of a value whose confidence nobody told.
+/// Significant digits of a value without an interval.
 const DIGITS: usize = 5;
 
 /// One row.

@@ -89,7 +89,7 @@ fn declaration(zero: &Zero) -> Check {
     Check { name: "zero_as_declared", concerns, value, limit: FAR_OFF, failure }
 }
 
-/// Whether both directions ask for the same zero: they share the encoder.
+/// Whether both directions give the same zero: they share the encoder.
 fn zeros(zero: &Zero) -> Option<Check> {
     let ((up, se_up), (down, se_down)) = (zero.by_direction.up?, zero.by_direction.down?);
     let apart = (up - down).abs();

@@ -23,7 +23,7 @@ pub fn spanning(taken: Confidence, other: Confidence) -> Confidence {
     Confidence { low, high, cv, status: if is_lost { Status::TradeOff } else { taken.status } }
 }
 
-/// `confidence` of what stands for several parameters of a larger form; what the data do not show at all stays so.
+/// `confidence` of a parameter that stands for several of a larger form; one that the data do not show stays `flat`.
 pub fn merged(confidence: Confidence) -> Confidence {
     let status = if confidence.status == Status::Flat { Status::Flat } else { Status::Merged };
     Confidence { status, ..confidence }

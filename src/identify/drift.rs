@@ -1,10 +1,10 @@
 //! A torque that drifts within a trial.
 //!
-//! The slower a sweep, the longer it takes, and the more of a drift of r N m/s comes into its leg: along it time goes with the
-//! regressor of (17), sin(theta), by s = cov(t, sin) / var(sin), so that the leg shows A + r s. On the way up s is positive,
-//! on the way down negative, and it falls with speed: r follows from the A of all legs by weighted least squares, with a mean A
-//! of its own in each direction. B of a leg is off by r times the time since the trial began, which differs from speed to
-//! speed and no interval knows of.
+//! The slower a sweep, the longer it takes, and the more of a drift of r N m/s comes into its leg: along it time correlates with the
+//! regressor of (17), sin(theta), with slope s = cov(t, sin) / var(sin), so that the leg shows A + r s. On the way up s is positive, on the
+//! way down negative, and it falls with speed: r follows from the A of all legs by weighted least squares, with a mean A of its own in each
+//! direction. B of a leg is off by r times the time since the trial began, which differs from speed to speed and is not part of any
+//! interval.
 
 use super::legs::LegFit;
 use super::sums::columns;
@@ -66,7 +66,7 @@ pub struct Drift {
 }
 
 impl Drift {
-    /// The drift that `legs` show, `times` beside them; `None` where there is none to speak of.
+    /// The drift that `legs` show, with their `times`; `None` where it is not significant.
     pub fn of(legs: &[&LegFit], times: &[LegTime]) -> Option<Self> {
         let usable = |(leg, time): &(&LegFit, &LegTime)| {
             leg.a_nm.is_finite() && leg.a_se_nm > 0.0 && leg.a_se_nm.is_finite() && time.per_regressor_s.is_finite()
@@ -96,7 +96,7 @@ impl Drift {
         let rate_nm_s = product / square;
         let freedom = all.len() as f64 - 3.0;
         let left = centred.iter().map(|(x, y, w)| w * (y - rate_nm_s * x).powi(2)).sum::<f64>() / freedom;
-        // What scatters less than its own standard errors is not thereby known better.
+        // Scatter below the standard errors does not narrow the interval.
         let half_width_nm_s = student_t(freedom) * (left.max(1.0) / square).sqrt();
         let longest_s = all.iter().map(|(_, time)| time.lasts_s).fold(0.0, f64::max);
         let a_nm = mean(&all.iter().map(|(leg, _)| leg.a_nm.abs()).collect::<Vec<f64>>());

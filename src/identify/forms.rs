@@ -1,10 +1,9 @@
 //! Which form of (19) the model takes: how many exponentials the points support, and how many are fit for use.
 //!
-//! More exponentials always meet the points closer. What the model is for is the prediction between them and below the
-//! slowest sweep, where every reversal passes; there a form with hardly more points than parameters runs away. So the
-//! larger form must hold at rest, and on the whole series be no worse than the smaller one. How that is meant depends on the
-//! speeds: where they are too few to tell the form it must be better by far, and with the full protocol's, whose parameters
-//! are wanted for themselves, it may be a little worse.
+//! More exponentials always fit the points better. But the model has to predict between the points and below the slowest sweep, where every
+//! reversal passes; there a form with hardly more points than parameters diverges. So the larger form must stay bounded towards rest, and
+//! must be no worse than the smaller one on the whole series. The criterion depends on the speeds: where they are too few to determine the
+//! form, the larger one must be much better; with the full protocol, whose parameters are of interest themselves, it may be slightly worse.
 
 use super::branch::Branch;
 use super::stribeck::{ExponentialFit, Points, exponentials};
@@ -20,7 +19,7 @@ const FEW_SPEEDS: usize = 2;
 const FULL_SPEEDS: usize = 3;
 /// With too few points for Akaike's criterion an F test decides at this level: the search over rates makes it optimistic.
 const LEVEL: f64 = 0.01;
-/// A form is no worse when it leaves at most this share of what the smaller one leaves: what noise does to an RMSE.
+/// A form is no worse when its RMSE is at most this multiple of the smaller form's: the effect of noise on an RMSE.
 const NO_WORSE: f64 = 1.01;
 /// A form on the full protocol's speeds may leave at most this share of it over all samples.
 const LITTLE_WORSE: f64 = 1.1;
@@ -122,7 +121,7 @@ fn ladder(branch: &Branch, judged: bool) -> Vec<&ExponentialFit> {
                 && (judged || has_speeds(branch, form))
     };
     let mut ladder: Vec<&ExponentialFit> = branch.forms.iter().filter(usable).collect();
-    // Where the points ask for an exponential, none at all is no rival.
+    // Where the points support an exponential, the form without one is not an alternative.
     if branch.supported > 0 && ladder.get(1).is_some_and(|form| has_speeds(branch, form)) {
         ladder.remove(0);
     }
@@ -171,7 +170,7 @@ pub(super) fn holds_at_rest(b_nm: impl Fn(f64) -> f64, points: &Points) -> bool 
     let largest_nm = points.b_nm.iter().fold(0f64, |m, b| m.max(b.abs()));
     let (slowest, _) = points.speed_range_rad_s();
     let sign = mean(&points.b_nm).signum();
-    // It does not turn its sign either, but for what a sensor's offset may do.
+    // Nor does its sign change, except by as much as a sensor's offset may cause.
     let sane = -0.5 * largest_nm..=EXTRAPOLATION * largest_nm;
     [0.0, 0.25, 0.5].iter().all(|share| sane.contains(&(sign * b_nm(share * slowest))))
 }

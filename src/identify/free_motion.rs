@@ -46,8 +46,8 @@ pub(super) fn from_free_motion(
     Ok(Identification { combination, checks, rests_on, ..found })
 }
 
-/// The one Stribeck term of free motion stands for the two of (15), and a_j and d for what it leaves, or for all where it is left out:
-/// none of them is the paper's alone.
+/// The one Stribeck term of free motion represents both of (15), and a_j and d represent the remainder, or everything where that term is
+/// left out: none of them is the paper's parameter alone.
 fn merge(model: &mut Model) {
     for direction in Direction::BOTH {
         let branch = *model.friction.of(direction);

@@ -109,10 +109,10 @@ fn branch(data: &Data, direction: Direction, form: Form) -> Result<Branch> {
     Ok(Branch { direction, a, scale, points, forms, supported, wanted })
 }
 
-/// `known` of the parameters of `form` as what is known of the parameters of (19), which has two exponentials.
+/// Confidence of the parameters of (19), which has two exponentials, from that of the parameters of `form`, `known`.
 ///
-/// The exponential of a smaller form stands for two. Its a_j and d are those of (19) as far as the two exponentials
-/// leave them: their intervals span what that form says of them, and where the speeds cannot hold it they are merged too.
+/// The exponential of a smaller form stands for two. Its a_j and d are those of (19) as far as the two exponentials determine them: their
+/// intervals span those of that form, and where the speeds are too few for it they are merged too.
 fn of_the_paper(
     branch: &Branch,
     form: &ExponentialFit,
@@ -197,7 +197,7 @@ pub fn warnings(fit: &FrictionFit) -> Vec<String> {
     }
     if fit.friction.d < 0.0 {
         let [.., of_d] = fit.confidence;
-        let doubt = if of_d.high > 0.0 { "; its interval holds zero" } else { "" };
+        let doubt = if of_d.high > 0.0 { "; its interval includes zero" } else { "" };
         words.push(format!(
             "d = {:.3} N s/rad moving {moving} is viscous friction that helps the motion{doubt}: beyond the fastest sweep do \
              not use B(v)",

@@ -7,7 +7,7 @@ use crate::model::{Both, BranchFunctions, Direction, Functions, Level, Model, Sh
 use crate::numerics::statistics::{HALF_WIDTH, quantile};
 use nalgebra::DMatrix;
 
-/// Speeds at which B of free motion is told, as quantiles of the speeds that occur: (19) is a line over most of them.
+/// Speeds at which B of free motion is reported, as quantiles of the recorded speeds: (19) is a straight line over most of them.
 const QUANTILES: [f64; 2] = [0.25, 0.9];
 /// Step of a derivative by difference, as a share of the parameter's standard error.
 const STEP: f64 = 1e-3;

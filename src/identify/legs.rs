@@ -96,9 +96,8 @@ pub struct Amplitude {
     pub legs: usize,
     /// Whether A is no result but fixed at zero, there being no load.
     pub fixed: bool,
-    /// Root mean square of the legs' own standard errors of A over their scatter: 1 when only noise separates the torque from
-    /// A sin(theta) + B, far above when every leg strays from it in the same way; 0 where the
-    /// errors are negligible beside A.
+    /// Root mean square of the legs' own standard errors of A over their scatter: 1 when only noise separates the torque from A sin(theta)
+    /// + B, far above when all legs deviate from it in the same way; 0 where the errors are negligible beside A.
     pub misfit: f64,
 }
 

@@ -12,7 +12,7 @@ pub struct RestsOn {
     pub on: &'static str,
     /// Whether it was fitted along with the parameter, its uncertainty in the interval, or taken as declared.
     pub fitted: bool,
-    /// The change of it that is told.
+    /// The change of it that is reported.
     pub change: &'static str,
     /// What that change moves the parameter by, in the parameter's unit.
     pub moves: f64,

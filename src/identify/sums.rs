@@ -15,7 +15,7 @@ const STEADY: f64 = 0.01;
 /// A leg is cut into this many blocks to judge its errors: a block outlasts the noise's memory, and 20 of them leave a
 /// standard error known to 16 %.
 pub(super) const BLOCKS: usize = 20;
-/// Below this share of the slope's variance what the line leaves of it is rounding.
+/// Below this share of the slope's variance the remainder of its regression is rounding error.
 const ROUNDING: f64 = 1e-9;
 
 /// Places in the moments.
@@ -184,7 +184,7 @@ impl LegSums {
         let mean = self.mean();
         let product = |a: &Mix, b: &Mix| self.all.product(a, b, &mean);
         let square = product(&regressor, &regressor);
-        // A load that stays the same, but for its noise, is no load to tell A from.
+        // A load that is constant except for noise does not determine A.
         let spread = (square.max(0.0) / self.all.samples).sqrt();
         let steady = spread <= STEADY * self.mean_of(&regressor).abs();
         let a_nm = if steady { f64::NAN } else { product(&regressor, &unit(RAW)) / square };
@@ -231,7 +231,7 @@ impl LegSums {
 
     /// The regression of the leg at the zero that it asks for by itself, rad.
     pub fn alone(&self) -> (f64, LegFit) {
-        /// Beyond this a leg alone tells nothing of the zero, rad.
+        /// Beyond this a single leg does not determine the zero, rad.
         const MOST_RAD: f64 = 0.3;
         let zero_rad = self.zero(0.0).map_or(0.0, |told| told.step_rad);
         let zero_rad = if zero_rad.abs() < MOST_RAD { zero_rad } else { 0.0 };
@@ -256,7 +256,7 @@ impl LegSums {
         self.blocks.iter().map(|b| b.product(&line.regressor, &line.error, &mean) / line.square).collect()
     }
 
-    /// What the leg says of the zero about `zero_rad`, its own A and B left free; `None` where its load tells nothing of it.
+    /// The leg's estimate of the zero about `zero_rad`, with its own A and B free; `None` where its load does not determine it.
     ///
     /// y = A R + A dz dR/dz + B to first order: what R leaves of dR/dz is regressed on what the line leaves of y.
     pub(super) fn zero(&self, zero_rad: f64) -> Option<ZeroOfLeg> {

@@ -9,7 +9,8 @@ pub fn excess(sums: &[f64], others: &[f64]) -> (f64, f64) {
     (mean(&excess), standard_deviation(&excess) / (excess.len() as f64).sqrt())
 }
 
-/// A gain of this share of the squares is none: what brings it, as a curve for a clearance that the motion hardly shows, only bends.
+/// A reduction of the squares by less than this share counts as none: it only shows some curvature, as with a change-over curve for a
+/// clearance that the motion hardly shows.
 const IMMATERIAL: f64 = 1e-3;
 
 /// The best of `candidates`, each given by its sums of squares, the simplest first; or the simplest of those that

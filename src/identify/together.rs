@@ -58,7 +58,7 @@ impl Together {
             return f64::INFINITY;
         }
         let n = a.len();
-        // Where nothing is known of any, what rests on none of them is known all the same.
+        // A quantity that depends on none of the unknown parameters is known all the same.
         let term = |(i, j): (usize, usize)| if a[i] * b[j] == 0.0 { 0.0 } else { a[i] * b[j] * self.matrix[(i, j)] };
         let sum: f64 = (0..n).flat_map(|i| (0..n).map(move |j| (i, j))).map(term).sum();
         if sum.is_nan() { f64::INFINITY } else { sum }

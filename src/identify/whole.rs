@@ -182,7 +182,7 @@ impl Whole<'_> {
         );
         let sigma = (minimum.residual_sum / minimum.residual_count as f64).sqrt();
         let freedom = cluster::freedom(scores.len(), n);
-        // Were all else known: how far a parameter could move for one sigma over one stroke's worth of samples.
+        // With all other parameters known: how far one could move for one sigma over one stroke's worth of samples.
         let rows_per_stroke = jacobian.nrows() as f64 / scores.len().max(1) as f64;
         let told = |(i, free): (usize, &Free)| {
             let singular = minimum.unscaled_covariance[(i, i)].is_nan();

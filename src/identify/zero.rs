@@ -12,7 +12,7 @@ use super::sums::{BLOCKS, LegSums};
 use crate::model::{Both, Confidence, Direction, Model, Status};
 use crate::numerics::statistics::{HALF_WIDTH, extent, half_width_of_sum};
 
-/// Steps of Gauss-Newton: the problem is linear but for the angle's own sine.
+/// Steps of Gauss-Newton: the problem is linear except for the sine of the angle.
 const STEPS: usize = 6;
 /// The largest zero looked for, rad: beyond, gravity might as well be another.
 pub(super) const MOST_RAD: f64 = 0.5;
@@ -21,10 +21,10 @@ const PLACES: usize = BLOCKS;
 /// Sums of independent errors over places, squared, exceed the squares of the errors by this ratio once in twenty times: the 95 %
 /// quantile of chi squared of 20 over 20. Below, nothing is common; chance alone would otherwise widen every second interval.
 const BY_CHANCE: f64 = 1.57;
-/// What repeats at one place reaches into its neighbours (a ripple, a spring): their products count too, up to so many places away, with
-/// falling weight (Newey and West, Econometrica 55:703, 1987). Of 300 joints with a ripple of 1 to 6 periods per rad the 95 % intervals of A
-/// hold the truth in 95.5 % with 3 places, of 150 of them in 93.7 % with 4, 96.0 % with 2, 83.7 % with 8. A ripple of less than one period per rad
-/// cannot be told from the load: 32 %, whatever stands here.
+/// Deviations that repeat with position (a ripple, a spring) are correlated between neighbouring places: their products count too, up to
+/// this many places apart, with decreasing weight (Newey and West, Econometrica 55:703, 1987). Of 300 joints with a ripple of 1 to 6
+/// periods per rad the 95 % intervals of A hold the truth in 95.5 % with 3 places, of 150 of them in 93.7 % with 4, 96.0 % with 2, 83.7 %
+/// with 8. A ripple of less than one period per rad cannot be distinguished from the load: 32 %, for any value here.
 const NEIGHBOURS: usize = 3;
 /// Degrees of freedom of a sum over places: three parameters are fitted within.
 pub(super) const FREEDOM_OF_PLACES: f64 = PLACES as f64 - 3.0;

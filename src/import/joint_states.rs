@@ -201,7 +201,7 @@ impl Topic {
 }
 
 impl State {
-    /// Reads a message; nothing where it is none.
+    /// Reads a message; `None` where the bytes are not one.
     fn parse(bytes: &[u8]) -> Option<Self> {
         // The first four bytes say how the rest is written: the second is 1 for little end first.
         let little = match bytes.get(..2)? {

@@ -115,7 +115,7 @@ impl Walk {
                 add(&mut self.all, name, values, size(rows), size(columns));
                 Ok(())
             }
-            // Packed as nobody but its writer can read: not of ours.
+            // Compressed by a filter that only its writer has: unsupported.
             Err(Error::Format(FormatError::UnsupportedFilter(_) | FormatError::UnsupportedZfp(_))) => Ok(()),
             Err(error) => Err(error.to_string()),
         }

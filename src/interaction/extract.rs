@@ -152,7 +152,7 @@ impl Extracted {
         }
     }
 
-    /// A trial that rests throughout tells nothing of K_f: its beginning is then taken for what friction is.
+    /// A trial at rest throughout does not determine K_f: the friction at its beginning is then taken from the residual.
     fn tare(&mut self, file: &str) {
         let n = ((TARE_S * self.rate_hz) as usize).min(self.torque_nm.len());
         let level = quantile(&mut self.torque_nm[..n].to_vec(), 0.5);

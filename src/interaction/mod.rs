@@ -1,7 +1,7 @@
 //! The torque that a person adds: tau_E = y - (M a + C v + G + f), equation (31).
 //!
-//! What counts as contact follows from what the model leaves on quiet trials, in which nobody touches the joint; around
-//! reversals, where the model is weak, the threshold and the uncertainty are those of quiet reversals.
+//! The threshold for contact follows from the model's residual on quiet trials, in which nobody touches the joint; around reversals, where
+//! the model is weak, the threshold and the uncertainty are those of quiet reversals.
 
 mod causal;
 mod compare;
@@ -110,13 +110,13 @@ fn filtering(campaign: &Campaign, causal: bool) -> Result<Filtering> {
     })
 }
 
-/// The trial that tells the encoder's noise, and the rate where nobody said.
+/// The trial that the encoder's noise is taken from, and the rate where none is given.
 fn first_trial(campaign: &Campaign) -> Result<Trial> {
     read_trial(campaign, 0).and_then(|log| prepare(campaign, 0, log))
 }
 
-/// A stream of samples of `campaign`'s joint at `rate_hz` (where nobody says, that of its first trial); what counts as contact
-/// comes from its quiet trials, filtered as the stream will be.
+/// A stream of samples of `campaign`'s joint at `rate_hz` (by default that of its first trial); what counts as contact comes from its quiet
+/// trials, filtered as the stream will be.
 ///
 /// Errors: as `run`.
 pub fn stream_of(
@@ -154,7 +154,7 @@ fn touched_trial(campaign: &Campaign, index: usize, extracted: Extracted, quiet:
     TrialInteraction { entry: campaign.trials[index].clone(), extracted, contacts, comparison }
 }
 
-/// The torque of the trials `chosen`, with their warnings; of quiet ones thinned, for nobody looks at their single samples.
+/// The torque of the trials `chosen`, with their warnings; of quiet ones thinned, because their single samples are not needed.
 fn all(
     campaign: &Campaign,
     model: &Model,

@@ -1,4 +1,4 @@
-//! What the model leaves when nobody touches the joint: the threshold of a contact, its false alarms, the uncertainty.
+//! The model's residual when nobody touches the joint: threshold of a contact, false alarms, uncertainty.
 
 use super::contacts::contacts;
 use super::extract::Extracted;

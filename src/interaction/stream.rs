@@ -11,8 +11,8 @@ use crate::problem::Result;
 /// After a gap of this many sample periods the filters start anew: what they hold is of another time.
 const GAP: f64 = 3.0;
 
-/// What a sample of the stream can hold: no further from zero than so many times what the campaign's first trial shows.
-/// A person pushes a joint that moves freely a hundred times harder than its friction does, never a thousand times.
+/// Plausible range of a sample of the stream: this multiple of the largest value in the campaign's first trial. A person pushes a joint
+/// that moves freely a hundred times harder than its friction does, never a thousand times.
 const REACH_TORQUE: f64 = 1000.0;
 const REACH_POSITION: f64 = 100.0;
 /// The least that is taken for what the first trial shows: it may be at rest. N m and rad (N and m).

@@ -98,7 +98,7 @@ impl Declared {
         Some(Arm { urdf: self.urdf, chain, others, held_rad: self.held_rad })
     }
 
-    /// Columns that name a joint which is not there, or one that is said to rest.
+    /// Columns that name a joint which does not exist, or one that is declared to rest.
     fn check_named(&self, section: &Section<'_>, joints: &[(&str, JointKind)], columns: &[OtherColumn]) {
         for (column, joint) in columns.iter().filter_map(|c| Some((&c.column.name, c.joint.as_deref()?))) {
             if joints.iter().all(|(name, _)| *name != joint) {

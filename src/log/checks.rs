@@ -97,7 +97,7 @@ fn enough_samples(faults: &mut Faults<'_>, samples: usize, signal: &Signal) -> b
     samples > padding
 }
 
-/// Two time stamps that follow each other, but for cells between them that hold none.
+/// Two consecutive time stamps, ignoring empty cells between them.
 struct Step {
     from: f64,
     to: f64,

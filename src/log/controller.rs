@@ -1,4 +1,4 @@
-//! `[controller]`: what a position controller makes of its command, for joints whose torque is not measured.
+//! `[controller]`: the torque of a position controller from its command, for joints whose torque is not measured.
 //!
 //! At the joint, tau = K (command - position) - D u within +-limit, where u is the joint's velocity, or its velocity less the
 //! command's where the controller damps the error, through the first-order low-pass that the controller has for it: late by T, u asks

@@ -58,7 +58,7 @@ pub(super) fn read(
                 column.push(at as f64);
                 continue;
             }
-            // Of a ragged row nobody knows which field is which.
+            // In a ragged row the fields cannot be assigned to columns.
             let field = place.filter(|_| !is_ragged).map(|place| &record[place]);
             column.push(field.map_or(f64::NAN, |field| {
                 number(field, dialect.decimal).or_else(|| stamp::reading(field, want)).unwrap_or_else(|| {

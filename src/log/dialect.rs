@@ -77,7 +77,7 @@ impl Dialect {
         dialect
     }
 
-    /// This with a delimiter and a decimal sign, its header found, and how many cells of numbers it makes of `lines`.
+    /// This with a delimiter and a decimal sign, its header found, and how many numeric cells `lines` then have.
     fn with(self, delimiter: u8, decimal: u8, lines: &str) -> (Self, usize) {
         let dialect = Self { delimiter, decimal, ..self };
         let rows: Vec<Vec<String>> = lines.lines().map(|line| dialect.cells(line)).collect();

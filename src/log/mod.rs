@@ -212,7 +212,7 @@ fn log_of(file: PathBuf, mut recorded: Readings, mut wanted: Vec<Wanted>, campai
     Log { clipped, set_aside, findings, fingerprint, warnings, ..log }
 }
 
-/// Of the torque at the motor: a slide's force in N but for a screw's motor.
+/// Unit of the torque at the motor: N for a slide, except with a screw, whose motor gives N m.
 fn torque_unit(campaign: &Campaign) -> Unit {
     let is_force = campaign.joint.kind == JointKind::Prismatic && campaign.joint.drive != Drive::Screw;
     if is_force { Unit::Newton } else { Unit::NewtonMetre }

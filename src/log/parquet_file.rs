@@ -126,7 +126,7 @@ thread_local! {
     static IS_GUARDED: Cell<bool> = const { Cell::new(false) };
 }
 
-/// Runs `read`, and makes an error of a panic: Polars believes what a damaged file says of itself, and then stumbles.
+/// Runs `read`, and turns a panic into an error: Polars trusts the metadata of a damaged file, and then panics.
 fn guarded<T>(file: &Path, want: Option<&Wanted>, read: impl FnOnce() -> Result<T>) -> Result<T> {
     static HUSH: Once = Once::new();
     HUSH.call_once(|| {

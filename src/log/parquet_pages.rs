@@ -56,7 +56,7 @@ impl Pages {
     }
 }
 
-/// Rows of a column without lists that a page holds: none in a dictionary. `None` of a number that is none; room is made for so
+/// Rows of a column without lists that a page holds: none in a dictionary. `None` where the number is invalid; memory is reserved for that
 /// many before they are read.
 fn values(header: &PageHeader) -> Option<usize> {
     let rows = match (&header.data_page_header, &header.data_page_header_v2, &header.dictionary_page_header) {

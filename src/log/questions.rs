@@ -1,4 +1,4 @@
-//! `# ?` in `campaign.toml`: values that a draft holds the place of, for what no data can tell.
+//! `# ?` in `campaign.toml`: placeholder values of a draft, for what no data can determine.
 
 use crate::problem::Problem;
 use std::path::Path;

@@ -22,7 +22,7 @@ pub(super) struct Given {
     pub torque_constant_nm_a: Option<f64>,
     /// Turns of the motor for one of the winch.
     pub gear_ratio: f64,
-    /// What a position controller makes of its command, where that is told.
+    /// The position controller, where one is declared.
     pub controller: Option<Controller>,
 }
 
@@ -76,7 +76,7 @@ impl Columns {
     }
 }
 
-/// Two quantities in one column are a slip of the pen: one of them would be wrong. Gives whether there are none.
+/// Two quantities from one column are a mistake: one of them would be wrong. Returns whether there are none.
 fn report_shared_names(section: &Section<'_>, named: &[Wanted]) -> bool {
     let mut are_distinct = true;
     // What is counted or derived reads no column of its own.

@@ -13,8 +13,8 @@ const WHOLE_TOLERANCE: f64 = 0.25;
 /// Above this share of missing samples it is no longer clear what the period is.
 const MISSING_SHARE_MAX: f64 = 0.05;
 
-/// A rate is what its stamps say to so many digits after the first. Beyond them lies what the last digit of a stamp does to it, and
-/// no clock is that exact: 49.9999999999 Hz is 50 Hz, else whatever counts whole samples of a time would count one less.
+/// Digits after the first to which a rate follows from its stamps. Further digits come from the rounding of stamps, and no clock is that
+/// exact: 49.9999999999 Hz is 50 Hz, or a count of whole samples within a time would be one too low.
 const RATE_DIGITS: usize = 8;
 
 /// What a log's time stamps say, in their own unit.

@@ -120,7 +120,7 @@ impl<R: Read> Samples<R> {
         Ok(sample)
     }
 
-    /// y that `controller` makes of `command_rad`; velocities are differences to the sample before.
+    /// y from `controller` and `command_rad`; velocities are backward differences.
     fn driven_nm(&mut self, controller: &Controller, sample: &Sample, command_rad: f64) -> f64 {
         let position_rad = sample.position_rad;
         let damped_rad_s = self.last.map_or(0.0, |last| {

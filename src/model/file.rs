@@ -128,7 +128,7 @@ pub struct RecordedCurve {
     pub backlash_m: f64,
 }
 
-/// The curves with a parameter that the model's `file` lists under `combinations`; none where nobody fitted any.
+/// The curves with a parameter that the model's `file` lists under `combinations`; empty where none was fitted.
 ///
 /// Errors: the file cannot be read, or an entry is no curve.
 pub fn recorded_curves(file: &Path) -> Result<Vec<RecordedCurve>> {

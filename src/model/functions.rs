@@ -18,7 +18,7 @@ pub fn shared_speeds<'a>(branches: impl IntoIterator<Item = &'a BranchFunctions>
     (slowest > 0.0 && slowest < fastest && fastest.is_finite()).then_some((slowest, fastest))
 }
 
-/// A and B(v) of both directions, each with what is known of it; `None` where nobody identified them.
+/// A and B(v) of both directions, with their errors; `None` where they were not identified.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Functions {
     /// By direction.
@@ -36,7 +36,7 @@ pub struct BranchFunctions {
     pub levels: Vec<Level>,
     /// Standard error that all levels share, from A and the position's zero, N m.
     pub common_se_nm: f64,
-    /// Those two by where they come from; empty where nobody said: then they share nothing.
+    /// Both by their source; empty where the sources are not known: then they share nothing.
     pub errors: Vec<SharedError>,
 }
 

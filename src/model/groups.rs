@@ -12,7 +12,7 @@ pub struct Group {
     pub means: &'static str,
     /// Where a wrong value shows.
     pub signature: Region,
-    /// What the recorded motion must hold for it to show; any motion shows it where nothing is said.
+    /// What the recorded motion must include for it to show; empty: any motion shows it.
     pub needs: &'static [Excitation],
     /// How a person checks it alone, without the joint's motion.
     pub by_hand: Option<&'static str>,

@@ -42,7 +42,7 @@ pub struct Model<S = f64> {
     pub combination: Combination<S>,
     /// What the joint or its sensors have beyond the formula.
     pub effects: Vec<Added<S>>,
-    /// How well each parameter is known, by dotted name (`friction.up.a_j`); empty when nobody said.
+    /// How well each parameter is known, by dotted name (`friction.up.a_j`); empty where none is given.
     pub confidence: BTreeMap<String, Confidence>,
     /// A and B(v) as the identification measured them.
     pub functions: Functions,

@@ -6,7 +6,7 @@ use crate::effects::{Curve, Evaluated, Presliding};
 /// Below this speed a joint rests, rad/s: no motion is as slow, and a filter leaves some 1e-13 of rounding, whose sign means nothing.
 pub const AT_REST_RAD_S: f64 = 1e-9;
 
-/// K~ of a model along a motion: the clearance's transition, then what presliding makes of it.
+/// K~ of a model along a motion: the transition through the clearance, then presliding.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Passage<S = f64> {
     transition: Transition<S>,

@@ -25,7 +25,7 @@ pub struct Asked<S = f64> {
 /// Steps in which the lag of a stretched cable and the torque that stretches it settle: each gains a digit or more.
 const SETTLING: usize = 3;
 
-/// What the model makes of one sample, all as torques at the winch, N m.
+/// The model's terms at one sample, all as torques at the winch, N m.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Components<S = f64> {
     /// y, the predicted signal.
@@ -134,7 +134,7 @@ impl<S: Evaluated> Model<S> {
         Components { torque_nm: y_nm, rigid_nm, friction_nm: y_nm - rigid_nm }
     }
 
-    /// What the sensor reads of `torque_nm`, but for its delay, N m.
+    /// The sensor's reading of `torque_nm`, without its delay, N m.
     pub fn reading_nm(&self, sample: &Sample<'_, S>, torque_nm: S) -> S {
         self.noisy_reading_nm(sample, torque_nm, S::from(0.0))
     }
@@ -173,7 +173,7 @@ impl<S: Evaluated> Model<S> {
 }
 
 impl Model {
-    /// Whether any effect goes by the time since the campaign began.
+    /// Whether any effect depends on the time since the campaign began.
     pub fn needs_clock(&self) -> bool {
         self.effects.iter().any(|e| e.effect.needs_clock(&e.parameters))
     }

@@ -117,7 +117,7 @@ fn between<S: Scalar>(
     };
     let chord = |from: (usize, S), to: (usize, S), at: usize| from.1 + (to.1 - from.1) * share(from.0, to.0, at);
     let seen = (middle, of(f64::from(way_rad[middle])));
-    // Midway in time must be about midway in travel, or it tells nothing of the longer part.
+    // The sample midway in time must be about midway in travel, or it says nothing about the longer part.
     let is_told = way_rad[from.0] == way_rad[to.0] || MIDWAY.contains(&share(from.0, to.0, middle));
     if !is_told || (seen.1 - chord(from, to, middle)).value().abs() > STRAIGHT {
         between(way_rad, from, seen, of, then);
@@ -132,8 +132,8 @@ fn between<S: Scalar>(
 }
 
 impl<S: Evaluated> Model<S> {
-    /// K~ along `motion`: tells `then` of all samples in order, many at once where it stays what it is. It is what
-    /// [`super::Passage`] makes of one sample after the other, to within 1e-4.
+    /// K~ along `motion`: calls `then` for all samples in order, many at a time where it is constant. It agrees with [`super::Passage`],
+    /// sample by sample, to within 1e-4.
     pub fn k_tilde_along(&self, motion: &Strokes, mut then: impl FnMut(Range<usize>, S)) {
         let backlash_rad = self.backlash_m() / self.joint.pulley_radius_m;
         let (added, presliding) = (self.added_curve(), self.presliding());

@@ -58,7 +58,7 @@ pub struct Delay {
 }
 
 impl Delay {
-    /// By so many `samples`, 0 or more.
+    /// Delay by `samples` samples, 0 or more.
     pub fn new(samples: f64) -> Self {
         Self { samples, kept: VecDeque::new() }
     }
@@ -96,12 +96,12 @@ pub struct Lag<S = f64> {
 }
 
 impl<S: Scalar> Lag<S> {
-    /// With a time constant of so many `samples`, 0 or more; at rest before its first sample.
+    /// With a time constant of `samples` samples, 0 or more; at rest before its first sample.
     pub fn new(samples: S) -> Self {
         Self { samples, last: None }
     }
 
-    /// The same with a time constant of so many `samples` from the next on: samples that come at other intervals.
+    /// The same with a time constant of `samples` samples from the next one on: for samples that come at other intervals.
     pub fn lasting(self, samples: S) -> Self {
         Self { samples, ..self }
     }

@@ -2,8 +2,8 @@
 
 use nalgebra::{DMatrix, DVector, SymmetricEigen};
 
-/// A combination of the columns, each of unit length, whose square is below this share of the largest is nothing: far above rounding
-/// (1e-16 times the number of columns), far below any that data could tell.
+/// A combination of the columns, each of unit length, whose square is below this share of the largest counts as zero: far above rounding
+/// (1e-16 times the number of columns), far below anything that data could determine.
 const UNSEEN: f64 = 1e-12;
 /// A function rests on such a combination if this share of its slope does.
 const RESTS: f64 = 1e-6;

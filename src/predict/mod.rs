@@ -1,4 +1,4 @@
-//! What a model makes of a recorded motion: y and its parts, sample by sample, at the log's full rate.
+//! A model's prediction along a recorded motion: y and its terms, sample by sample, at the log's full rate.
 //!
 //! The prediction never uses the measured torque. All torques are as the sensor at the winch sees them, so that gravity,
 //! inertia, Coriolis, load and friction add up to y.
@@ -70,7 +70,7 @@ pub fn torque_nm(model: &Model, trial: &Trial) -> (Vec<f64>, States) {
     (torque_nm, states)
 }
 
-/// What the sensor makes of the torque along `trial`, in place: late, off scale, off zero, clipped.
+/// Applies the sensor's errors to the torque along `trial`, in place: delay, scale, offset, clipping.
 fn read(model: &Model, trial: &Trial, torque_nm: &mut Vec<f64>) {
     if model.effects.is_empty() {
         return;

@@ -32,7 +32,7 @@ pub fn forgotten(rate_hz: f64, lowpass_hz: f64) -> usize {
 
 /// The states of `trial` under `model`'s clearance and curve.
 ///
-/// K_f follows the position as recorded, or what a coarse encoder's jumps tell of it: a filtered one rings at corners. With
+/// K_f follows the position as recorded, or as reconstructed from the jumps of a coarse encoder: a filtered one would ring at corners. With
 /// `Sign` K~ follows the sign of the speed alone, as (20) has it; K_f still says where a transition through the clearance would be.
 pub fn states(model: &Model, trial: &Trial) -> States {
     let positions = trial.followed_rad();

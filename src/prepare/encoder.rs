@@ -136,8 +136,8 @@ enum Crest {
     Rest,
 }
 
-/// Between the jumps `there_and_back` it turned on the parabola through them and the `outer` ones, if those are one step
-/// below. Had it gone on by a step there would be a further jump: a parabola that high is none, but a rest.
+/// Between the jumps `there_and_back` it turned on the parabola through them and the `outer` ones, if those are one step below. A parabola
+/// that reached the next step would have caused a further jump, so such a stretch is a rest.
 fn crest(there_and_back: [Jump; 2], outer: Option<[Jump; 2]>, step_rad: f64) -> Crest {
     let Some(outer) = outer else { return Crest::Rest };
     let height_rad = outer.map(|jump| there_and_back[0].position_rad - jump.position_rad);

@@ -9,7 +9,7 @@ use std::ops::Range;
 
 /// Speed is the mean over this share of the whole travel, long enough for a coarse encoder, short enough for a ramp to show ...
 const WINDOW_TRAVEL: f64 = 0.02;
-/// ... or over so many times the noise of a reading: the difference of two is off by 5 % of it at 3.5 standard deviations, ...
+/// ... or over this many times the noise of a reading: the difference of two is off by 5 % of it at 3.5 standard deviations, ...
 const WINDOW_NOISES: f64 = 99.0;
 /// ... at most over this share of the travel.
 const WINDOW_TRAVEL_MOST: f64 = 0.1;
@@ -72,7 +72,7 @@ pub fn find_legs(
 /// What cutting a sweep gives.
 pub(super) struct Cut {
     pub legs: Vec<Leg>,
-    /// Speed is judged over so many samples either side.
+    /// Samples on either side over which the speed is measured.
     half: usize,
     /// Travel of the longest plateau, rad.
     longest_rad: f64,

@@ -56,7 +56,7 @@ pub struct Trial {
     pub chain: Option<Vec<(RigidTorque, f64)>>,
     /// The other joints as recorded, after the motion's low-pass, in the order of their columns.
     pub others: Vec<Vec<Motion>>,
-    /// When the trial began, s since the campaign did; 0 where nobody asked for the campaign's clock.
+    /// When the trial began, s since the campaign did; 0 where the campaign's clock is not needed.
     pub began_s: f64,
     /// Position that K_f follows where that is not the recorded one, rad.
     between_jumps_rad: Option<Vec<f64>>,

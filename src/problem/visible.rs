@@ -19,7 +19,7 @@ pub fn visible(text: &str) -> Cow<'_, str> {
     escaped(text, acts)
 }
 
-/// `text` of many lines, the same but for line ends and tabs.
+/// The same for a `text` of several lines: line ends and tabs stay.
 pub fn visible_lines(text: &str) -> Cow<'_, str> {
     escaped(text, |c| acts(c) && !matches!(c, '\n' | '\t'))
 }

@@ -15,7 +15,7 @@ pub fn file_of(asked: &Asked) -> String {
     format!("{}.toml", asked.trajectory.name)
 }
 
-/// What `asked` amounts to; limits that nobody gave are null.
+/// The motions of `asked` against the limits; limits that were not given are null.
 pub fn to_json(asked: &[Asked], limits: &Limits) -> Value {
     let one = |of: &Asked| {
         json!({

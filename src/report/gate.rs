@@ -1,4 +1,4 @@
-//! What is not a number ends as an error: the gate through which every file and every printed result passes.
+//! A value that is not a number ends as an error: the gate through which every file and every printed result passes.
 //!
 //! Inside, NaN stands for "not known" and an infinite end of an interval for "open"; JSON has null for both, tables an empty cell,
 //! texts a dash or a word. What overflowed is neither. It shows as `∞`, `inf` or `NaN` where a figure is written, and as null under
@@ -9,7 +9,7 @@ use crate::problem::{Problem, Result};
 use serde_json::Value;
 use std::path::Path;
 
-/// How numbers that are none are written.
+/// How values that are not finite numbers are written.
 const WORDS: [&str; 3] = ["inf", "NaN", "∞"];
 
 /// Keys under which a number stands, whatever the result; those of friction come from `Term::ALL`.

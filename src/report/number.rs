@@ -51,7 +51,7 @@ pub fn interval(value: f64, low: f64, high: f64) -> String {
         return format!("{} to {}", significant(low, 2), significant(high, 2));
     }
     let (below, above) = ((value - low).abs(), (high - value).abs());
-    // An end that is nearer by far, or on the value, does not lend its digits to the other.
+    // An end that is much nearer, or at the value itself, does not determine the digits of the other.
     let digits_of = below.min(above).max(0.03 * below.max(above));
     match (low.is_finite(), high.is_finite()) {
         (true, true) => format!("{} to {}", as_precise_as(low, digits_of), as_precise_as(high, digits_of)),

@@ -147,7 +147,7 @@ struct Row<'a> {
 }
 
 impl Row<'_> {
-    /// The leg in this row; every field is read before it is given up, so that all faults are told at once.
+    /// The leg in this row; every field is read before the row is rejected, so that all faults are reported at once.
     fn leg(&mut self) -> Option<LegFit> {
         let file = self.field("file").map(|cell| cell_text(cell).to_string());
         let repeat = self.number("repeat", "a whole number", |_: &u32| true);

@@ -88,7 +88,7 @@ fn recorded(
     }
 }
 
-/// What the sensor makes of `torque_nm`: late, off scale, off zero, with noise, and clipped after all that.
+/// The sensor's readings of `torque_nm`: delay, scale, offset, noise, then clipping.
 fn readings_nm(model: &Model, motions: &Motions, torque_nm: Vec<f64>, mut noise_nm: impl FnMut() -> f64) -> Vec<f64> {
     let late_nm = model.late_nm(torque_nm, motions.rate_hz);
     let mut others = Vec::with_capacity(motions.others.len());

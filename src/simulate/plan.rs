@@ -24,7 +24,7 @@ pub struct Plan {
     pub trajectories: Vec<Trajectory>,
     /// The whole arm, in place of the model's own gravity and inertia.
     pub arm: Option<SimulatedArm>,
-    /// Joints that are recorded beside the model's where there is no arm: they wander in cosines and further motions.
+    /// Joints that are recorded beside the model's where there is no arm: they vary slowly in cosines and further motions.
     pub other_joints: usize,
     /// How far the joint is off its trajectory, rad, root mean square; different in each trial.
     pub tracking_error_rad: f64,

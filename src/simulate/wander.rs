@@ -12,7 +12,7 @@ const ERROR_WAVES_IN_RANGE: (f64, f64) = (0.3, 3.0);
 const OTHER_HZ: (f64, f64) = (0.02, 0.2);
 /// The farthest that each wave of another joint's motion goes, rad: about 60 deg in all.
 const OTHER_RAD: f64 = 0.35;
-/// Waves in an error and in a motion: so many that no period shows.
+/// Waves in an error and in a motion: enough that no period shows.
 const ERROR_WAVES: usize = 16;
 const OTHER_WAVES: usize = 3;
 

@@ -1,17 +1,17 @@
-//! What the other joints of a fleet say of the scatter from session to session.
+//! The scatter between sessions, estimated from the other joints of a fleet.
 //!
-//! A short history hardly tells its own scatter, and a jump two sessions ago is then easily chance. Joints of one fleet are mounted
-//! and recorded alike: the scatter of the same quantity, relative to its size, is taken to be alike too, as far as it is among
-//! those others: excess variance of its logarithm between joints lowers the degrees of freedom that it counts for.
+//! A short history hardly determines its own scatter, and a jump two sessions ago may then be chance. Joints of one fleet are mounted and
+//! recorded alike, so the scatter of the same quantity, relative to its size, is assumed to be similar, as far as it is similar among the
+//! other joints: excess variance of its logarithm between joints lowers the degrees of freedom that it counts for.
 
 use super::Life;
 use super::regression::Alike;
 use crate::numerics::statistics::{mean, standard_deviation};
 use std::collections::BTreeMap;
 
-/// With fewer other joints nothing is said.
+/// With fewer other joints no estimate is made.
 const JOINTS_MIN: usize = 3;
-/// Other joints count for at most so many degrees of freedom: a history of two years outweighs them.
+/// Other joints count for at most this many degrees of freedom: a history of two years outweighs them.
 const MOST: f64 = 20.0;
 
 /// Of one joint and one kind of quantity.

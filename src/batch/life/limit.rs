@@ -50,7 +50,7 @@ pub enum Refusal {
     NotIdentified,
     /// Without dates there is no when.
     Undated,
-    /// No drift can be told from none.
+    /// The drift is not significant.
     NoDrift,
     /// It drifts away from the limit.
     Away,

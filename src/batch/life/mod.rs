@@ -23,7 +23,7 @@ use limit::ahead;
 use regression::{Course, Fit, SCATTER_KNOWN_FROM};
 use search::Search;
 
-/// Differences of this share of a value are none, however little the sessions claim to scatter.
+/// Differences below this share of a value count as zero, however narrow the intervals of the sessions are.
 const IMMATERIAL: f64 = 1e-3;
 /// Fewest sessions with a temperature that can show what follows it.
 const TEMPERATURES_MIN: usize = 6;
@@ -56,7 +56,7 @@ pub struct Life {
     pub parts: Vec<Happened>,
     /// Scatter between sessions beyond what they claim, a standard deviation; NaN with too few sessions to say.
     pub scatter: f64,
-    /// What would have been found had nobody recorded the temperature, where that is something else.
+    /// What would have been found without the recorded temperature, where that differs.
     pub without_temperature: Option<Vec<Happened>>,
     course: Course,
     fit: Fit,
@@ -73,7 +73,7 @@ pub struct Happened {
     pub half_width: f64,
 }
 
-/// From one session to another: what a fit makes of a quantity.
+/// The fitted change of a quantity from one session to another.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Change {
     /// At the first.
@@ -89,7 +89,7 @@ impl Life {
     pub(super) fn new(quantity: &Quantity, sessions: &Sessions, compared: usize) -> Option<Self> {
         let shown: Vec<usize> = (0..quantity.values.len()).filter(|i| quantity.values[*i].is_some()).collect();
         let known = || quantity.values.iter().flatten();
-        // Of what claims no interval nothing is known until its scatter is.
+        // A quantity without intervals needs a known scatter.
         let is_claimed = known().all(|value| value.1 > 0.0);
         if shown.len() < if is_claimed { 2 } else { SCATTER_KNOWN_FROM } {
             return None;

@@ -9,11 +9,11 @@
 use crate::numerics::statistics::{HALF_WIDTH, chi_squared_tail, fisher_tail, student_t};
 use nalgebra::{DMatrix, DVector};
 
-/// From so many sessions on the scatter between them is estimated; with fewer, their own intervals are all that is known.
+/// From this many sessions on the scatter between them is estimated; with fewer, only their own intervals are known.
 pub(super) const SCATTER_KNOWN_FROM: usize = 5;
 /// Halvings of the scatter's range: its variance is then known to 1e-9 of what it can be.
 const HALVINGS: usize = 30;
-/// Columns that are one but for this share of their length cannot be told apart.
+/// Columns that differ by less than this share of their length are collinear.
 const APART: f64 = 1e-9;
 
 /// What happened to a quantity.
@@ -42,7 +42,7 @@ pub enum Part {
 pub struct Alike {
     /// Variance between sessions beyond what they claim.
     pub variance: f64,
-    /// So many degrees of freedom it counts for.
+    /// Degrees of freedom that it counts for.
     pub freedom: f64,
 }
 

@@ -45,7 +45,7 @@ fn fragments(operation: u8, data: &[u8], room: usize) -> Vec<Vec<u8>> {
 }
 
 /// The list of a kind: 0 how many each list holds, 1 all objects, 2 and 3 those that outputs and inputs may hold, 4 and 5 those to be
-/// kept, of which there are none.
+/// stored, always empty.
 fn list(dictionary: &Dictionary, kind: u16) -> Result<Vec<u8>, Abort> {
     let all = dictionary.indexes();
     let mappable = |is_output: bool| {

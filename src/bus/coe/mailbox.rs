@@ -93,7 +93,7 @@ impl Mailbox {
         }
     }
 
-    /// The master asks for the last message again by turning its repeat bit over.
+    /// The master requests the last message again by toggling its repeat bit.
     pub fn repeat_if_asked(&mut self, memory: &mut Memory) {
         let at = crate::bus::registers::SYNC_MANAGER + 8 * IN as u16;
         let asked = memory.u8(at + ACTIVATION) & REPEAT;

@@ -72,7 +72,7 @@ struct Defects {
     frozen_encoder: bool,
     ignores_control: bool,
     ignores_quick_stop: bool,
-    /// How many times the speed that it is told it runs at.
+    /// Factor between the speed at which it runs and the commanded one.
     runaway: f64,
 }
 
@@ -156,7 +156,7 @@ impl Drive {
         }
     }
 
-    /// Its limit of speed, as it takes it: one that takes speeds for others takes their limit so as well, and none that it does not see.
+    /// Its limit of speed as it understands it: scaled where it misreads speeds, none where its encoder is frozen.
     fn fastest_rad_s(&self, dictionary: &Dictionary) -> f64 {
         let fastest_rad_s = own(dictionary, 0x607F, OWN_SPEED) as f64 / COUNTS_PER_RAD;
         if self.defects.frozen_encoder { f64::MAX } else { fastest_rad_s * self.defects.runaway.abs().max(1.0) }
@@ -289,7 +289,7 @@ impl Drive {
         objects.set(0x60F4, 0, (behind_rad * COUNTS_PER_RAD).round() as i64);
     }
 
-    /// Whether a limit of its own keeps the motor from what it is told.
+    /// Whether a limit of the drive keeps the motor from its command.
     fn is_limited(&self, objects: &Dictionary, joint: &Joint) -> bool {
         let target = objects.signed(0x607A, 0);
         let outside = target < objects.signed(0x607D, 1) || target > objects.signed(0x607D, 2);

@@ -3,7 +3,7 @@
 /// Its states, and how each shows in the status word.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Power {
-    /// No torque, and none to be had before a shutdown command.
+    /// No torque, and none before a shutdown command.
     SwitchOnDisabled,
     /// No torque.
     ReadyToSwitchOn,

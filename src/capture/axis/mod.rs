@@ -263,7 +263,7 @@ impl Axis {
         self.places.counter.is_some()
     }
 
-    /// What tells whether the drive's inputs are new has this value now, `periods` after it was last looked at.
+    /// The signal that shows whether the drive's inputs are new has this value now, `periods` after the last check.
     pub fn freshen(&mut self, signal: u32, periods: u32) {
         if let Some(looks) = self.fresh.look(signal, periods, self.state != State::Watching) {
             self.blame(Cause::DriveStale(looks));
@@ -298,8 +298,8 @@ fn patience(period_s: f64) -> Patience {
     }
 }
 
-/// The rig's limits, where in torque mode our own loop makes the joint as soft as its stiffness: by so much of the command friction
-/// may hold it.
+/// The rig's limits, widened in torque mode, where the loop of this program is only as stiff as its gain: friction may hold the joint back
+/// by the corresponding lag.
 fn soft(rig: &Rig) -> Limits {
     let Rig { drive, limits, .. } = rig;
     let wound_up_rad = match drive.mode {

@@ -10,9 +10,9 @@ use crate::capture::wire::Wire;
 const OLD_MAIL_CYCLES: u64 = 100;
 
 impl<W: Wire, C> Cycle<'_, '_, W, C> {
-    /// Whether a drive has sent an emergency message, or the next of the other devices. Of a drive it is a cause to stop. One that was
-    /// there before we came, or that comes with a fault being acknowledged, is history: it is told, and the status word says how
-    /// things stand now.
+    /// Whether a drive has sent an emergency message, or the next of the other devices. Of a drive it is a cause to stop. A message from
+    /// before this session, or one that comes with the acknowledgement of a fault, belongs to the past: it is reported, and the status word
+    /// shows the present state.
     pub(super) fn look_for_mail(&mut self, until_ns: u64) {
         for index in 0..=self.held.len() {
             let place = self.axis_at(index).place();

@@ -6,7 +6,7 @@ use crate::capture::cause::Cause;
 use crate::capture::safety::{Request, State};
 use crate::capture::wire::Wire;
 
-/// A drive that must leave OP is told so again after so many cycles.
+/// Cycles after which a drive that must leave OP is commanded to again.
 const TOLD_AGAIN: u64 = 20;
 
 impl<W: Wire, C> Cycle<'_, '_, W, C> {

@@ -159,7 +159,7 @@ impl Driven {
         watchdog::is_fed(line, &exchange.group.subdevice(main, self.place).ok()?, until_ns)
     }
 
-    /// The drive is told to leave OP, past the stack. It alone: what else is on the bus goes on.
+    /// The drive is told to leave OP, past the stack. Only this drive: the other devices on the bus continue.
     pub fn drop_out<W: Wire>(&self, line: &mut Line<'_, W>) {
         line.drop_out(self.station);
     }

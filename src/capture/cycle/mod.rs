@@ -28,7 +28,7 @@ const ANSWER: f64 = 0.8;
 /// The same of a stop that goes out a second time within its cycle.
 const STOP_ANSWER: f64 = 0.2;
 
-/// A mailbox is looked at once in so many cycles, ...
+/// A mailbox is polled once in this many cycles, ...
 const MAILBOX_CYCLES: u64 = 10;
 /// ... and a register of a device in this one of them.
 const EVIDENCE_CYCLE: u64 = 5;

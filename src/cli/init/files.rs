@@ -41,7 +41,7 @@ pub(super) fn named(named: &[PathBuf]) -> Result<Named> {
     }
 }
 
-/// The files below `folder`, but for hidden ones and for folders that hold a campaign or what a command wrote.
+/// The files below `folder`, except hidden ones and folders that hold a campaign or the output of a command.
 fn files_in(folder: &Path) -> Result<Vec<PathBuf>> {
     let entries = std::fs::read_dir(folder).or_else(|error| {
         Problem::error(folder, format!("cannot be read: {error}"), "check the path and its permissions").alone()

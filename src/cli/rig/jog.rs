@@ -44,7 +44,7 @@ pub struct Arguments {
     told: propose::Arguments,
 }
 
-/// For how long a key counts: the keyboard repeats it more often than that while it is held, but for its first pause.
+/// How long a key press counts: a held key repeats faster than that, except for the delay before the first repeat.
 const HELD: Duration = Duration::from_millis(250);
 /// The longest of a script, s.
 const LONGEST_S: f64 = 600.0;

@@ -23,10 +23,10 @@ const LAG_SHARE: f64 = 0.2;
 const STEPS_S: [f64; 4] = [0.05, 0.005, 5e-4, 5e-5];
 /// Samples compared in a search.
 const COMPARED: usize = 4000;
-/// A shift is the clocks' if torques then leave less than this share of what the controller leaves of them without: the noise of
-/// both torques is in either.
+/// A shift is due to the clocks if with it the torques' residual is below this share of the controller's residual without it: the noise of
+/// both torques is in each.
 const CLEARER: f64 = 0.95;
-/// Shifts below this are nobody's, s: a sample at 1 kHz.
+/// Shifts below this are negligible, s: a sample at 1 kHz.
 const LEAST_S: f64 = 1e-3;
 
 /// A recorded trial and its simulated partner, resampled, as the command's time goes.

@@ -31,8 +31,8 @@ pub struct Follows {
 /// One sample: what is explained, what explains it, and the rate of that.
 type Row = [f64; 3];
 
-/// What the causes that `real` names add to the model's torque along `trial`, N m; not a number where nothing is known of it.
-/// Where a contact is among them, what the model leaves within its stretches is theirs.
+/// What the causes that `real` names add to the model's torque along `trial`, N m; not a number where nothing is known of it. Where contact
+/// is among them, the model's residual within its stretches counts as theirs.
 pub(super) fn of_causes_nm(real: &Diagnosis, trial: &MotionTrial) -> Vec<f64> {
     let unknown = vec![f64::NAN; trial.time_s.len()];
     let Some(view) = real.views.iter().find(|view| view.file == trial.file) else { return unknown };

@@ -20,9 +20,9 @@ use crate::model::Model;
 use crate::numerics::statistics::extent;
 use crate::problem::Result;
 
-/// A difference in position below this share of the travel is none.
+/// A difference in position below this share of the travel is negligible.
 const NEGLIGIBLE: f64 = 1e-4;
-/// ... and so is one below so many floors.
+/// ... and so is one below this many floors.
 const FLOORS: f64 = 1.5;
 
 /// A gap between the model and the simulator's own log below this share of the recordings' gap separates nothing.
@@ -45,7 +45,7 @@ pub struct MotionGap {
     pub is_there: bool,
     /// Where it lies, most first.
     pub places: Vec<MotionPlace>,
-    /// What the model makes of the simulator's own log: it should have nothing that the model lacks.
+    /// The model's verdict on the simulator's own log, which should include nothing that the model lacks.
     pub simulator: Verdict,
     /// RMSE of the model on the simulator's own log, N m.
     pub simulator_rmse_nm: f64,

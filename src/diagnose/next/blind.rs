@@ -9,10 +9,10 @@ use crate::effects::Excitation;
 use crate::numerics::statistics::{extent, quantile, root_mean_square};
 use crate::trajectory::Trajectory;
 
-/// A load is one load if it varies by less than this share of its size, or by less than so many floors at the winch.
+/// A load counts as constant if it varies by less than this share of its size, or by less than this many floors at the winch.
 const LOAD_SHARE: f64 = 0.25;
 const LOAD_FLOORS: f64 = 2.0;
-/// Speeds are one speed if the 90th percentile is less than so many times the 10th.
+/// Speeds count as one speed if the 90th percentile is less than this multiple of the 10th.
 const SPEED_RATIO: f64 = 1.5;
 /// A revolute joint that moves less, rad (30 deg), shows functions of position as straight lines.
 const WAY_RAD: f64 = std::f64::consts::FRAC_PI_6;
@@ -20,7 +20,7 @@ const WAY_RAD: f64 = std::f64::consts::FRAC_PI_6;
 const CAMPAIGN_S: f64 = 240.0;
 /// A delay that matters, s: its torque error must reach the floor to be seen.
 const DELAY_S: f64 = 0.02;
-/// Radius of gyration of a limb, m, where the model has no inertia: what its weight's arm would be. Without weight nothing is said.
+/// Radius of gyration of a limb, m, where the model has no inertia: the lever arm of its weight. Without weight no statement is made.
 const ARM_M: f64 = 0.3;
 /// Another joint that stays within this, rad, does not move.
 const STILL_RAD: f64 = 0.02;

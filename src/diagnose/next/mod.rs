@@ -27,9 +27,9 @@ const REPEATS_MAX: u32 = 20;
 const APART_FLOORS: f64 = 0.3;
 /// ... or by less than this share of the gap, are not told apart by motion: the verdict would tie again.
 const APART_GAPS: f64 = 0.04;
-/// A decision is clear if it exceeds its own error so many times.
+/// A decision is clear if it exceeds its own error by this factor.
 const CLEAR_ERRORS: f64 = 3.0;
-/// A motion beyond what was recorded must show so many times as much to be proposed.
+/// A motion beyond the recorded range must separate the causes by this factor more to be proposed.
 const WORTH_BEYOND: f64 = 1.5;
 
 /// What to record next.

@@ -23,7 +23,7 @@ const SMALLER: [f64; 5] = [1.3, 2.0, 5.0, 12.0, 30.0];
 const LARGER: [f64; 3] = [1.3, 2.0, 5.0];
 /// ... or, where next to none is declared, of this share of a stroke ...
 const BACKLASH_PROBE: f64 = 0.01;
-/// ... contradict the declared one when they take away more than this share of what noise does not explain ...
+/// ... contradict the declared one when they reduce the residual beyond noise by more than this share ...
 const BACKLASH_DOUBT: f64 = 0.2;
 /// ... and a share of each reversal's sum of squares that is more than this many standard errors over the reversals.
 const BACKLASH_CHANCE: f64 = 4.0;
@@ -31,7 +31,7 @@ const BACKLASH_CHANCE: f64 = 4.0;
 const WINDOWS_COMPARED: usize = 60;
 /// Golden sections for the curve at each of those clearances: it is only compared.
 const SECTIONS_COMPARED: usize = 8;
-/// The clearance that is told lies within this factor of the best of those, the largest between two of them, ...
+/// The reported clearance lies within this factor of the best of those, the largest ratio between two of them, ...
 const NEIGHBOUR: f64 = 2.5;
 /// ... and is narrowed by as many golden sections.
 const SECTIONS_TOLD: usize = 5;
@@ -151,7 +151,7 @@ impl Fitting<'_> {
     /// Whether the reversals contradict the declared clearance, at which the data support `fit`: another one, the curve fitted
     /// anew, leaves clearly less. `None` where the clearance is estimated.
     ///
-    /// Clearly: more than chance over the reversals, more than what is negligible, and a share of what noise does not explain.
+    /// Clearly: by more than chance over the reversals, by more than is negligible, and by a share of the residual beyond noise.
     pub fn clearance(&self, fit: &CurveFit, declared_rad: f64) -> Option<Check> {
         if self.backlash_span_rad.is_some() {
             return None;

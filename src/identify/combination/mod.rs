@@ -19,9 +19,9 @@ use crate::model::{Confidence, Model};
 use fitting::Fitting;
 use reach::Reach;
 
-/// A curve that leaves more than this many times what sliding leaves does not describe the change-over, ...
+/// A curve whose residual exceeds that of sliding by more than this factor does not describe the change-over, ...
 const MISFIT: f64 = 4.0;
-/// ... unless what it leaves is at most this share of the change of friction, or what an encoder's steps hide.
+/// ... unless its residual is at most this share of the change of friction, or within the error of an encoder's steps.
 const NEGLIGIBLE: f64 = 0.01;
 
 /// Settings of this stage.
@@ -74,8 +74,8 @@ impl CombinationFit {
     }
 }
 
-/// Fits all curves to the reversals in `trials` with the friction of `model`; `noise_nm` is what the model leaves of sliding at
-/// constant speed, if that is known. `None` when there is no usable reversal.
+/// Fits all curves to the reversals in `trials` with the friction of `model`; `noise_nm` is the model's residual in sliding at constant
+/// speed, if known. `None` when there is no usable reversal.
 pub fn fit_combination(
     trials: &[Prepared],
     model: &Model,
@@ -148,7 +148,7 @@ fn misfit(fit: &CurveFit, noise_nm: f64) -> String {
     )
 }
 
-/// `curves` already judged on strokes not seen, with the points of figure 6 that `model` makes of `trials`.
+/// `curves` already judged on strokes not seen, with the points of figure 6 from `trials` under `model`.
 pub fn overlay(
     trials: &[Prepared],
     model: &Model,

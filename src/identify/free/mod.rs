@@ -156,7 +156,8 @@ pub fn fit_free(
     })
 }
 
-/// The forms worth trying. The load's size is told from the load where that acts both ways; a cable's load term is the paper's.
+/// The forms worth trying. The size of the load is distinguishable from the load where that changes sign; a cable's load term is the
+/// paper's.
 fn forms(trials: &[Prepared], model: &Model, is_loaded: bool) -> Vec<FreeForm> {
     /// Share of the largest load that must act the other way, too.
     const BOTH_WAYS: f64 = 0.2;
@@ -166,7 +167,8 @@ fn forms(trials: &[Prepared], model: &Model, is_loaded: bool) -> Vec<FreeForm> {
     FreeForm::ALL.into_iter().filter(|form| is_carried || *form != FreeForm::Carried).collect()
 }
 
-/// Whether the load at the joint changes by enough of what is measured to tell friction that goes with it from the rest.
+/// Whether the load at the joint varies by a large enough share of the measured torque to separate friction in proportion to it from the
+/// rest.
 fn is_loaded(trials: &[Prepared], model: &Model) -> bool {
     /// Share of the measured torque's spread.
     const SEEN: f64 = 0.01;

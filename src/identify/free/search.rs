@@ -137,8 +137,8 @@ impl Search<'_> {
     }
 }
 
-/// Coulomb friction from the mean torque beyond the load in each direction; of the rest a little, for a parameter that
-/// starts at its bound has no slope to leave it by.
+/// Coulomb friction from the mean torque beyond the load in each direction; the others start slightly above zero, because a parameter at
+/// its bound has no gradient away from it.
 pub fn start(trials: &[Prepared], model: &Model, is_loaded: bool) -> Model {
     let mut start = model.clone();
     for direction in Direction::BOTH {

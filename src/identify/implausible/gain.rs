@@ -20,7 +20,7 @@ const GRAVITY_MOST_NM: f64 = 200.0;
 
 /// A mistake that people make.
 struct Mistake {
-    /// It makes the gain so many times what it is.
+    /// Factor by which it changes the gain.
     factor: f64,
     /// Whether it can have been made at all.
     is_possible: bool,

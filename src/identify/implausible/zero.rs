@@ -8,7 +8,7 @@ use crate::dynamics::JointKind;
 use crate::log::Campaign;
 use crate::numerics::statistics::quantile;
 
-/// A zero that is off by more than this is told, beyond its own scatter, rad: 3 deg.
+/// A zero that is off by more than this, beyond its own scatter, is reported, rad: 3 deg.
 const ZERO_RAD: f64 = 0.052;
 /// The same without sweeps, where friction that changes with speed looks alike, rad: 6 deg.
 const ZERO_OF_FREE_RAD: f64 = 0.105;

@@ -33,8 +33,8 @@ const FASTEST: f64 = 5.0;
 const RATIO_MIN: f64 = 1.02;
 /// Repeats beyond the first, over all speeds, whose scatter tells the error of a single point.
 const REPEATS_MIN: f64 = 6.0;
-/// What the legs claim of their errors, from their own blocks, counts as so many degrees of freedom: two repeats of a few speeds
-/// say hardly more of what differs from leg to leg.
+/// Degrees of freedom that the legs' own standard errors (from blocks) count for: two repeats at a few speeds say hardly more about the
+/// differences between legs.
 const CLAIMED: f64 = 4.0;
 
 /// B against speed, one direction.
@@ -141,10 +141,11 @@ impl Points {
         Self { claimed: variance_nm2, ..self }
     }
 
-    /// Mean B at each speed with its standard error: from the scatter of repeats where there are enough of them, else from
-    /// what `fit` leaves; in both what the legs themselves claim counts as `CLAIMED` degrees of freedom. NaN where nothing says it.
+    /// Mean B at each speed with its standard error: from the scatter of repeats where there are enough of them, else from the residual of
+    /// `fit`; in both the legs' own standard errors count as `CLAIMED` degrees of freedom. NaN where none is known.
     ///
-    /// Few degrees of freedom leave a standard error uncertain: it is told so that 1.96 of it are the 95 % interval, by Student's t.
+    /// With few degrees of freedom a standard error is itself uncertain: it is scaled so that 1.96 of it give the 95 % interval of
+    /// Student's t.
     pub fn means(&self, fit: &ExponentialFit) -> impl Iterator<Item = Level> {
         let of_repeats = self.b_nm.len() as f64 - self.speeds.len() as f64;
         let (sum, freedom) = match of_repeats >= REPEATS_MIN {

@@ -1,8 +1,8 @@
 //! Which coefficients of B(v) are physically possible.
 //!
-//! Where speeds are few, terms that cancel each other meet the points as well as any: a Coulomb friction of -100 N with a Stribeck
-//! term of 140. Each part of friction takes energy, so they add up to B, but for what tension and a sensor's zero shift its
-//! level by. How large the terms are together, over the speeds recorded, is therefore limited.
+//! Where speeds are few, terms that cancel each other fit the points as well as any: a Coulomb friction of -100 N with a Stribeck term of
+//! +140 N. Each part of friction dissipates energy, so their sizes add up to B, apart from the offset due to tension and the sensor's zero.
+//! The total size of the terms over the recorded speeds is therefore limited.
 
 use super::{ExponentialFit, Points};
 use crate::model::decayed;

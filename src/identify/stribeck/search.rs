@@ -34,9 +34,9 @@ impl Points {
 
     /// Of all fits about as good as `best`, the one whose terms are smallest.
     ///
-    /// Where two exponentials are hardly told apart the cost is flat along a ridge on which ever larger terms cancel; its
-    /// lowest point is chance, and beyond the speeds recorded such a fit runs away. A cost higher by `RIDGE` is far within
-    /// what noise does to it (one parameter's worth of noise is 1 / (points - parameters), some 2 %).
+    /// Where two exponentials can hardly be distinguished the cost is flat along a ridge on which ever larger terms cancel; its minimum is
+    /// a matter of chance, and such a fit diverges beyond the recorded speeds. A cost higher by `RIDGE` is far within what noise does to it
+    /// (one parameter's worth of noise is 1 / (points - parameters), some 2 %).
     fn tamest(&self, best: ExponentialFit) -> ExponentialFit {
         if best.rates.len() < 2 {
             return best;

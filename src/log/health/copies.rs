@@ -11,7 +11,7 @@ use std::collections::BTreeMap;
 
 /// Readings in a stretch.
 const STRETCH: usize = 16;
-/// A stretch counts where its readings turn at least so many times; noise turns at two of three.
+/// A stretch counts where its readings change direction at least this many times; noise does at two of three samples.
 const TURNS_MIN: usize = 6;
 /// Hashes kept of a log, about.
 const KEPT: usize = 200;

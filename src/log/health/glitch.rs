@@ -15,8 +15,8 @@ use std::ops::Range;
 const LONGEST_S: f64 = 0.005;
 /// ... nor more samples than this, however short they are, unless they all read the same.
 pub(super) const LONGEST: usize = 4;
-/// A glitch is at least so many times what four in five changes from sample to sample around it stay below: 9 standard deviations
-/// of white noise. A median would be too little where a sensor repeats readings before it chatters.
+/// A glitch exceeds by at least this factor the 80th percentile of the changes from sample to sample around it: 9 standard deviations of
+/// white noise. A median would be too little where a sensor repeats readings before it chatters.
 const LOCAL: f64 = 5.0;
 const LOCAL_SHARE: f64 = 0.8;
 /// Samples on either side that tell what is usual around a glitch.
@@ -41,15 +41,15 @@ const LOOKED_AT: usize = 2_000;
 const DROPOUTS_MIN: usize = 5;
 /// Readings counted to find the most frequent one.
 const COUNTED: usize = 1_000;
-/// A reading that makes up at least this share of the log, so many times each of so many readings next to it on either side, and
-/// whose neighbours in time are typically so many times a usual change away from it, is one that the sensor drops to.
+/// A value is one that the sensor drops to if it makes up at least this share of the log, is this many times as frequent as each of this
+/// many neighbouring values on either side, and its neighbours in time are typically this many usual changes away from it.
 const FREQUENT: f64 = 2e-3;
 const SPIKE: usize = 8;
 const NEXT: usize = 5;
 const FAR: f64 = 3.0;
 /// Samples looked at together.
 const BLOCK: usize = 32;
-/// A bridged neighbour uncovers the next one: so many times over.
+/// Passes: replacing one glitch may uncover the next.
 const PASSES: usize = 3;
 
 /// What was found in one signal.
@@ -126,7 +126,7 @@ impl Usual {
         let tail = if hundredth > HEAVY_TAIL * tenth { TAIL * tenth } else { hundredth };
         let mut readings: Vec<f64> = places().map(|i| signal[i]).collect();
         let range = quantile(&mut readings, 0.98) - quantile(&mut readings, 0.02);
-        // Of whole steps, second differences are half steps or none, but for the last digits of binary numbers.
+        // In whole steps of the sensor, second differences are multiples of half a step, except for rounding of binary numbers.
         let steps = seconds.iter().copied().filter(|second| *second > DIGITS * range);
         let quantum = 2.0 * steps.fold(f64::INFINITY, f64::min);
         let unusual = (GLOBAL * tail).max(QUANTA * quantum);
@@ -236,8 +236,8 @@ fn change_around(signal: &[f64], run: Range<usize>) -> f64 {
     if changes.is_empty() { 0.0 } else { quantile(&mut changes, LOCAL_SHARE) }
 }
 
-/// The reading that the signal drops to so often that drop-outs make up much of its tails: one that is by far more frequent than
-/// those next to it, and that the readings beside it are far from.
+/// The reading that the signal drops to so often that drop-outs make up much of its tails: one that is much more frequent than the values
+/// next to it, and far from its neighbours in time.
 fn frequent_dropout(signal: &[f64]) -> Option<f64> {
     let stride = (signal.len() / COUNTED).max(1);
     let mut readings: Vec<f64> = signal.iter().step_by(stride).copied().collect();

@@ -1,8 +1,8 @@
 //! The health of a log's signals: every fault that a log shows by itself, found once for all commands.
 //!
-//! What a straight line replaces without harm, single readings, is replaced; stretches are set aside, so that no fit and no
-//! figure sees them; what spoils the whole log is refused; and what cannot be mended but leaves the log usable takes the
-//! word `pinned` from what is identified. Each finding is told with its column, row and size.
+//! Single bad readings are interpolated; bad stretches are set aside, so that no fit and no figure uses them; faults that spoil the whole
+//! log are refused; and faults that cannot be corrected but leave the log usable take the status `pinned` from the identified parameters.
+//! Each finding is reported with its column, row and size.
 //!
 //! [`mend`] sees the readings as recorded, [`examine`] the same on an even grid in time.
 
@@ -29,7 +29,7 @@ const STUCK_MAX: f64 = 0.5;
 /// A stuck stretch no longer than this, s, is a lost frame or two; a straight line replaces it.
 const BRIDGED_S: f64 = 0.02;
 
-/// From here on a size is told with its power of ten.
+/// From here on a size is written with an exponent.
 const LEGIBLE: f64 = 1e6;
 
 /// What is wrong with a signal.

@@ -1,10 +1,10 @@
 //! A reading that stays while the joint moves, inside the sensor's range: a frozen channel, or the last value held where a
 //! frame was lost.
 //!
-//! Torque: as for a sensor that clips, a run must be no chance, must matter where the sensor is coarse, and is no wonder in a
-//! simulation without noise. A coarse sensor reads the same for long, too, but then goes on by one step; a stuck one jumps on
-//! release to where the torque has got meanwhile, and not because the motion starts, stops or turns round. Position: the reading stays and then jumps by what the joint travelled, many steps of
-//! the encoder at once.
+//! Torque: as for a sensor that clips, a run must be too long for chance, must matter where the sensor is coarse, and is normal in a
+//! simulation without noise. A coarse sensor reads the same for long, too, but then goes on by one step; a stuck one jumps on release to
+//! where the torque has got meanwhile, and not because the motion starts, stops or turns round. Position: the reading stays and then jumps
+//! by what the joint travelled, many steps of the encoder at once.
 
 use super::clipped::{Inner, Motion, RUN_MIN, equal_runs};
 use crate::numerics::statistics::{extent, quantile};

@@ -9,7 +9,7 @@ use std::io::{self, Write};
 
 const RED: Style = AnsiColor::Red.on_default().bold();
 const GREEN: Style = AnsiColor::Green.on_default();
-/// Findings of one kind that are told one by one.
+/// Findings of one kind that are listed individually.
 const TOLD: usize = 20;
 
 /// Writes what `checked` found to `out`; nothing but the verdict where nothing moved.

@@ -8,7 +8,7 @@ use crate::report::page::{Block, Card, Page, Section, Table, Warning, cells};
 use crate::report::plots;
 use crate::report::wording::Units;
 
-/// A curve that leaves less than this share of what the model's own leaves is worth a word.
+/// A curve whose RMSE is below this share of that of the model's own curve is mentioned.
 const BETTER: f64 = 0.8;
 /// So many times the error of the stable state in transitions is worth a word.
 const AFTER_REVERSALS: f64 = 1.5;

@@ -9,7 +9,7 @@ use std::hash::{DefaultHasher, Hasher};
 use std::io::{self, Read};
 use std::path::{Path, PathBuf};
 
-/// The list's file. Hidden: nobody who reads an output need know of it.
+/// The list's file, hidden: no reader of an output needs it.
 pub const MANIFEST: &str = ".tautline.json";
 const FORMAT: &str = "output/1";
 /// Bytes read at a time.
@@ -17,8 +17,8 @@ const CHUNK: usize = 1 << 16;
 
 /// One file as it was written.
 ///
-/// SipHash of 64 bits: it tells a changed file from an unchanged one, it does not withstand forgers. Should a later compiler's
-/// standard library hash in another way, the file counts as changed and is kept.
+/// SipHash of 64 bits: it detects changed files, not forged ones. Should a later compiler's standard library hash in another way, the file
+/// counts as changed and is kept.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Written {
     bytes: u64,

@@ -12,7 +12,7 @@ const NEW: &str = ".tautline-new-";
 /// Beginning of the names of folders that hold a former output for the moment of its replacement: never swept, because after a
 /// crash at that moment one holds the only copy.
 const OLD: &str = ".tautline-old-";
-/// Another process may sweep a folder in the moment between its making and its locking: then another is made, so often.
+/// Another process may remove a folder between its creation and its locking: then another is made, up to this many times.
 const TRIES: usize = 10;
 
 /// A folder being filled.

@@ -37,7 +37,7 @@ fn is_word(c: char) -> bool {
     c.is_alphanumeric() || matches!(c, '-' | '_')
 }
 
-/// What a reader reads on `page`, but for what came in with the recordings.
+/// The texts on `page`, except those from the recordings.
 fn texts(page: &Page) -> Vec<&str> {
     let mut all: Vec<&str> = vec![&page.short];
     all.extend(page.lead.iter().flat_map(of_figure));

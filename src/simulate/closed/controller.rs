@@ -21,7 +21,7 @@ const SPEEDS_RAD_S: [f64; 10] = [0.001, 0.002, 0.004, 0.008, 0.016, 0.03, 0.06, 
 pub struct Wanted {
     /// N m/rad at the joint; left open, weight and friction deflect the joint by 0.01 rad.
     pub stiffness_nm_rad: Option<f64>,
-    /// N m s/rad at the joint; left open, critical, and so much more as friction falls with speed.
+    /// N m s/rad at the joint; by default critical, plus the slope by which friction falls with speed.
     pub damping_nm_s_rad: Option<f64>,
     /// The most that the motor gives at the winch, N m; left open, it has no limit.
     pub torque_limit_nm: Option<f64>,

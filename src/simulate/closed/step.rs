@@ -36,7 +36,7 @@ pub(super) struct Plant<'a> {
     pub step_s: f64,
 }
 
-/// What is done to the joint at the end of a step, but for its motor.
+/// What acts on the joint at the end of a step, apart from its motor.
 pub(super) struct Moment<'a> {
     pub time_s: f64,
     pub elapsed_s: f64,

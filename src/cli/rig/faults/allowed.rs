@@ -4,7 +4,7 @@
 //! fault is seen (`SEEN_CYCLES`), then one braking ramp, v^2 / 2a, at the limit of acceleration; it begins at the speed that is allowed. **Range**: the rig's, the lag and one
 //! braking ramp. A drive that only ignores commands does what it is told until it is told to stop: its travel counts from then.
 //!
-//! Some faults exceed that whatever this program does, because nothing that it sends acts before they have happened. Such cases are
+//! Some faults exceed these limits whatever this program does, because they are over before anything that it sends can act. Such cases are
 //! bounded as well, and listed by name with their reason:
 //!
 //! - **driven**: a drive that runs at another speed than it is told. All the torque that the rig lets the drive give acts on what it

@@ -6,14 +6,14 @@ use crate::effects::Extent;
 use crate::trajectory::{Path, Protocol, Segment, Trajectory};
 use shapes::{rounded, significant};
 
-/// A revolute joint may be asked to go so much beyond either end of the recorded range, rad: 45 deg, half of 0 to 90 deg.
+/// How far beyond either end of the recorded range a revolute joint may be asked to go, rad: 45 deg, half of 0 to 90 deg.
 const WIDER_RAD: f64 = std::f64::consts::FRAC_PI_4;
-/// It may be asked to move so many times as fast as recorded.
+/// It may be asked to move at up to this multiple of the recorded speed.
 const FASTER: f64 = 2.0;
-/// Slow motion is so many times as slow as fast motion at least, and no slower than this share of it: slower is always safe.
+/// Slow motion is slower than fast motion by at least this factor, and no slower than this share of it: slower is always safe.
 const SLOWER: f64 = 5.0;
 const SLOWEST: f64 = 0.02;
-/// Reversals go back by so many clearances, and by this share of the range at least.
+/// Reversals go back by this many clearances, and by at least this share of the range.
 const BACK_CLEARANCES: f64 = 3.0;
 const BACK_SHARE: f64 = 0.06;
 /// A rest at an end, s.
