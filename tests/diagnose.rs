@@ -124,7 +124,7 @@ fn quiet_prints_nothing_and_the_summary_its_headings() {
         "{profile}"
     );
     let told = String::from_utf8(told.stdout).unwrap();
-    for part in ["diagnosed on 8 trials", "Gap above the floor", "What to do next", "written to"] {
+    for part in ["diagnosed on 8 trials", "Gap (RMS above the noise floor)", "What to do next", "written to"] {
         assert!(told.contains(part), "{told}");
     }
     assert!(!told.contains('\u{1b}') && !told.contains('\u{a0}'), "{told}");

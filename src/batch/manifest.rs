@@ -242,7 +242,7 @@ fn limit(s: &Section<'_>) -> Option<Limit> {
         let names = parameter_names();
         let known = || LIMITED.into_iter().chain(names.iter().map(String::as_str));
         if !known().any(|name| name == what) {
-            s.reject("what", format!("`{what}` is nothing that is followed"), suggest(what, "it may be", known()));
+            s.reject("what", format!("`{what}` is not a tracked quantity"), suggest(what, "it may be", known()));
         } else if speed_rad_s.is_some() && what != LIMITED[0] {
             s.reject("speed_rad_s", "belongs to `friction_nm` alone", "leave it out");
         }

@@ -179,7 +179,7 @@ impl fmt::Display for Cause {
             Self::DriveLeft(condition) => write!(f, "the drive let go: {condition}"),
             Self::DriveMode { found, wanted } => write!(f, "the drive follows mode {found} and not {wanted}"),
             Self::Emergency(Some(code)) => write!(f, "the drive sent emergency message {code:#06x}"),
-            Self::Emergency(None) => write!(f, "the drive sent a message that nobody had asked for"),
+            Self::Emergency(None) => write!(f, "the drive sent an unsolicited message"),
             Self::InternalLimit => write!(f, "the drive is at a limit of its own (status bit 11)"),
             Self::FollowingError => write!(f, "the drive reports a following error (status bit 13)"),
             Self::CycleQuality { missed, cycles } => {

@@ -91,7 +91,7 @@ pub fn findings(rig: &Rig, jogged: &Jogged, told: &Told) -> Result<Findings, Str
     }
     if let Some(at_rad) = told.at_rad {
         if !at_rad.is_finite() || at_rad.abs() > FARTHEST {
-            return Err(format!("{at_rad} rad is no pose of a joint"));
+            return Err(format!("{at_rad} rad is not a pose of the joint"));
         }
         let counts = drive.counts(jogged.end_rad);
         // Adding 0 takes the sign off a zero.
@@ -145,7 +145,8 @@ impl Findings {
         let [up_nm, down_nm] = [&up, &down].map(|side| side.iter().map(|at| at.torque_nm).collect::<Vec<_>>());
         if up_nm.is_empty() || down_nm.is_empty() {
             self.lines.push("the sensor's sign takes a jog up and back down the same way".to_string());
-            return load_nm.map_or(Ok(()), |_| Err("a load is held against the mean of both ways".to_string()));
+            return load_nm
+                .map_or(Ok(()), |_| Err("a known load needs the mean torque of both directions".to_string()));
         }
         let (fit, words) = tried::signs(rig, &up_nm, &down_nm);
         let mut nm_per_count = rig.sensor.nm_per_count;

@@ -97,7 +97,7 @@ fn trial(before: &TrialMark, now: &TrialMark, all: &[TrialMark]) -> (Outcome, St
         return (Outcome::Same, String::new());
     }
     if now.holds_same(before) {
-        return (Outcome::Rounded, "the same but for rounding".to_string());
+        return (Outcome::Rounded, "the same except for rounding".to_string());
     }
     if let Some(twin) = all.iter().find(|other| other.file != before.file && other.holds_same(now)) {
         return (Outcome::Regressed, format!("holds the data of {}", twin.file));

@@ -74,7 +74,7 @@ pub fn run(arguments: &Arguments, talk: &Talk) -> Result<ExitCode> {
     let found = Repeatability::of(&rows);
     if found.is_empty() {
         let what = format!("no joint has {RUNS_MIN} campaigns");
-        return Problem::error(&arguments.what[0], what, "record the same joint at least so many times").alone();
+        return Problem::error(&arguments.what[0], what, "record the same joint at least that many times").alone();
     }
     output.iter().try_for_each(|output| write_repeatability(&found, output, arguments.png))?;
     talk.finish(

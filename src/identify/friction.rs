@@ -213,24 +213,26 @@ fn warning(fit: &FrictionFit) -> Option<String> {
     let b = format!("B(v) moving {} is taken with {}", fit.direction.name(), exponentials(taken));
     let speeds = fit.points.distinct_speeds();
     if fit.taken.freedom() < 1.0 {
-        let why = if taken > supported { ", for the whole series asks for it" } else { "" };
+        let why = if taken > supported { ", because the whole series supports it" } else { "" };
         return Some(format!(
-            "{b}{why}; {speeds} speeds determine it exactly and tell nothing of its errors: record more"
+            "{b}{why}; {speeds} speeds determine it exactly and leave no estimate of its errors: record more"
         ));
     }
     if taken > supported {
         return Some(format!(
-            "{b} where the data support {}: beyond the speeds of the sweeps it may run away; --form supported is safer there",
+            "{b} where the data support {}: beyond the speeds of the sweeps it may diverge; --form supported is safer there",
             exponentials(supported)
         ));
     }
     let reason = match fit.cut? {
-        Cut::Speeds => format!("{speeds} speeds are too few to tell more apart; nothing of this form counts as pinned"),
+        Cut::Speeds => {
+            format!("{speeds} speeds are too few to determine more; no parameter of this form counts as pinned")
+        }
         Cut::AtRest => {
-            "more would run away between rest and the slowest sweep, where every reversal passes".to_string()
+            "a larger form would diverge between rest and the slowest sweep, where every reversal passes".to_string()
         }
         Cut::Series([larger_nm, taken_nm]) => format!(
-            "more would leave {:.1} mN m of the whole series where this leaves {:.1}",
+            "a larger form would have an RMSE of {:.1} mN m over the whole series, this one {:.1}",
             1e3 * larger_nm,
             1e3 * taken_nm
         ),

@@ -125,7 +125,7 @@ fn agreement_sentence(found: &Interaction, units: &Units) -> Option<String> {
     let own = found
         .quiet
         .rmse_nm
-        .map_or(String::new(), |rmse| format!("; on quiet motion the model leaves {}", units.torque(rmse)));
+        .map_or(String::new(), |rmse| format!("; RMSE of the model on quiet motion: {}", units.torque(rmse)));
     (!compared.is_empty()).then(|| {
         format!(
             "Against the torque measured independently: RMSE {}, MAE {} over {}{own}.",
@@ -144,8 +144,7 @@ fn next(found: &Interaction) -> Vec<String> {
             "Record trials in which nobody touches the joint: they give the thresholds and the false-alarm rate.";
         steps.push(step.to_string());
     }
-    let weaker =
-        "To detect weaker contacts, lower what the model leaves on quiet motion: tautline diagnose ranks its causes.";
+    let weaker = "To detect weaker contacts, reduce the residual on quiet motion: tautline diagnose ranks its causes.";
     let live = "For the torque while it is recorded: tautline interaction CAMPAIGN --model MODEL --follow reads samples as they come.";
     steps.extend([weaker, live].map(str::to_string));
     steps

@@ -58,7 +58,7 @@ fn verdict(q: &Quantity) -> String {
 fn sentence(of: &Repeatability) -> String {
     let verdicts = [
         ("repeatable", "repeatable within their intervals"),
-        ("scatters_more_than_claimed", "scatter more than their intervals say"),
+        ("scatters_more_than_claimed", "scatter more than their intervals"),
         ("depends_on_condition", "depend on a recorded condition"),
         ("not_identifiable", "not identifiable"),
     ];
@@ -90,7 +90,9 @@ fn table(of: &Repeatability) -> Table {
 fn absorbed(of: &Repeatability) -> Option<Table> {
     (!of.absorbed.is_empty()).then(|| Table {
         title: format!("What absorbs what, {}", of.joint),
-        intro: "Parameters that change together from run to run: each takes up what the other leaves.".to_string(),
+        intro:
+            "Parameters that change together from run to run: they are correlated, and each compensates for the other."
+                .to_string(),
         heads: ["parameter", "with", "correlation"].map(String::from).to_vec(),
         rows: of.absorbed.iter().map(|(a, b, r)| cells(vec![a.clone(), b.clone(), format!("{r:+.2}")])).collect(),
     })
@@ -127,7 +129,7 @@ pub fn page(found: &[Repeatability]) -> Page {
         subject: "repeatability".to_string(),
         short: found.iter().map(sentence).collect::<Vec<_>>().join(" "),
         cards: vec![
-            card("repeatable", count("repeatable"), "scatter as their intervals say"),
+            card("repeatable", count("repeatable"), "scatter within their intervals"),
             card("scatter more", count("scatters_more_than_claimed"), "use the interval by scatter"),
             card("depend", count("depends_on_condition"), "on a recorded condition"),
             card("not identifiable", count("not_identifiable"), "in most of the runs"),

@@ -192,11 +192,7 @@ fn page(understood: &Understood, problems: &[Problem]) -> Page {
                 format!("{} {}", range(TORQUE, 1.0), units.torque),
                 format!("{}, with torque_sign applied, low-passed", torque_name(understood)),
             ),
-            card(
-                "noise",
-                units.torque(most(understood, |trial| trial.noise_nm)),
-                "RMS of what the low-pass takes".into(),
-            ),
+            card("noise", units.torque(most(understood, |trial| trial.noise_nm)), "RMS removed by the low-pass".into()),
         ],
         warnings: problems.iter().map(|problem| Warning { text: problem.to_string(), figure: None }).collect(),
         sections: vec![

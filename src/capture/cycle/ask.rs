@@ -31,9 +31,8 @@ impl<W: Wire, C> Cycle<'_, '_, W, C> {
         if let Some(place) = self.mailboxes.pop_front() {
             self.mailboxes.push_back(place);
             if let Some(code) = self.fetch(place, until_ns) {
-                let code = code.map_or("a message that nobody had asked for".to_string(), |code| {
-                    format!("emergency message {code:#06x}")
-                });
+                let code =
+                    code.map_or("an unsolicited message".to_string(), |code| format!("emergency message {code:#06x}"));
                 self.recorder.note(format!("cycle {}: {} sent {code}", self.number, self.name(place)));
             }
         }

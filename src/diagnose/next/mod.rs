@@ -156,7 +156,7 @@ impl Situation<'_> {
         );
         let mut instruction = words::record(motion, repeats, &self.base.data().extent);
         if !tied.is_empty() {
-            reason.push_str(&format!("; no motion tells {} apart", words::listed(tied)));
+            reason.push_str(&format!("; no motion distinguishes {}", words::listed(tied)));
             instruction = format!("{instruction}. {}", words::checks(tied));
         }
         NextExperiment {
@@ -175,7 +175,7 @@ fn by_hand(rivals: &[Rival]) -> NextExperiment {
     let names: Vec<&'static str> = rivals.iter().map(|rival| rival.name).collect();
     NextExperiment {
         reason: format!(
-            "{} explain these recordings equally well, and no motion of this joint tells them apart",
+            "{} explain these recordings equally well, and no motion of this joint distinguishes them",
             words::listed(&names)
         ),
         trajectory: None,

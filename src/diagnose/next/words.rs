@@ -13,7 +13,7 @@ pub fn checks(causes: &[&'static str]) -> String {
     let alone = others.filter_map(|cause| Some(format!("{cause}: {}", by_hand(cause)?)));
     let known: Vec<String> = of_pairs.chain(alone).collect();
     match known.is_empty() {
-        true => "No motion of this joint alone tells them apart; measure one of them by itself".to_string(),
+        true => "No motion of this joint alone distinguishes them; measure one of them separately".to_string(),
         false => format!("By hand: {}", known.join("; ")),
     }
 }

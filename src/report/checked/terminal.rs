@@ -15,7 +15,7 @@ const TOLD: usize = 20;
 /// Writes what `checked` found to `out`; nothing but the verdict where nothing moved.
 pub fn write_summary(out: &mut impl Write, checked: &Checked, names: &Names) -> io::Result<()> {
     let Names { campaign, baseline, stored_by, .. } = names;
-    writeln!(out, "{BOLD}{campaign}{BOLD:#}  {DIM}held against {baseline}, stored by tautline {stored_by}{DIM:#}")?;
+    writeln!(out, "{BOLD}{campaign}{BOLD:#}  {DIM}compared with {baseline}, stored by tautline {stored_by}{DIM:#}")?;
     let regressed = gravest(checked);
     list(out, "Regressed", RED, &regressed)?;
     for (title, style, outcome) in [
@@ -29,7 +29,7 @@ pub fn write_summary(out: &mut impl Write, checked: &Checked, names: &Names) -> 
     }
     match checked.with(Outcome::Rounded).count() {
         0 => {}
-        n => writeln!(out, "\n{DIM}{}: the same but for rounding{DIM:#}", counted(n, "trial", "trials"))?,
+        n => writeln!(out, "\n{DIM}{}: the same except for rounding{DIM:#}", counted(n, "trial", "trials"))?,
     }
     let of = |part: Part| checked.findings.iter().filter(|finding| finding.part == part).count();
     let all = format!(

@@ -3,13 +3,14 @@
 //! | file | what it makes |
 //! |---|---|
 //! | `json` | `diagnosis.json` |
-//! | `words`, `next` | the verdict and its grounds in sentences; what to do next |
+//! | `words`, `evidence`, `next` | the verdict, its evidence, what to do next, in sentences |
 //! | `names`, `parameters` | what causes, regions and fitted numbers are called |
 //! | `motion` | the gap in motion, in each of these |
 //! | `experiment` | the next experiment: its file, its words |
 //! | `terminal` | the summary |
 //! | `page`, `tables` | the page |
 
+mod evidence;
 mod experiment;
 mod json;
 pub mod motion;

@@ -1,8 +1,9 @@
 //! The page of a diagnosis.
 
+use super::evidence::{evidence, otherwise};
 use super::next::next_steps;
 use super::tables::{candidates_table, changes_table, contacts_table, decisions_table, formulas, places_table};
-use super::words::{evidence, kept_together, otherwise, percent, short, shrink, taken};
+use super::words::{kept_together, percent, short, shrink, taken};
 use crate::diagnose::{Diagnosis, Floor, FloorSource, Kind};
 use crate::report::chart::Figure;
 use crate::report::number::count;

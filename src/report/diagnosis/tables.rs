@@ -1,8 +1,9 @@
 //! The tables of a diagnosis's page.
 
+use super::evidence::clearness;
 use super::names::{Role, bounds, formula, means};
 use super::parameters::{Shown, shown};
-use super::words::{clearness, percent, shrink, taken};
+use super::words::{percent, shrink, taken};
 use crate::diagnose::{Candidate, Decision, Diagnosis, Kind};
 use crate::report::number::significant;
 use crate::report::page::{Block, Cell, Table};

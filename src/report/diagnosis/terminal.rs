@@ -56,9 +56,10 @@ fn gap(out: &mut impl Write, found: &Diagnosis) -> io::Result<()> {
     if verdict.kind != Kind::None {
         row("with the causes found", verdict.gap_after_nm, format!("shrinks by {}", shrink(verdict.shrink)))?;
     }
-    let most = format!("by a flexible fit, which shrinks the gap by {}", percent(flexible_shrink(found)));
     if verdict.kind != Kind::None {
-        row("recoverable", gap.recoverable_nm, most)?;
+        let flexible = flexible_shrink(found);
+        let note = format!("shrinks by {}: without any named cause", percent(flexible));
+        row("with a flexible fit", verdict.gap_before_nm * (1.0 - flexible), note)?;
     }
     let floor = format!("upper limit; {}, {}", units.torque(gap.floor.rms_nm), floor_source(&gap.floor));
     row("noise floor", gap.floor.upper_nm(), floor)?;
@@ -121,7 +122,7 @@ fn candidates(out: &mut impl Write, found: &Diagnosis) -> io::Result<()> {
     }
     let rest = found.candidates.len().saturating_sub(CANDIDATES);
     if rest > 0 {
-        writeln!(out, "  {DIM}and {} more in the report{DIM:#}", counted(rest, "cause", "causes"))?;
+        writeln!(out, "  {DIM}and {} in the report{DIM:#}", counted(rest, "more cause", "more causes"))?;
     }
     Ok(())
 }

@@ -1,19 +1,14 @@
-//! A diagnosis in plain words with its numbers: the verdict, and its grounds.
+//! The verdict of a diagnosis in plain words with its numbers.
 
-use super::names::{bounds, claim, claim_as, family, floor_source, means};
+use super::names::{bounds, claim, claim_as, family, means};
 use super::parameters::shown;
-use crate::diagnose::{Answer, BELOW_ZERO, Candidate, Cause, Diagnosis, Floor, Form, Kind, Shrink};
+use crate::diagnose::{BELOW_ZERO, Candidate, Cause, Diagnosis, Form, Kind, Shrink};
 use crate::effects::Family;
 use crate::report::number::{counted, significant};
-use crate::report::plots::diagnosis::budget::added;
 use crate::report::wording::Units;
 
 /// A flexible fit that recovers less than this share of the gap says that it does not follow the recorded motion.
 const FOLLOWS: f64 = 0.5;
-/// More than this share of the gap within the model's own confidence is worth a sentence.
-const MUCH: f64 = 0.1;
-/// Reported from this ratio on: the simulated part of the encoder over the part that is counted.
-const MORE_THAN_COUNTED: f64 = 1.05;
 
 /// The verdict in a sentence or three: the cause, and how far the gap shrinks with it.
 pub fn verdict(found: &Diagnosis) -> String {
@@ -99,102 +94,6 @@ pub fn kept_together(text: &str) -> String {
         if inside && c == ' ' { '\u{a0}' } else { c }
     };
     text.chars().map(keep).collect()
-}
-
-/// The evidence for the verdict, a sentence each.
-pub fn evidence(found: &Diagnosis) -> Vec<String> {
-    let units = Units::of(&found.before.joint);
-    let gap = &found.gap;
-    let mut all = vec![format!(
-        "RMSE of the model as delivered: {}. Noise floor, which no model of the recorded quantities could explain: {} ({}), or {} with its \
-         standard error. The gap is the RMS above that, sqrt(RMSE² - floor²): {}. A flexible fit to the recorded motion shrinks it by {} on \
-         held-out {}.",
-        units.torque(gap.rmse_nm),
-        units.torque(gap.floor.rms_nm),
-        floor_source(&gap.floor),
-        units.torque(gap.floor.upper_nm()),
-        units.torque(found.verdict.gap_before_nm),
-        percent(flexible_shrink(found)),
-        found.held_out,
-    )];
-    all.extend(encoder_part(&gap.floor, units));
-    all.extend(own_confidence(found));
-    if found.verdict.kind != Kind::None {
-        all.extend(found.places.first().map(|_| format!("Where the gap lies: {}.", location(found))));
-    }
-    let (sure, agree) = (percent(found.verdict.confidence), percent(found.verdict.agreement));
-    all.push(format!("Probabilities: {}.", probabilities(&found.verdict.probabilities)));
-    all.push(format!(
-        "The probability of the verdict, {sure}, is the share of the bootstrap resamples of whole {} that give the same verdict, {agree}, \
-         times the share of right verdicts among those of its kind{} on simulated joints with withheld answers.",
-        found.held_out,
-        clearness(found).map_or(String::new(), |clearness| format!(" ({clearness})")),
-    ));
-    all.iter().map(|sentence| kept_together(sentence)).collect()
-}
-
-/// Which verdicts the probability comes from; nothing where the verdict names no cause.
-pub fn clearness(found: &Diagnosis) -> Option<&'static str> {
-    let clear = found.verdict.decisions.iter().find(|decision| decision.rule == "clear")?;
-    Some(match clear.value >= clear.limit {
-        true => "those in which no other cause does nearly as well",
-        false => "those in which other causes do nearly as well",
-    })
-}
-
-/// The answers that the verdict does not give, with their probabilities.
-pub fn otherwise(found: &Diagnosis) -> String {
-    let is_said = |answer: &Answer| match (answer, found.verdict.kind) {
-        (Answer::Causes(causes), Kind::None) => causes.is_empty(),
-        (Answer::Causes(causes), _) => !causes.is_empty(),
-        (Answer::Outside, kind) => kind == Kind::Unknown,
-        (Answer::Other, _) => false,
-    };
-    let rest = found.verdict.probabilities.iter().filter(|(answer, _)| !is_said(answer)).cloned();
-    probabilities(&rest.collect::<Vec<_>>())
-}
-
-/// "presliding 87 %; nothing missing 4 %; ...".
-fn probabilities(of: &[(Answer, f64)]) -> String {
-    let name = |answer: &Answer| match answer {
-        Answer::Causes(causes) if causes.is_empty() => "nothing missing".to_string(),
-        Answer::Causes(causes) => causes.iter().map(|cause| cause.name()).collect::<Vec<_>>().join(" and "),
-        Answer::Outside => "a cause outside the library".to_string(),
-        Answer::Other => "other causes of the library".to_string(),
-    };
-    let one = |(answer, probability): &(Answer, f64)| format!("{} {}", name(answer), percent(*probability));
-    of.iter().map(one).collect::<Vec<_>>().join("; ")
-}
-
-/// What of a floor is the encoder's, and whether more was simulated than can be counted.
-fn encoder_part(floor: &Floor, units: Units) -> Option<String> {
-    let most = match floor.encoder_simulated_nm > MORE_THAN_COUNTED * floor.encoder_nm {
-        true => format!(
-            " The simulation predicts {} from the encoder, more than the residual without its noise; only what the residual has room for is \
-             counted, so the gap is a lower bound.",
-            units.torque(floor.encoder_simulated_nm)
-        ),
-        false => String::new(),
-    };
-    (floor.encoder_nm > 0.0).then(|| {
-        format!(
-            "Of the floor, {} come from the encoder: the residual that its steps and noise alone give a perfect model, simulated on the \
-             recorded motion.{most}",
-            units.torque(floor.encoder_nm)
-        )
-    })
-}
-
-/// The share of the gap that the model's own parameters absorb within their confidence, where it is large.
-fn own_confidence(found: &Diagnosis) -> Option<String> {
-    let share = added(None, found).unwrap_or(0.0);
-    (share > MUCH).then(|| {
-        format!(
-            "{} of the gap could also be absorbed by the model's own parameters within their confidence; only the rest needs what was \
-             found. Parameters identified more precisely would decide.",
-            percent(share)
-        )
-    })
 }
 
 /// A share in whole percent.
@@ -322,10 +221,10 @@ fn ambiguous(found: &Diagnosis) -> String {
 
 fn unknown(found: &Diagnosis, units: &Units) -> String {
     let (verdict, gap) = (&found.verdict, &found.gap);
-    let recovered = units.torque(gap.recoverable_nm);
+    let shrink = percent(flexible_shrink(found));
     let nature = match gap.recoverable_nm > FOLLOWS * gap.explainable_nm {
-        true => format!("A flexible fit recovers {recovered} of it, so it depends on the recorded motion"),
-        false => format!("A flexible fit recovers only {recovered} of it, so it hardly depends on the recorded motion"),
+        true => format!("A flexible fit shrinks it by {shrink}, so it depends on the recorded motion"),
+        false => format!("A flexible fit shrinks it by only {shrink}, so it hardly depends on the recorded motion"),
     };
     let lies = if found.places.is_empty() { String::new() } else { format!(" Where it lies: {}.", location(found)) };
     format!(
@@ -347,7 +246,7 @@ fn in_part(found: &Diagnosis) -> String {
 }
 
 /// "travel since the reversal 0 to 2.1 deg (71 % of its mean square, in 6 % of the samples)".
-fn location(found: &Diagnosis) -> String {
+pub fn location(found: &Diagnosis) -> String {
     let one = |at: &crate::diagnose::Place| {
         let samples = if at.share_of_samples < 0.995 {
             format!(", in {} % of the samples", significant(100.0 * at.share_of_samples, 2))

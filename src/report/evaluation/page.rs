@@ -60,7 +60,7 @@ fn verdict(found: &Evaluation, units: &Units) -> String {
     let Split { all, stable, transition } = found.overall();
     let trials = counted(found.trials.len(), "trial", "trials");
     format!(
-        "Over {trials} the model leaves {} RMSE ({}): {} in stable state, {} in transitions; the largest error is {}.",
+        "RMSE over {trials}: {} ({}); {} in stable state, {} in transitions. The largest error is {}.",
         units.torque(all.rmse_nm),
         percent_of(&all),
         units.torque(stable.rmse_nm),
@@ -81,7 +81,7 @@ fn next(found: &Evaluation, units: &Units) -> Vec<String> {
     {
         let (name, figure) = (found.rivals[best].kind.name(), units.torque(rmse_nm(best)));
         steps.push(format!(
-            "The change-over curve {name} leaves {figure}, less than the model's own: identify the joint again."
+            "The change-over curve {name} has an RMSE of {figure}, less than the model's own: identify the joint again."
         ));
     }
     if transition.rmse_nm > AFTER_REVERSALS * stable.rmse_nm {
@@ -179,7 +179,7 @@ fn trials_table(found: &Evaluation, units: &Units) -> Table {
     Table {
         title: String::new(),
         intro: format!(
-            "In {unit}, low-passed, but for the raw RMSE. Percent is of the measured torque's range in the trial."
+            "In {unit}, low-passed, except the raw RMSE. Percent is of the measured torque's range in the trial."
         ),
         heads: heads.map(String::from).to_vec(),
         rows: found.trials.iter().map(row).map(cells).collect(),

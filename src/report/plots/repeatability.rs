@@ -16,7 +16,7 @@ pub fn figures(found: &[Repeatability]) -> Vec<Figure> {
 
 fn figure(at: usize, of: &Repeatability) -> Figure {
     let shown: Vec<&Quantity> = of.quantities.iter().filter(|q| q.verdict != Repeated::NotIdentifiable).collect();
-    let x = Axis::linear("run less mean (half widths of the identified 95 % interval)", -REACH, REACH);
+    let x = Axis::linear("run minus mean (half widths of the identified 95 % interval)", -REACH, REACH);
     let mut panel = Panel::new(x, Axis::names(shown.iter().map(|q| q.name.clone())));
     for (row, quantity) in shown.iter().enumerate() {
         let level = -(row as f64) - 0.5;

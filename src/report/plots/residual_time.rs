@@ -20,8 +20,8 @@ const ROOM: f64 = 0.08;
 /// Samples further apart than this many usual periods are not joined by a line.
 const GAP_PERIODS: f64 = 10.0;
 
-const CAPTION: &str = "Measured less predicted torque, both low-passed, in a few trials: for each protocol the one with a typical \
-                       residual and the one with the largest, each to a scale of its own. Peaks after each reversal point to the \
+const CAPTION: &str = "Measured minus predicted torque, both low-passed, in a few trials: for each protocol the one with a typical \
+                       residual and the one with the largest, each on its own scale. Peaks after each reversal point to the \
                        change-over curve, a slow drift to temperature or the sensor, a level that differs between directions to friction.";
 
 /// Residuals of typical and of bad trials, one above the other; `None` without any.

@@ -16,7 +16,7 @@ const MOVING: f64 = 0.02;
 
 const TRIAL: &str = "Position and low-passed torque against time, and torque against position: moving up should lie above moving \
                      down (friction takes), and their middle should follow gravity.";
-const SPEEDS: &str = "Speeds of the sweeps as found against the speeds declared; they belong on the line.";
+const SPEEDS: &str = "Speeds of the sweeps as found against the speeds declared; they should lie on the line.";
 
 /// Speeds found against speeds declared; `None` without sweeps.
 pub fn speeds(understood: &Understood) -> Option<Figure> {

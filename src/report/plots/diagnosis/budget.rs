@@ -17,10 +17,9 @@ const COLORS: [Color; 3] = [palette::BLUE, palette::GREEN, palette::PURPLE];
 /// Room to the right of the longest bar, as a share of it.
 const ROOM: f64 = 0.02;
 
-const CAPTION: &str = "From the gap as delivered, sqrt(RMSE² - floor²), down to the part that remains. First the part that the model's own \
-                       parameters absorb within their confidence, then what each named cause explains beyond that; together they are the \
-                       explained share. It is divided in proportion to mean squares, because squares add and RMS values do not. No model \
-                       could explain the noise floor.";
+const CAPTION: &str = "The gap is sqrt(RMSE² - floor²). Each bar is the part that its row explains: the model's own parameters within their \
+                       confidence, then each named cause beyond that, divided in proportion to mean squares, because RMS values do not \
+                       add. No model could explain the noise floor.";
 
 /// A part of the gap.
 struct Part {

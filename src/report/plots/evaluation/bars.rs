@@ -16,10 +16,11 @@ type Part = fn(&Split) -> Figures;
 const PARTS: [(&str, Part); 3] =
     [("all samples", |s| s.all), ("stable state", |s| s.stable), ("transition", |s| s.transition)];
 
-const CAPTION: &str = "Mean absolute error (above) and largest error (below) by change-over curve, which says how friction passes from one \
-                       direction's to the other's after a reversal (the paper's combination coefficient); low-passed, mean over \
-                       trials with one standard deviation; * is the model's own. Sign passes at once. The curves differ in transitions, of which the low-pass carries a little into stable state, and with the sign curve wherever \
-                       the speed's sign is not K_f's; the rest there is the branches' own error and the sensor's noise.";
+const CAPTION: &str = "Mean absolute error (above) and largest error (below) by change-over curve, which describes how friction passes from \
+                       that of one direction to that of the other after a reversal (the paper's combination coefficient); low-passed, \
+                       mean over trials with one standard deviation; * is the model's own. The curves differ in transitions, which the \
+                       low-pass spreads slightly into the stable state, and the sign curve, which switches at once, also wherever the sign \
+                       of the speed differs from that of K_f. Any other error is that of the branches and the sensor's noise.";
 
 /// Mean absolute error and peak by curve.
 pub(super) fn figure(evaluation: &Evaluation) -> Figure {

@@ -5,9 +5,9 @@ use crate::report::chart::{Axis, Color, Figure, Panel, Stroke, palette, span};
 use crate::report::number::significant;
 
 const CAPTION: &str = "From above: the joint's trajectory; the torque as measured with the prediction, both through the declared \
-                       low-pass; the error, measured less predicted; and what the prediction is made of. The error should be \
-                       noise about zero in stable state; peaks stand at reversals, where friction changes over. Pale parts are \
-                       in no figure: K_f is not known yet, or the sensor was at its limit.";
+                       low-pass; the error, measured minus predicted; and the terms of the prediction. The error should be \
+                       noise about zero in stable state; peaks occur at reversals, where friction changes over. Pale parts are \
+                       not scored: K_f is not known yet, or the sensor was at its limit.";
 
 /// The four panels.
 pub(super) fn figure(shown: &Shown) -> Figure {
