@@ -72,7 +72,7 @@ fn work(entry: &Entry, settings: &Settings, mut record: Record) -> Result<Record
         }
     }
     if let Some((name, _)) = record.figures.iter().find(|(name, figure)| figure.is_infinite() && !may_be_open(name)) {
-        let what = format!("`{name}` is not a number: numbers grew beyond all measure");
+        let what = format!("`{name}` is not a number, because of a numerical overflow");
         return Problem::error(&entry.path, what, "`tautline validate` checks the data").alone();
     }
     // What is not known, and intervals without an end.

@@ -144,7 +144,7 @@ fn follow(
             complain(&Problem::warning("standard input", what, cure).at_row(row).into());
         }
         if !(torque.torque_nm.is_finite() && torque.uncertainty_nm.is_finite() && torque.threshold_nm.is_finite()) {
-            let what = "the interaction torque is not a number: the model's numbers grow beyond all measure";
+            let what = "the interaction torque is not a number, because of a numerical overflow in the model";
             let cure = "check the model's parameters for values that no joint has";
             return Err(Stopped::Input(Problem::error("standard input", what, cure).at_row(row).into()));
         }

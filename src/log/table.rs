@@ -42,7 +42,7 @@ pub fn csv_bytes(columns: &[Numbers]) -> Vec<u8> {
 
 /// `column` of `file`, to be written, holds what is no number.
 pub(super) fn not_finite(file: &Path, column: &str) -> Problem {
-    let what = "not written: it holds values that are not finite numbers, because of an overflow";
+    let what = "not written: it holds values that are not finite numbers, because of a numerical overflow";
     let cure = "check the data and the model's parameters for values that no joint has";
     Problem::error(file, what, cure).in_column(column)
 }

@@ -113,8 +113,7 @@ fn lacking(value: &Value, path: &str) -> Option<String> {
 const CURE: &str = "check the data with `tautline validate`, and the model's parameters for values that no joint has";
 
 fn refuse(file: &Path, found: &str, place: &str, cure: &str) -> Result<()> {
-    let what =
-        format!("not written: `{found}` where a figure is meant (`{place}`), because numbers grew beyond all measure");
+    let what = format!("not written: `{found}` where a figure is meant (`{place}`), because of a numerical overflow");
     Problem::error(file, what, cure).alone()
 }
 
