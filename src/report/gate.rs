@@ -58,7 +58,8 @@ pub fn json(file: impl AsRef<Path>, value: &Value) -> Result<()> {
 /// Errors: `text`, to be shown as `file`, holds something that is no number where a figure is meant.
 pub fn shown(file: impl AsRef<Path>, text: &str) -> Result<()> {
     for word in WORDS {
-        if let Some((at, _)) = text.match_indices(word).find(|(at, _)| is_figure(text, *at, word.len())) {
+        let mut places = memchr::memmem::find_iter(text.as_bytes(), word);
+        if let Some(at) = places.find(|at| is_figure(text, *at, word.len())) {
             let before = text[..at].char_indices().rev().nth(SHOWN_BEFORE).map_or(0, |(at, _)| at);
             let after = text[at..].char_indices().nth(SHOWN_AFTER).map_or(text.len(), |(length, _)| at + length);
             let around = text[before..after].split_whitespace().collect::<Vec<_>>().join(" ");
