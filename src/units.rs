@@ -245,10 +245,9 @@ impl Unit {
     /// Whether `text` is this unit, blanks and signs of multiplication aside. Capitals count in symbols (`mN m`, `MN m`), not in
     /// words (`Degrees`).
     fn is_written(self, text: &str) -> bool {
-        let text = plain(text);
-        let is_symbol = |known: &str| plain(known) == text;
-        let is_word = |known: &str| plain(known).eq_ignore_ascii_case(&text);
-        !text.is_empty()
+        let is_symbol = |known: &str| plain(known).eq(plain(text));
+        let is_word = |known: &str| folded(known).eq(folded(text));
+        plain(text).next().is_some()
             && (is_symbol(self.name())
                 || self.other_names().iter().any(|known| is_symbol(known))
                 || self.words().iter().any(|known| is_word(known)))
@@ -256,8 +255,7 @@ impl Unit {
 
     /// Whether `text` is this unit except for upper and lower case: not certain enough to be accepted. A capital M is mega.
     fn is_meant_by(self, text: &str) -> bool {
-        let text = plain(text);
-        let is_like = |known: &str| plain(known).eq_ignore_ascii_case(&text);
+        let is_like = |known: &str| folded(known).eq(folded(text));
         !text.contains('M') && (is_like(self.name()) || self.other_names().iter().any(|known| is_like(known)))
     }
 
@@ -388,14 +386,27 @@ impl Unit {
 }
 
 /// `text` without blanks and signs of multiplication; a hyphen before a letter is one too (`N-m`), before a digit a minus (`s-1`).
-fn plain(text: &str) -> String {
-    let text = text.replace("**", "^");
-    let is_dropped = |sign: char, next: Option<&char>| match sign {
-        '-' => next.is_some_and(|next| next.is_alphabetic()),
-        _ => [' ', '.', '*', '_', '\u{b7}', '\u{22c5}', '\u{30fb}', '\u{a0}'].contains(&sign),
+fn plain(text: &str) -> impl Iterator<Item = char> {
+    let mut rest = text.chars();
+    let next = move || loop {
+        let sign = rest.next()?;
+        let mut ahead = rest.clone();
+        match (sign, ahead.next()) {
+            ('*', Some('*')) => {
+                rest = ahead;
+                return Some('^');
+            }
+            ('-', Some(next)) if next.is_alphabetic() => {}
+            (' ' | '.' | '*' | '_' | '\u{b7}' | '\u{22c5}' | '\u{30fb}' | '\u{a0}', _) => {}
+            _ => return Some(sign),
+        }
     };
-    let signs: Vec<char> = text.chars().collect();
-    signs.iter().enumerate().filter(|(at, sign)| !is_dropped(**sign, signs.get(at + 1))).map(|(_, sign)| sign).collect()
+    std::iter::from_fn(next)
+}
+
+/// The same in lower case.
+fn folded(text: &str) -> impl Iterator<Item = char> {
+    plain(text).map(|sign| sign.to_ascii_lowercase())
 }
 
 #[cfg(test)]

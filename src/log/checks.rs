@@ -61,13 +61,18 @@ pub(super) fn check(
 }
 
 /// Of a long log the median step is judged by this many of its steps at least, ...
-const STEPS_JUDGED: usize = 1 << 18;
+const STEPS_JUDGED: usize = 1 << 14;
 /// ... in blocks of as many, spread over it: within a block rounded stamps keep their rhythm (0.3, 0.3, 0.4).
-const STEPS_IN_BLOCK: usize = 1 << 12;
+const STEPS_IN_BLOCK: usize = 1 << 10;
 
-/// The median of the steps between time stamps, of which there are two or more, in their unit.
-pub(super) fn median_period(time: &[f64]) -> f64 {
-    median(in_blocks(time).flat_map(|block| block.windows(2).map(|pair| pair[1] - pair[0])).collect())
+/// The median of the steps between time stamps in consecutive rows, in their unit; `None` if there are no two of them.
+pub(super) fn median_period(time: &[f64]) -> Option<f64> {
+    let mut steps = Vec::with_capacity(time.len());
+    for block in in_blocks(time) {
+        steps.extend(block.windows(2).map(|pair| pair[1] - pair[0]).filter(|step| step.is_finite()));
+    }
+    let middle = steps.len() / 2;
+    (!steps.is_empty()).then(|| *steps.select_nth_unstable_by(middle, f64::total_cmp).1)
 }
 
 /// The stretches of `time` by which its median step is judged: all of it, or blocks spread evenly over a long log.
@@ -75,11 +80,6 @@ fn in_blocks(time: &[f64]) -> impl Iterator<Item = &[f64]> {
     let apart = (time.len() / STEPS_JUDGED).max(1);
     let block = if apart > 1 { STEPS_IN_BLOCK } else { time.len().max(1) };
     (0..time.len()).step_by(apart * block).map(move |start| &time[start..(start + block + 1).min(time.len())])
-}
-
-fn median(mut steps: Vec<f64>) -> f64 {
-    let middle = steps.len() / 2;
-    *steps.select_nth_unstable_by(middle, f64::total_cmp).1
 }
 
 /// SciPy's `sosfiltfilt`, whose edges ours equal, mirrors that many samples at each end and needs one more.
@@ -129,12 +129,7 @@ fn stamps(faults: &mut Faults<'_>, time: &[f64], want: &Wanted, gap_s: f64, rows
                 .in_column(&want.column.name)
         });
     }
-    let single = |block| steps(block).filter(|step| step.rows == 1).map(|step| step.to - step.from);
-    let period: Vec<f64> = in_blocks(time).flat_map(single).collect();
-    if faults.count() > before || period.is_empty() {
-        return false;
-    }
-    let period = median(period);
+    let Some(period) = median_period(time).filter(|_| faults.count() == before) else { return false };
     let periods = |step: &Step| (step.to - step.from) / (period * step.rows as f64);
     let longest = GAP_PERIODS.max(gap_s / (period * want.factor()));
     for step in steps(time).filter(|step| periods(step) > longest) {

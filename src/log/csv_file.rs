@@ -287,20 +287,25 @@ fn plain_decimal(field: &[u8]) -> Option<f64> {
         _ => (false, field),
     };
     // A point between digits, 15 of them at most.
-    if text.len() > 16 || text.len() < 3 {
+    if text.len() > 16 {
         return None;
     }
-    let (mut digits, mut point) = (0u64, None);
-    for (i, byte) in text.iter().enumerate() {
-        match byte {
-            b'0'..=b'9' => digits = 10 * digits + u64::from(byte - b'0'),
-            b'.' if point.is_none() => point = Some(i),
-            _ => return None,
-        }
-    }
-    let decimals = text.len() - 1 - point.filter(|at| *at > 0)?;
-    let magnitude = digits as f64 / POWERS.get(decimals).filter(|_| decimals > 0)?;
+    let (whole, rest) = digits_of(0, text);
+    let (digits, end) = digits_of(whole, rest.strip_prefix(b".")?);
+    let decimals = rest.len() - 1;
+    let has_both = rest.len() < text.len() && decimals > 0 && end.is_empty();
+    let magnitude = digits as f64 / POWERS.get(decimals).filter(|_| has_both)?;
     Some(if negative { -magnitude } else { magnitude })
+}
+
+/// The number `before` with the digits that `text` begins with behind it, and the rest of `text`.
+#[inline(always)]
+fn digits_of(mut before: u64, mut text: &[u8]) -> (u64, &[u8]) {
+    while let [digit @ b'0'..=b'9', rest @ ..] = text {
+        before = 10 * before + u64::from(digit - b'0');
+        text = rest;
+    }
+    (before, text)
 }
 
 pub(super) fn ragged(file: &Path, record: &ByteRecord, expected: usize) -> Problem {

@@ -78,7 +78,7 @@ fn missing(time: &[f64]) -> usize {
         return 0;
     }
     // The mean of the common steps, not their median: rounded stamps step by 0.3, 0.3, 0.4.
-    let median = median_period(time);
+    let Some(median) = median_period(time) else { return 0 };
     let common = steps().filter(|step| (0.5..1.5).contains(&(step / median)));
     let (sum, count) = common.fold((0.0, 0), |(sum, count), step| (sum + step, count + 1));
     let period = sum / f64::from(count);

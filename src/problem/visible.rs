@@ -24,14 +24,23 @@ pub fn visible_lines(text: &str) -> Cow<'_, str> {
     escaped(text, |c| acts(c) && !matches!(c, '\n' | '\t'))
 }
 
-/// Whether all of `text` is ASCII that does not act: what tables of numbers are, megabytes of them, told without decoding.
-fn is_plain(text: &str, acts: impl Fn(char) -> bool) -> bool {
+/// Whether no character of `text` acts. Tables and pages are megabytes of ASCII: only what is not ASCII is decoded.
+fn is_harmless(text: &str, acts: impl Fn(char) -> bool) -> bool {
     let plain: [bool; 256] = std::array::from_fn(|byte| byte < 128 && !acts(char::from(byte as u8)));
-    text.bytes().all(|byte| plain[usize::from(byte)])
+    let mut rest = text;
+    while let Some(at) = rest.bytes().position(|byte| !plain[usize::from(byte)]) {
+        // Only ASCII lies before it: a character begins there.
+        let mut others = rest[at..].chars();
+        if others.next().is_some_and(&acts) {
+            return false;
+        }
+        rest = others.as_str();
+    }
+    true
 }
 
 fn escaped(text: &str, acts: impl Fn(char) -> bool) -> Cow<'_, str> {
-    if is_plain(text, &acts) || !text.chars().any(&acts) {
+    if is_harmless(text, &acts) {
         return Cow::Borrowed(text);
     }
     let one = |c: char| if acts(c) { c.escape_unicode().to_string() } else { c.to_string() };

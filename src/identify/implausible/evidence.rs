@@ -10,6 +10,7 @@ use crate::model::Direction;
 use crate::numerics::linear::solve;
 use crate::numerics::statistics::{extent, mean, root_mean_square};
 use nalgebra::{DMatrix, DVector};
+use rayon::prelude::*;
 use std::f64::consts::FRAC_PI_2;
 
 /// Samples used at most.
@@ -48,9 +49,14 @@ pub(super) type Row = [f64; 5];
 
 /// What the `readings` of `campaign` say; `None` without motion.
 pub fn evidence(campaign: &Campaign, readings: &[Reading]) -> Option<Evidence> {
-    let rows: Vec<Vec<Row>> = readings.iter().map(|reading| moving(campaign, reading)).collect();
+    let rows = rows_of(campaign, readings);
     let legs = legs_of(readings);
     Some(by_legs(campaign, fit(&rows.concat(), !legs.is_empty())?, &legs))
+}
+
+/// The moving samples of each of `readings`.
+pub(super) fn rows_of(campaign: &Campaign, readings: &[Reading]) -> Vec<Vec<Row>> {
+    readings.par_iter().map(|reading| moving(campaign, reading)).collect()
 }
 
 pub(super) fn legs_of(readings: &[Reading]) -> Vec<LegSums> {
@@ -73,7 +79,7 @@ pub(super) fn by_legs(campaign: &Campaign, found: Evidence, legs: &[LegSums]) ->
 
 /// The moving samples of `reading`, their load and speed through the torque's low-pass: the noise of a second derivative would else look
 /// like a load that the torque does not follow.
-pub(super) fn moving(campaign: &Campaign, reading: &Reading) -> Vec<Row> {
+fn moving(campaign: &Campaign, reading: &Reading) -> Vec<Row> {
     if reading.entry.protocol == Protocol::Interaction {
         return Vec::new();
     }

@@ -16,7 +16,7 @@ pub use evidence::{Evidence, evidence};
 use super::reading::Reading;
 use crate::log::Campaign;
 use crate::problem::Problem;
-use evidence::{Row, by_legs, fit, legs_of, moving};
+use evidence::{by_legs, fit, legs_of, rows_of};
 use gain::gain;
 use zero::zero;
 
@@ -85,7 +85,7 @@ impl Doubt {
 
 /// Contradictions between `campaign` and its `readings`, the gravest first.
 pub fn implausible(campaign: &Campaign, readings: &[Reading]) -> Vec<Doubt> {
-    let rows: Vec<Vec<Row>> = readings.iter().map(|reading| moving(campaign, reading)).collect();
+    let rows = rows_of(campaign, readings);
     let legs = legs_of(readings);
     let Some(found) = fit(&rows.concat(), !legs.is_empty()) else { return Vec::new() };
     let mut doubts = Vec::new();

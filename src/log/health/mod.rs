@@ -151,7 +151,8 @@ impl Finding {
 
 /// Replaces glitches and drop-outs of position and torque, as recorded, by straight lines; all that was found in them.
 pub(super) fn mend(recorded: &mut Readings, wanted: &[Wanted]) -> Vec<Finding> {
-    let rate_hz = 1.0 / (checks::median_period(&recorded.columns[TIME]) * wanted[TIME].factor());
+    let Some(period) = checks::median_period(&recorded.columns[TIME]) else { return Vec::new() };
+    let rate_hz = 1.0 / (period * wanted[TIME].factor());
     let mut findings = Vec::new();
     for column in [POSITION, TORQUE] {
         let want = &wanted[column];

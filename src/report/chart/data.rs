@@ -19,7 +19,7 @@ const STEPS_Y: f64 = 6_000.0;
 #[derive(Debug)]
 pub struct Columns {
     buckets: usize,
-    all: Vec<Value>,
+    /// As JSON, and where each stands among them.
     known: HashMap<String, usize>,
 }
 
@@ -27,12 +27,15 @@ impl Columns {
     /// None yet, of a page with this many `figures`.
     pub fn of(figures: usize) -> Self {
         let buckets = (BUCKETS * FIGURES / figures.max(FIGURES)).max(BUCKETS_MIN);
-        Self { buckets, all: Vec::new(), known: HashMap::new() }
+        Self { buckets, known: HashMap::new() }
     }
 
-    /// All columns so far.
-    pub fn into_json(self) -> Value {
-        Value::Array(self.all)
+    /// All columns so far, as JSON.
+    pub fn into_json(self) -> String {
+        let mut all: Vec<(String, usize)> = self.known.into_iter().collect();
+        all.sort_unstable_by_key(|(_, at)| *at);
+        let all: Vec<String> = all.into_iter().map(|(column, _)| column).collect();
+        format!("[{}]", all.join(","))
     }
 
     /// The number of the column that holds `values` in `steps` steps.
@@ -41,25 +44,23 @@ impl Columns {
         let (low, high) = finite.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), x| (l.min(x), h.max(x)));
         let (low, high) = if low <= high { (low, high) } else { (0.0, 0.0) };
         let step = ((high - low) / steps).max(f64::MIN_POSITIVE);
-        let mut last = 0i64;
-        let mut difference = |x: f64| -> Value {
-            if !x.is_finite() {
-                return Value::Null;
+        // Written straight: most of a page is such numbers.
+        let mut column = format!("[{},{},[", json!(low), json!(step));
+        let (mut last, mut comma) = (0i64, "");
+        for x in values {
+            column += comma;
+            comma = ",";
+            if x.is_finite() {
+                let at = ((x - low) / step).round() as i64;
+                column += &(at - last).to_string();
+                last = at;
+            } else {
+                column += "null";
             }
-            let at = ((x - low) / step).round() as i64;
-            let by = at - last;
-            last = at;
-            json!(by)
-        };
-        let rows: Vec<Value> = values.map(&mut difference).collect();
-        let column = json!([low, step, rows]);
-        let key = column.to_string();
-        let next = self.all.len();
-        let at = *self.known.entry(key).or_insert(next);
-        if at == next {
-            self.all.push(column);
         }
-        at
+        column += "]]";
+        let next = self.known.len();
+        *self.known.entry(column).or_insert(next)
     }
 
     fn points(&mut self, points: &[Point]) -> Value {

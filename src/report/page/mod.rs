@@ -15,7 +15,7 @@ use base64::engine::general_purpose::URL_SAFE_NO_PAD;
 use flate2::Compression;
 use flate2::write::DeflateEncoder;
 use rayon::prelude::*;
-use serde_json::{Map, Value, json};
+use serde_json::{Map, Value};
 use std::collections::HashMap;
 use std::io::Write;
 
@@ -232,18 +232,21 @@ impl Page {
     pub fn write(&self, output: &Output, pictures: bool) -> Result<()> {
         let figures = self.figures();
         let lasting: Vec<&Figure> = figures.iter().filter(|(is_static, _)| *is_static).map(|(_, f)| *f).collect();
-        lasting.par_iter().try_for_each(|figure| write_figure(figure, "plots/", output, pictures))?;
-        let named =
-            lasting.par_iter().map(|figure| drawn(figure, FOR_PAGES, output).map(|svg| (&figure.name[..], svg)));
-        let drawings = named.collect::<Result<HashMap<&str, String>>>()?;
+        let one = |figure: &&'_ Figure| {
+            write_figure(figure, "plots/", output, pictures)?;
+            drawn(figure, FOR_PAGES, output)
+        };
+        let (drawings, data) =
+            rayon::join(|| lasting.par_iter().map(one).collect::<Result<Vec<String>>>(), || packed(&figures));
+        let names = lasting.iter().map(|figure| &figure.name[..]);
         let of_csp = |text: &str| format!("sha256-{}", sha256(text.as_bytes()).in_base64());
         let terms = terms::section(self);
         let rendered = Rendered {
             page: self,
             sections: self.sections.iter().chain(&terms).collect(),
             provenance: provenance::rows(output).into_iter().chain(self.provenance.iter().cloned()).collect(),
-            drawings,
-            data: packed(&figures).or_else(|error| unmade(output, "report.html", error))?,
+            drawings: names.zip(drawings?).collect(),
+            data: data.or_else(|error| unmade(output, "report.html", error))?,
             style: STYLE,
             script: SCRIPT,
             style_digest: of_csp(STYLE),
@@ -277,8 +280,8 @@ fn packed(figures: &[(bool, &Figure)]) -> std::io::Result<String> {
     for (_, figure) in figures {
         named.insert(figure.name.clone(), figure.to_json(&mut columns));
     }
-    let data: Value = json!({ "figures": named, "columns": columns.into_json() });
+    let data = format!("{{\"figures\":{},\"columns\":{}}}", Value::Object(named), columns.into_json());
     let mut packer = DeflateEncoder::new(Vec::new(), Compression::fast());
-    packer.write_all(data.to_string().as_bytes())?;
+    packer.write_all(data.as_bytes())?;
     Ok(URL_SAFE_NO_PAD.encode(packer.finish()?))
 }

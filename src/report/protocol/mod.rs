@@ -12,6 +12,7 @@ use super::wording::{Units, amplitude_spread, judged_on, moving};
 use crate::identify::{Identification, Route};
 use crate::model::{Direction, Drive, Joint, Status};
 use crate::numerics::statistics::extent;
+use rayon::prelude::*;
 use tables::{curves, form, legs, parameters};
 
 /// Words of a warning, and the figure that shows what it is about; the first that fits counts.
@@ -39,7 +40,7 @@ fn formulas() -> Vec<String> {
 pub fn page(found: &Identification, campaign: &str) -> Page {
     let units = Units::of(&found.model.joint);
     let Verdict { short, steps } = verdict(found);
-    let mut figures: Vec<Figure> = FIGURES.iter().filter_map(|make| make(found)).collect();
+    let mut figures: Vec<Figure> = FIGURES.par_iter().filter_map(|make| make(found)).collect();
     let names: Vec<String> = figures.iter().map(|figure| figure.name.clone()).collect();
     let mut take = |name: &str| {
         let at = figures.iter().position(|figure| figure.name == name)?;
