@@ -340,7 +340,7 @@ fn a_name_too_long_is_no_matter_of_free_space() {
 /// A run that takes long, once it has begun to write.
 #[cfg(unix)]
 fn long_run(out: &TempDir) -> Child {
-    let arguments = ["simulate", "--model", "data/elbow/truth/model.json", "--rate-hz", "4000", "--quiet", "-o"];
+    let arguments = ["simulate", "--model", "data/elbow/truth/model.json", "--rate-hz", "20000", "--quiet", "-o"];
     let mut command = Command::new(env!("CARGO_BIN_EXE_tautline"));
     let mut child = command.args(arguments).arg(out.path().join("long")).spawn().unwrap();
     for _ in 0..2000 {

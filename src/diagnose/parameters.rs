@@ -15,7 +15,7 @@ const HALF_WIDTH: f64 = 1.96;
 /// A value within this share of its range from a bound is at it.
 const AT_BOUND: f64 = 1e-4;
 
-/// The warning about friction that comes out negative.
+/// The warning about friction that comes out negative, and about an effect of the opposite sign.
 pub const BELOW_ZERO: &str = "negative: it compensates for an unmodelled effect";
 
 /// One parameter fitted.
@@ -80,9 +80,14 @@ pub fn of_cause(resamples: &Resamples, fit: &Fit<'_>, (cause, how): (Cause, &str
     found
 }
 
-/// Viscous friction below zero would help the motion. A positive range is compared in its logarithm, for it spans decades.
+/// Viscous friction below zero would help the motion, and friction that rises with speed is no Stribeck effect. A positive range is compared in its logarithm, for it spans decades.
 fn doubt(parameter: ParameterRef, model: &Model, most: f64) -> Option<&'static str> {
-    if matches!(parameter, ParameterRef::Friction(_, Term::Viscous)) && parameter.value(model) < 0.0 {
+    let is_positive = match parameter {
+        ParameterRef::Friction(_, term) => term == Term::Viscous,
+        ParameterRef::Effect(effect, at) => model.effects[effect].effect.about().parameters[at].is_positive,
+        _ => false,
+    };
+    if is_positive && parameter.value(model) < 0.0 {
         return Some(BELOW_ZERO);
     }
     let (low, high) = parameter.bounds(model);

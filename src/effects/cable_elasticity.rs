@@ -7,7 +7,7 @@ static ABOUT: About = About {
     id: "cable_elasticity",
     family: Family::Physics,
     acts_on: ActsOn::Load,
-    means: "the joint lags the measured angle in proportion to load",
+    means: "stretch of the cable takes the joint off the measured angle, in proportion to load",
     formula: "q_joint = q - compliance_rad_nm tau; gravity is taken there; tau = the load, or y r2/r1 where with_friction",
     source: "two-mass models; Spong 1987",
     signature: Region::Load,

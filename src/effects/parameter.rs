@@ -30,6 +30,8 @@ pub struct Parameter {
     pub share: f64,
     /// Its default; `None` where it must be given.
     pub default: Option<f64>,
+    /// Whether the effect would be another one where it is negative.
+    pub is_positive: bool,
 }
 
 impl Parameter {
@@ -40,6 +42,11 @@ impl Parameter {
 
     pub(super) const fn strength(name: &'static str) -> Self {
         Self { role: Role::Strength, default: Some(0.0), ..Self::choice(name, -1e9, 1e9) }
+    }
+
+    /// A strength that makes another effect where it is negative.
+    pub(super) const fn positive_strength(name: &'static str) -> Self {
+        Self { is_positive: true, ..Self::strength(name) }
     }
 
     /// One of many strengths that together describe a curve.
@@ -60,7 +67,7 @@ impl Parameter {
     }
 
     pub(super) const fn choice(name: &'static str, low: f64, high: f64) -> Self {
-        Self { name, role: Role::Choice, bounds: (low, high), share: f64::INFINITY, default: None }
+        Self { name, role: Role::Choice, bounds: (low, high), share: f64::INFINITY, default: None, is_positive: false }
     }
 
     pub(super) const fn or(self, default: f64) -> Self {

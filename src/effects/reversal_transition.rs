@@ -16,7 +16,7 @@ static ABOUT: About = About {
     id: "reversal_transition",
     family: Family::Physics,
     acts_on: ActsOn::Friction,
-    means: "friction passes gradually from one branch to the other after a reversal",
+    means: "friction builds up gradually after a reversal",
     formula: "K~ = (atan(2 p u) / atan(2 p))^n, u = travel since the reversal over backlash_rad",
     source: "paper (21) to (30); Nordin, Galic and Gutman 1997",
     signature: Region::AfterReversal,

@@ -15,8 +15,8 @@ static ABOUT: About = About {
     trades_with: &["viscous", "stribeck_level", "presliding"],
     example: "up_nm=0.1,down_nm=0.13,speed_rad_s=0.1,exponent=1.3",
     parameters: &[
-        Parameter::strength("up_nm"),
-        Parameter::strength("down_nm"),
+        Parameter::positive_strength("up_nm"),
+        Parameter::positive_strength("down_nm"),
         Parameter::shape("speed_rad_s", 1e-5, 100.0),
         Parameter::shape("exponent", 0.5, 3.0),
     ],

@@ -149,7 +149,7 @@ impl Situation<'_> {
         let needed = (2.0 * CLEAR_ERRORS / floors).powi(2) / independent.max(1.0);
         let repeats = (needed.ceil().min(f64::from(REPEATS_MAX)) as u32).max(REPEATS_MIN);
         let mut reason = format!(
-            "{} explain these recordings equally well; along {} they differ by {:.1} mN m even at their best, {floors:.1} noise floors",
+            "{} explain these recordings equally well; along {} their predictions still differ by {:.1} mN m RMS, {floors:.1} times the noise",
             words::listed(open),
             motion.means,
             1e3 * apart_nm

@@ -35,7 +35,7 @@ pub fn evidence(found: &Diagnosis) -> Vec<String> {
     let (sure, agree) = (percent(found.verdict.confidence), percent(found.verdict.agreement));
     all.push(format!("Probabilities: {}.", probabilities(&found.verdict.probabilities)));
     all.push(format!(
-        "The probability of the verdict, {sure}, is the share of the bootstrap resamples of whole {} that give the same verdict, {agree}, \
+        "The confidence in the verdict, {sure}, is the share of the bootstrap resamples of whole {} that give the same verdict, {agree}, \
          times the share of right verdicts among those of its kind{} on simulated joints with withheld answers.",
         found.held_out,
         clearness(found).map_or(String::new(), |clearness| format!(" ({clearness})")),
@@ -46,22 +46,12 @@ pub fn evidence(found: &Diagnosis) -> Vec<String> {
 /// Which verdicts the probability comes from; nothing where the verdict names no cause.
 pub fn clearness(found: &Diagnosis) -> Option<&'static str> {
     let clear = found.verdict.decisions.iter().find(|decision| decision.rule == "clear")?;
-    Some(match clear.value >= clear.limit {
-        true => "those in which no other cause does nearly as well",
-        false => "those in which other causes do nearly as well",
+    Some(match (found.verdict.kind, clear.value >= clear.limit) {
+        (Kind::Several, true) => "those whose weakest cause explains much more than the limit",
+        (Kind::Several, false) => "those whose weakest cause explains little more than the limit",
+        (_, true) => "those in which no other cause does nearly as well",
+        (_, false) => "those in which other causes do nearly as well",
     })
-}
-
-/// The answers that the verdict does not give, with their probabilities.
-pub fn otherwise(found: &Diagnosis) -> String {
-    let is_said = |answer: &Answer| match (answer, found.verdict.kind) {
-        (Answer::Causes(causes), Kind::None) => causes.is_empty(),
-        (Answer::Causes(causes), _) => !causes.is_empty(),
-        (Answer::Outside, kind) => kind == Kind::Unknown,
-        (Answer::Other, _) => false,
-    };
-    let rest = found.verdict.probabilities.iter().filter(|(answer, _)| !is_said(answer)).cloned();
-    probabilities(&rest.collect::<Vec<_>>())
 }
 
 /// "presliding 87 %; nothing missing 4 %; ...".

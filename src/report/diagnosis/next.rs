@@ -48,9 +48,12 @@ fn mend(found: &Diagnosis) -> Vec<String> {
     let causes = &found.verdict.effects;
     let of = |wanted: Option<Family>| causes.iter().copied().filter(move |cause| family(*cause) == wanted);
     let mut steps: Vec<String> = of(Some(Family::Fault)).map(|cause| mend_measurement(cause).to_string()).collect();
-    if !steps.is_empty() {
-        let step = "The model.json written here includes the fault: it predicts these recordings, not the joint.";
-        steps.push(step.to_string());
+    let faults: Vec<&str> = of(Some(Family::Fault)).map(Cause::name).collect();
+    if !faults.is_empty() {
+        steps.push(format!(
+            "The model.json written here includes {}: it predicts these recordings. For the joint itself delete that from its \"effects\".",
+            faults.join(" and ")
+        ));
     }
     if of(Some(Family::Outside)).next().is_some() {
         let step = "Leave the stretches of contact out, or record again without anybody touching the joint; contact is no reason to change \
@@ -68,9 +71,11 @@ fn mend(found: &Diagnosis) -> Vec<String> {
     .into_iter()
     .flatten()
     .collect();
-    if !added.is_empty() || !stale.is_empty() || !makeshift.is_empty() {
-        steps
-            .push(format!("Use the model.json written here, {}; validate it on a new recording.", holds.join(" and ")));
+    let is_doubtful = taken(found).any(compensates);
+    if !holds.is_empty() {
+        let model = if faults.is_empty() { "Use the model.json written here" } else { "Then use it" };
+        let within = if is_doubtful { ", within the recorded motion only" } else { "" };
+        steps.push(format!("{model}, {}{within}; validate it on a new recording.", holds.join(" and ")));
     }
     if !stale.is_empty() {
         let what = names(&stale);
@@ -78,10 +83,12 @@ fn mend(found: &Diagnosis) -> Vec<String> {
             "Find out why {what} changed (cable tension, wear, temperature, load), or identify the joint again."
         ));
     }
-    if !makeshift.is_empty() {
-        let what = names(&makeshift);
+    if is_doubtful {
+        let doubtful: Vec<Cause> = taken(found).filter(|one| compensates(one)).map(|one| one.cause).collect();
+        let names: Vec<&str> = doubtful.iter().map(|cause| cause.name()).collect();
         steps.push(format!(
-            "Do not look for wear: {what} comes out negative, which is physically impossible, so it stands for an effect that is still missing."
+            "Do not interpret {}: a coefficient comes out negative, so it stands for an effect that is still missing.",
+            names.join(" and ")
         ));
     }
     steps.extend(rivals(found));
@@ -97,7 +104,7 @@ fn rivals(found: &Diagnosis) -> Option<String> {
     let all: Vec<String> = taken(found).filter_map(of).collect();
     (!all.is_empty()).then(|| {
         let what = all.join("; ");
-        format!("Other causes explain these data equally well ({what}): before you rely on the name, record a motion on which they differ.")
+        format!("These data are explained equally well with {what}: before you rely on the name, record a motion on which they differ.")
     })
 }
 

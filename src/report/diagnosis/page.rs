@@ -1,10 +1,10 @@
 //! The page of a diagnosis.
 
-use super::evidence::{evidence, otherwise};
+use super::evidence::evidence;
 use super::next::next_steps;
 use super::tables::{candidates_table, changes_table, contacts_table, decisions_table, formulas, places_table};
 use super::words::{kept_together, percent, short, shrink, taken};
-use crate::diagnose::{Diagnosis, Floor, FloorSource, Kind};
+use crate::diagnose::{Diagnosis, Floor, FloorSource, Kind, Verdict};
 use crate::report::chart::Figure;
 use crate::report::number::count;
 use crate::report::page::{Block, Card, Page, Section, Table, Warning};
@@ -64,7 +64,11 @@ fn cards(found: &Diagnosis) -> Vec<Card> {
     let card =
         |name: &str, value: String, note: String| Card { name: name.to_string(), value, note: kept_together(&note) };
     let mut all = vec![
-        card("verdict is right", percent(verdict.confidence), format!("probability; otherwise: {}", otherwise(found))),
+        card(
+            "confidence",
+            percent(verdict.confidence),
+            format!("{}, calibrated on simulated joints", of_what(verdict)),
+        ),
         card(
             "gap as delivered",
             units.torque(verdict.gap_before_nm),
@@ -78,7 +82,7 @@ fn cards(found: &Diagnosis) -> Vec<Card> {
     if verdict.kind != Kind::None && verdict.gap_before_nm > 0.0 {
         let own = added(None, found).map_or_else(String::new, |share| {
             format!(
-                "; {} of it could also be due to the model's own parameters, within their confidence",
+                "; {} of the gap could also be due to the model's own parameters, within their confidence",
                 percent(share)
             )
         });
@@ -86,7 +90,13 @@ fn cards(found: &Diagnosis) -> Vec<Card> {
         let rmse =
             taken(found).map(|candidate| format!("; held-out RMSE {}", units.torque(candidate.held_out_rmse_nm)));
         let rmse = rmse.last().unwrap_or_default();
-        all.push(card("remains", units.torque(verdict.gap_after_nm), format!("RMS above the noise floor{rmse}")));
+        let within = taken(found).last().is_some_and(|last| last.held_out_rmse_nm <= gap.floor.upper_nm());
+        let note = if within {
+            "within the noise floor: what fitting the parameters costs"
+        } else {
+            "RMS above the noise floor"
+        };
+        all.push(card("remains", units.torque(verdict.gap_after_nm), format!("{note}{rmse}")));
     }
     let floor = format!("upper limit; estimate {}, {}", units.torque(gap.floor.rms_nm), source(&gap.floor));
     all.push(card("noise floor", units.torque(gap.floor.upper_nm()), floor));
@@ -97,12 +107,20 @@ fn cards(found: &Diagnosis) -> Vec<Card> {
     all
 }
 
+/// What the confidence is in.
+fn of_what(verdict: &Verdict) -> String {
+    match verdict.kind {
+        Kind::Ambiguous => format!("that it is one of the {}", verdict.effects.len()),
+        _ => "in the verdict".to_string(),
+    }
+}
+
 /// Where the floor comes from, in a few words: the evidence says more.
 fn source(floor: &Floor) -> &'static str {
     match floor.source {
         _ if floor.encoder_nm.powi(2) > floor.rms_nm.powi(2) / 2.0 => "mostly the encoder's errors",
         FloorSource::Repeats => "from repeats of one motion",
-        FloorSource::Spectrum => "from noise beyond the low-pass",
+        FloorSource::Spectrum => "from noise above the low-pass",
         FloorSource::Unforeseen => "the whole residual: no fit predicts it",
     }
 }

@@ -63,7 +63,12 @@ fn gap(out: &mut impl Write, found: &Diagnosis) -> io::Result<()> {
     }
     let floor = format!("upper limit; {}, {}", units.torque(gap.floor.rms_nm), floor_source(&gap.floor));
     row("noise floor", gap.floor.upper_nm(), floor)?;
-    writeln!(out, "  {:<24} {:>12}  {DIM}probability that it is right{DIM:#}", "verdict", percent(verdict.confidence))
+    writeln!(
+        out,
+        "  {:<24} {:>12}  {DIM}in the verdict, calibrated on simulated joints{DIM:#}",
+        "confidence",
+        percent(verdict.confidence)
+    )
 }
 
 /// The gap in motion, where a simulator's log was compared.

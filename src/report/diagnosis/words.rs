@@ -39,7 +39,8 @@ pub fn short(found: &Diagnosis) -> String {
         true => format!("{what} {} of the gap between model and recordings.", percent(found.verdict.shrink.value)),
         false => within_the_floor(found, &units),
     });
-    let sure = format!("Probability that this verdict is right: {}.", percent(found.verdict.confidence));
+    let sure =
+        format!("Confidence in this verdict: {}, calibrated on simulated joints.", percent(found.verdict.confidence));
     sentences(&[cause(found, &units), explained, approximate(found, &units), sure])
 }
 
@@ -67,13 +68,8 @@ fn approximate(found: &Diagnosis, units: &Units) -> String {
         return String::new();
     }
     let share = (verdict.gap_after_nm / verdict.gap_before_nm.max(f64::MIN_POSITIVE)).min(1.0);
-    let lies = found.remainder.first().map_or(String::new(), |at| format!(", mostly at: {}", bounds(at)));
-    format!(
-        "{} only approximately: {}, {} of the gap, remain{lies}.",
-        if verdict.kind == Kind::Several { "The formulas fit" } else { "The formula fits" },
-        units.torque(verdict.gap_after_nm),
-        percent(share)
-    )
+    let lies = found.remainder.first().map_or(String::new(), |at| format!(", mostly at {}", bounds(at)));
+    format!("{} of the gap, {}, remains unexplained{lies}.", percent(share), units.torque(verdict.gap_after_nm))
 }
 
 /// `text` with spaces that do not break between a number and what belongs to it.
@@ -117,7 +113,7 @@ pub fn flexible_shrink(found: &Diagnosis) -> f64 {
     1.0 - (1.0 - share * share).max(0.0).sqrt()
 }
 
-/// Whether one of its parameters is physically impossible for friction: it stands for an effect that the library lacks.
+/// Whether one of its parameters is negative that cannot be in what it is called: it stands for an effect that is still missing.
 pub fn compensates(candidate: &Candidate) -> bool {
     candidate.parameters.iter().any(|parameter| parameter.doubt == Some(BELOW_ZERO))
 }
@@ -198,11 +194,7 @@ fn several(found: &Diagnosis) -> String {
 fn named(found: &Diagnosis) -> String {
     let one = |cause: &Cause| match taken(found).find(|candidate| candidate.cause == *cause) {
         Some(candidate) => {
-            let doubt = if compensates(candidate) {
-                "; its coefficient comes out negative, so it compensates for an unmodelled effect"
-            } else {
-                ""
-            };
+            let doubt = if compensates(candidate) { ", but negative, so in place of an unmodelled effect" } else { "" };
             format!("{}{doubt}", claim_as(*cause, candidate.how))
         }
         None => claim(*cause),
@@ -245,15 +237,15 @@ fn in_part(found: &Diagnosis) -> String {
     }
 }
 
-/// "travel since the reversal 0 to 2.1 deg (71 % of its mean square, in 6 % of the samples)".
+/// "travel since the reversal 0 to 2.1 deg (71 % of its mean square goes with it; 6 % of the samples lie there)".
 pub fn location(found: &Diagnosis) -> String {
     let one = |at: &crate::diagnose::Place| {
         let samples = if at.share_of_samples < 0.995 {
-            format!(", in {} % of the samples", significant(100.0 * at.share_of_samples, 2))
+            format!("; {} % of the samples lie there", significant(100.0 * at.share_of_samples, 2))
         } else {
             String::new()
         };
-        format!("{} ({} of its mean square{samples})", bounds(at), percent(at.share_of_gap))
+        format!("{} ({} of its mean square goes with it{samples})", bounds(at), percent(at.share_of_gap))
     };
     found.places.first().map_or(String::new(), one)
 }

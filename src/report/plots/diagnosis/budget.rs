@@ -17,9 +17,7 @@ const COLORS: [Color; 3] = [palette::BLUE, palette::GREEN, palette::PURPLE];
 /// Room to the right of the longest bar, as a share of it.
 const ROOM: f64 = 0.02;
 
-const CAPTION: &str = "The gap is sqrt(RMSE² - floor²). Each bar is the part that its row explains: the model's own parameters within their \
-                       confidence, then each named cause beyond that, divided in proportion to mean squares, because RMS values do not \
-                       add. No model could explain the noise floor.";
+const CAPTION: &str = "The gap is sqrt(RMSE² - floor²); the rows divide its reduction in proportion to the mean squares that they remove.";
 
 /// A part of the gap.
 struct Part {
@@ -33,7 +31,7 @@ struct Part {
 impl Part {
     fn name(&self) -> String {
         match self.cause {
-            None => "own parameters, in confidence".to_string(),
+            None => "own parameters, within confidence".to_string(),
             Some(Cause::Effect(id)) => id.to_string(),
             Some(Cause::Stale(name)) => format!("{name}, refitted"),
         }
