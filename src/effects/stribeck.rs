@@ -40,9 +40,12 @@ impl Effect for Stribeck {
         &ABOUT
     }
 
-    /// Friction that rises with speed in both directions is something else: the model's own Stribeck term too large, or an effect unlike it.
-    fn is_itself(&self, p: &[f64], _extent: &Extent) -> bool {
-        p[0].max(p[1]) > 0.0
+    /// Friction that is missing far below the slowest motion only is that of a joint at rest, where it may be anything.
+    fn is_itself(&self, p: &[f64], extent: &Extent) -> bool {
+        /// A curve that has fallen to less than this share at the slowest motion does not show in it.
+        const SHOWN: f64 = 0.05;
+        let share = (-(Self::slowest_rad_s(extent) / p[2]).powf(p[3])).exp();
+        p[0].max(p[1]) > 0.0 || share >= SHOWN
     }
 
     fn starts(&self, extent: &Extent) -> Vec<Vec<f64>> {
