@@ -94,10 +94,11 @@ impl<'a, 'd> Account<'a, 'd> {
             let budget = self.budget();
             let causes: f64 = budget.causes.iter().map(|(_, share)| share).sum();
             let whole = causes + budget.unexplained + budget.within_confidence;
+            let rmse_nm = self.mean(&self.evidence.delivered).sqrt();
             for (cause, share) in budget.causes {
                 let found = self.explanation.choice.found.iter().find(|found| found.cause == cause);
                 let region = signature(cause, found.map_or("", |found| found.how));
-                locate::credit(&mut places, region, share / whole.max(f64::MIN_POSITIVE), cause.name());
+                locate::credit(&mut places, region, share / whole.max(f64::MIN_POSITIVE), (cause.name(), rmse_nm));
             }
         }
         places

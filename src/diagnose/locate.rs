@@ -261,8 +261,9 @@ fn number(x: f64) -> String {
     format!("{x:.digits$}")
 }
 
-/// Gives `region` the `share` that a named cause explains, `name` in its detail where the region was not told of before.
-pub fn credit(places: &mut Vec<Place>, region: Region, share: f64, name: &str) {
+/// Gives `region` the `share` that a named cause explains, `name` in its detail where the region was not told of before; over all samples
+/// the residual has an RMS of `rmse_nm`.
+pub fn credit(places: &mut Vec<Place>, region: Region, share: f64, (name, rmse_nm): (&str, f64)) {
     match places.iter_mut().find(|place| place.region == region) {
         Some(place) => place.share_of_gap = place.share_of_gap.max(share),
         None => places.push(Place {
@@ -270,7 +271,7 @@ pub fn credit(places: &mut Vec<Place>, region: Region, share: f64, name: &str) {
             detail: format!("where {name} acts"),
             share_of_gap: share,
             share_of_samples: 1.0,
-            rmse_nm: places.first().map_or(0.0, |place| place.rmse_nm),
+            rmse_nm,
         }),
     }
     // On equal shares the cause's own region goes first.

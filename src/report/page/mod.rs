@@ -190,10 +190,17 @@ impl Table {
         self.rows.iter().map(|row| row.iter().map(|cell| cell.text.clone()).collect()).collect()
     }
 
-    /// The style of column `at`: words, or numbers and the like.
+    /// The style of column `at`: numbers stand at its right end, names and words at its left, and long texts wrap.
     fn style(&self, at: &usize) -> &'static str {
-        let is_long = |row: &Vec<Cell>| row.get(*at).is_some_and(|cell| cell.text.chars().count() > SENTENCE);
-        if self.rows.iter().any(is_long) { "words" } else { "number" }
+        let texts = || self.rows.iter().filter_map(|row| row.get(*at)).map(|cell| cell.text.trim());
+        let is_number = |text: &str| {
+            text.chars().next().is_none_or(|c| c.is_ascii_digit() || "-\u{2212}\u{2013}+±<>[∞".contains(c))
+        };
+        match texts().any(|text| text.chars().count() > SENTENCE) {
+            true => "words",
+            false if texts().all(is_number) => "number",
+            false => "name",
+        }
     }
 }
 
