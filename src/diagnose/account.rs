@@ -117,14 +117,19 @@ impl<'a, 'd> Account<'a, 'd> {
             let taken = FittedCause { cause: found.cause, how: found.how, fit: choice.last.clone() };
             all.push(Candidate { trades_with: found.rivals.clone(), taken: true, ..self.candidate(&taken) });
         }
-        let tried = choice.found.iter().flat_map(|found| &found.tried).chain(&choice.refused);
-        let mut others: Vec<&FittedCause<'_>> = tried.collect();
-        others.sort_by(|a, b| a.score().total_cmp(&b.score()));
-        for tried in others {
-            if all.iter().all(|known| known.cause != tried.cause) {
-                all.push(self.candidate(tried));
-            }
-        }
+        // In the place of a named cause first: beside all of them anything does as well as they do.
+        let in_place = choice.found.iter().flat_map(|found| &found.tried).map(|tried| (tried, false));
+        let beside = choice.refused.iter().map(|tried| (tried, !choice.found.is_empty()));
+        let mut others: Vec<(&FittedCause<'_>, bool)> = in_place.chain(beside).collect();
+        others.sort_by(|(a, a_beside), (b, b_beside)| a_beside.cmp(b_beside).then(a.score().total_cmp(&b.score())));
+        let mut known: Vec<Cause> = all.iter().map(|candidate| candidate.cause).collect();
+        others.retain(|(tried, _)| {
+            let is_new = !known.contains(&tried.cause);
+            known.push(tried.cause);
+            is_new
+        });
+        others.sort_by(|(a, _), (b, _)| a.score().total_cmp(&b.score()));
+        all.extend(others.into_iter().map(|(tried, beside)| Candidate { beside, ..self.candidate(tried) }));
         all
     }
 
@@ -141,6 +146,7 @@ impl<'a, 'd> Account<'a, 'd> {
             parameters,
             trades_with: Vec::new(),
             taken: false,
+            beside: false,
             settled: tried.fit.converged,
         }
     }

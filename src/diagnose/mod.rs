@@ -142,6 +142,8 @@ pub struct Candidate {
     pub trades_with: Vec<Cause>,
     /// Whether the verdict rests on it.
     pub taken: bool,
+    /// Whether it was tried only in addition to all causes on which the verdict rests, not in the place of one.
+    pub beside: bool,
     /// Whether the fit settled; if not, a longer search might do better.
     pub settled: bool,
 }

@@ -88,7 +88,9 @@ pub enum Role {
     Taken,
     /// It does as well as one that was taken.
     Rival,
-    /// It does worse, or adds too little to what was taken.
+    /// It was tried only in addition to what was taken, and gains too little.
+    Beside,
+    /// It does worse.
     Other,
 }
 
@@ -99,6 +101,7 @@ impl Role {
         match candidate.taken {
             true => Self::Taken,
             false if found.candidates.iter().any(is_rival) => Self::Rival,
+            false if candidate.beside => Self::Beside,
             false => Self::Other,
         }
     }
@@ -108,6 +111,7 @@ impl Role {
         match self {
             Self::Taken => "named",
             Self::Rival => "rival",
+            Self::Beside => "in addition",
             Self::Other => "",
         }
     }

@@ -38,8 +38,8 @@ pub fn candidates_table(found: &Diagnosis) -> Option<Table> {
     let mut told = table(
         "Each candidate is fitted together with the model's own parameters, which stay within their confidence, and scored on held-out data: \
          how far the gap shrinks, with a 95 % bootstrap interval. Where the verdict names several causes, their rows are those of all of \
-         them together (\"adds\" is the part of each), and any other candidate is fitted in the place of one of them. A rival \
-         explains these data as well as the cause that it stands for.",
+         them together (\"adds\" is the part of each), and any other candidate is fitted in the place of one of them, or \"in addition\" \
+         to all of them, where it gains too little to be named. A rival explains these data as well as the cause that it stands for.",
         &["cause", "verdict", "variant", "adds", "gap shrinks by", "held-out RMSE"],
         found.candidates.iter().map(row).collect(),
     )?;

@@ -45,6 +45,7 @@ fn look(role: Role) -> (Mark, Color, &'static str) {
     match role {
         Role::Taken => (Mark::Disc(5.5), palette::BLUE, "named in the verdict"),
         Role::Rival => (Mark::Diamond, palette::VERMILION, "rival: explains as much"),
+        Role::Beside => (Mark::Square, palette::GREY, "in addition to what is named"),
         Role::Other => (Mark::Ring, palette::GREY, "other candidate"),
     }
 }
@@ -53,7 +54,7 @@ fn row(panel: &mut Panel, candidate: &Candidate, found: &Diagnosis, y: f64) {
     let role = Role::of(candidate, found);
     let (mark, color, name) = look(role);
     let at = &candidate.shrink;
-    let width_px = if role == Role::Other { 1.4 } else { 2.4 };
+    let width_px = if matches!(role, Role::Other | Role::Beside) { 1.4 } else { 2.4 };
     panel.line("", [(100.0 * at.low, y), (100.0 * at.high, y)], Stroke::solid(color, width_px));
     let (low, high) = panel.x.places;
     let mark = if 100.0 * at.value < low { Mark::Leftwards } else { mark };
