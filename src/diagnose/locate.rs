@@ -8,8 +8,11 @@ use super::base::BaseModel;
 use super::contact_events::ContactEvent;
 use super::data::DataSet;
 use super::record::Record;
+use crate::dynamics::JointKind;
 use crate::effects::Region;
+use crate::model::{Drive, Joint};
 use crate::numerics::statistics::quantile;
+use std::f64::consts::PI;
 
 /// Bins of a quantity.
 const BINS: usize = 24;
@@ -57,7 +60,8 @@ pub fn locate(base: &BaseModel<'_>, residual_nm: &[f64], events: &[ContactEvent]
     let survey = Survey { rows_per_independent, residual: residual_nm, sign: &sign, whole, floor_square };
     let mut in_event = vec![false; residual_nm.len()];
     events.iter().for_each(|event| in_event[event.rows.clone()].fill(true));
-    let mut found: Vec<Place> = quantities(base.data()).iter().filter_map(|quantity| survey.place(quantity)).collect();
+    let mut found: Vec<Place> =
+        quantities(base.data(), &base.model.joint).iter().filter_map(|quantity| survey.place(quantity)).collect();
     let sets: [(Region, &str, Vec<bool>); 3] = [
         (Region::Rest, "the joint rests", base.data().records.rows(|r, i| r.rests[i])),
         (Region::Clipped, "the sensor clips, or is about to", base.data().records.rows(|r, i| r.clipped[i])),
@@ -97,11 +101,36 @@ fn signs(base: &BaseModel<'_>) -> Vec<f64> {
     base.data().records.all.iter().zip(&base.passages).flat_map(of).collect()
 }
 
-fn quantities(data: &DataSet) -> Vec<Quantity> {
-    let (angle, rate) = match data.extent.turns {
-        true => (("deg", 180.0 / std::f64::consts::PI), ("rad/s", 1.0)),
-        false => (("mm", 1e3), ("mm/s", 1e3)),
-    };
+/// The units in which a joint's quantities are told, each with what an SI value is multiplied by.
+pub(super) struct Measures {
+    pub position: (&'static str, f64),
+    pub speed: (&'static str, f64),
+    pub acceleration: (&'static str, f64),
+    /// What the sensor reads, and what a simulator does in its place.
+    pub load: &'static str,
+    pub simulated_load: &'static str,
+    pub torque: (&'static str, f64),
+}
+
+impl Measures {
+    /// Of `joint`: a slide's are lengths and forces, except the torque of a screw's motor.
+    pub fn of(joint: &Joint) -> Self {
+        let (position, speed, acceleration) = match joint.kind {
+            JointKind::Revolute => (("deg", 180.0 / PI), ("rad/s", 1.0), ("rad/s^2", 1.0)),
+            JointKind::Prismatic => (("mm", 1e3), ("mm/s", 1e3), ("m/s^2", 1.0)),
+        };
+        let (load, simulated_load, torque) = match (joint.kind, joint.drive) {
+            (JointKind::Prismatic, Drive::Cable | Drive::Gear | Drive::Direct) => {
+                ("force", "simulated force", ("N", 1.0))
+            }
+            _ => ("torque", "simulated torque", ("N m", 1.0)),
+        };
+        Self { position, speed, acceleration, load, simulated_load, torque }
+    }
+}
+
+fn quantities(data: &DataSet, joint: &Joint) -> Vec<Quantity> {
+    let Measures { position: angle, speed: rate, acceleration: per_s2, load, torque, .. } = Measures::of(joint);
     let rows = &data.records;
     let travel: Vec<f64> = rows
         .all
@@ -122,8 +151,8 @@ fn quantities(data: &DataSet) -> Vec<Quantity> {
         quantity(Region::Position, rows.rows(|r, i| r.own[i].position), "position", angle),
         quantity(Region::Time, rows.rows(Record::elapsed_s), "time", ("s", 1.0)),
         quantity(Region::Time, rows.rows(|r, i| r.time_s[i]), "time in the trial", ("s", 1.0)),
-        quantity(Region::Acceleration, rows.rows(|r, i| r.own[i].acceleration), "acceleration", ("rad/s^2", 1.0)),
-        quantity(Region::Load, data.measured_nm.clone(), "torque", ("N m", 1.0)),
+        quantity(Region::Acceleration, rows.rows(|r, i| r.own[i].acceleration), "acceleration", per_s2),
+        quantity(Region::Load, data.measured_nm.clone(), load, torque),
     ];
     for joint in 0..data.extent.others {
         let at = move |r: &Record, i: usize| r.other(joint, i);
@@ -135,7 +164,7 @@ fn quantities(data: &DataSet) -> Vec<Quantity> {
         ));
         all.push(quantity(Region::OtherJoint, rows.rows(|r, i| at(r, i).velocity), "the other joint's speed", rate));
         let acceleration = rows.rows(|r, i| at(r, i).acceleration);
-        all.push(quantity(Region::OtherJoint, acceleration, "the other joint's acceleration", ("rad/s^2", 1.0)));
+        all.push(quantity(Region::OtherJoint, acceleration, "the other joint's acceleration", per_s2));
     }
     all
 }

@@ -2,10 +2,9 @@
 
 use super::MotionTrial;
 use crate::diagnose::Diagnosis;
-use crate::diagnose::locate::{Quantity, SHARE_MIN, Survey};
+use crate::diagnose::locate::{Measures, Quantity, SHARE_MIN, Survey};
 use crate::effects::Region;
 use crate::numerics::difference::{acceleration, velocity};
-use std::f64::consts::PI;
 
 /// Speeds below this share of the fastest are no direction of motion: the joint rests, or turns.
 const SLOW: f64 = 0.01;
@@ -68,10 +67,8 @@ pub(super) fn locate(real: &Diagnosis, trials: &[MotionTrial], floor_rad: f64, l
 }
 
 fn quantities(real: &Diagnosis, trials: &[MotionTrial], speeds: Vec<f64>) -> Vec<Quantity> {
-    let (angle, rate) = match real.before.joint.kind {
-        crate::dynamics::JointKind::Revolute => (("deg", 180.0 / PI), ("rad/s", 1.0)),
-        crate::dynamics::JointKind::Prismatic => (("mm", 1e3), ("mm/s", 1e3)),
-    };
+    let Measures { position: angle, speed: rate, acceleration: per_s2, simulated_load: load, torque, .. } =
+        Measures::of(&real.before.joint);
     let quantity =
         |region, values, what, (unit, per): (&'static str, f64)| Quantity { region, values, means: (what, unit, per) };
     let accelerations = over(trials, |trial| acceleration(&trial.position_rad, trial.rate_hz));
@@ -79,8 +76,8 @@ fn quantities(real: &Diagnosis, trials: &[MotionTrial], speeds: Vec<f64>) -> Vec
         quantity(Region::Position, over(trials, |trial| trial.position_rad.clone()), "position", angle),
         quantity(Region::AfterReversal, over(trials, travel_rad), "travel since the reversal", angle),
         quantity(Region::LowSpeed, speeds.iter().map(|v| v.abs()).collect(), "speed", rate),
-        quantity(Region::Acceleration, accelerations, "acceleration", ("rad/s^2", 1.0)),
-        quantity(Region::Load, over(trials, |trial| trial.simulated_nm.clone()), "simulated torque", ("N m", 1.0)),
+        quantity(Region::Acceleration, accelerations, "acceleration", per_s2),
+        quantity(Region::Load, over(trials, |trial| trial.simulated_nm.clone()), load, torque),
         quantity(Region::Time, over(trials, |trial| trial.time_s.clone()), "time in the trial", ("s", 1.0)),
     ]
 }
