@@ -7,12 +7,11 @@
 use super::base::BaseModel;
 use super::contact_events::ContactEvent;
 use super::data::DataSet;
+use super::measures::Measures;
 use super::record::Record;
-use crate::dynamics::JointKind;
 use crate::effects::Region;
-use crate::model::{Drive, Joint};
+use crate::model::Joint;
 use crate::numerics::statistics::quantile;
-use std::f64::consts::PI;
 
 /// Bins of a quantity.
 const BINS: usize = 24;
@@ -99,34 +98,6 @@ fn signs(base: &BaseModel<'_>) -> Vec<f64> {
         record.rows.iter().map(|i| 2.0 * passage[*i] - 1.0).collect::<Vec<f64>>()
     };
     base.data().records.all.iter().zip(&base.passages).flat_map(of).collect()
-}
-
-/// The units in which a joint's quantities are told, each with what an SI value is multiplied by.
-pub(super) struct Measures {
-    pub position: (&'static str, f64),
-    pub speed: (&'static str, f64),
-    pub acceleration: (&'static str, f64),
-    /// What the sensor reads, and what a simulator does in its place.
-    pub load: &'static str,
-    pub simulated_load: &'static str,
-    pub torque: (&'static str, f64),
-}
-
-impl Measures {
-    /// Of `joint`: a slide's are lengths and forces, except the torque of a screw's motor.
-    pub fn of(joint: &Joint) -> Self {
-        let (position, speed, acceleration) = match joint.kind {
-            JointKind::Revolute => (("deg", 180.0 / PI), ("rad/s", 1.0), ("rad/s^2", 1.0)),
-            JointKind::Prismatic => (("mm", 1e3), ("mm/s", 1e3), ("m/s^2", 1.0)),
-        };
-        let (load, simulated_load, torque) = match (joint.kind, joint.drive) {
-            (JointKind::Prismatic, Drive::Cable | Drive::Gear | Drive::Direct) => {
-                ("force", "simulated force", ("N", 1.0))
-            }
-            _ => ("torque", "simulated torque", ("N m", 1.0)),
-        };
-        Self { position, speed, acceleration, load, simulated_load, torque }
-    }
 }
 
 fn quantities(data: &DataSet, joint: &Joint) -> Vec<Quantity> {

@@ -23,6 +23,7 @@ mod folds;
 mod gram;
 mod locate;
 mod mask;
+mod measures;
 mod motion;
 mod next;
 mod pairs;

@@ -45,9 +45,7 @@ pub use raw::{Raw, raw};
 pub use samples::{Sample, Samples};
 pub use uncertainty::{POSITION_ZERO_RAD, Uncertainty};
 
-use crate::dynamics::JointKind;
 use crate::import::is_text;
-use crate::model::Drive;
 use crate::problem::{Problem, Problems, Result};
 use crate::units::{Quantity, Unit};
 use columns::Wanted;
@@ -214,8 +212,7 @@ fn log_of(file: PathBuf, mut recorded: Readings, mut wanted: Vec<Wanted>, campai
 
 /// Unit of the torque at the motor: N for a slide, except with a screw, whose motor gives N m.
 fn torque_unit(campaign: &Campaign) -> Unit {
-    let is_force = campaign.joint.kind == JointKind::Prismatic && campaign.joint.drive != Drive::Screw;
-    if is_force { Unit::Newton } else { Unit::NewtonMetre }
+    if campaign.joint.reads_force() { Unit::Newton } else { Unit::NewtonMetre }
 }
 
 fn scale(column: &mut [f64], factor: f64, offset: f64) {

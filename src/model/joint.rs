@@ -97,6 +97,11 @@ impl<S: Scalar> Joint<S> {
         self.winch_radius_m / self.pulley_radius_m
     }
 
+    /// Whether its sensor reads a force, N: a slide's does, except behind a screw, whose motor gives a torque.
+    pub fn reads_force(&self) -> bool {
+        self.kind == JointKind::Prismatic && self.drive != Drive::Screw
+    }
+
     /// The joint travel that takes up the clearance, X_cl / r2, rad.
     pub fn backlash_rad(&self) -> S {
         self.backlash_m / self.pulley_radius_m

@@ -157,6 +157,9 @@ pub struct Cause {
     pub shrink_high: Option<f64>,
     /// Causes that these data cannot tell it from.
     pub trades_with: Vec<String>,
+    /// Whether it was tried only in addition to all named causes, not in the place of one.
+    #[serde(default)]
+    pub in_addition: bool,
 }
 
 /// The answer.

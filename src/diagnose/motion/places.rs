@@ -2,7 +2,8 @@
 
 use super::MotionTrial;
 use crate::diagnose::Diagnosis;
-use crate::diagnose::locate::{Measures, Quantity, SHARE_MIN, Survey};
+use crate::diagnose::locate::{Quantity, SHARE_MIN, Survey};
+use crate::diagnose::measures::Measures;
 use crate::effects::Region;
 use crate::numerics::difference::{acceleration, velocity};
 

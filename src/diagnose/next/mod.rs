@@ -11,7 +11,7 @@ use super::answer::Kind;
 use super::base::BaseModel;
 use super::candidates::Cause;
 use super::choose::Found;
-use super::locate::Measures;
+use super::measures::Measures;
 use super::verdict::Verdict;
 use crate::log::Campaign;
 use crate::numerics::filter::LowPass;
@@ -149,12 +149,9 @@ impl Situation<'_> {
         // The squares left by two rivals d apart differ by N d^2 with an error of 2 d floor sqrt(N).
         let needed = (2.0 * CLEAR_ERRORS / floors).powi(2) / independent.max(1.0);
         let repeats = (needed.ceil().min(f64::from(REPEATS_MAX)) as u32).max(REPEATS_MIN);
-        let unit = match Measures::of(&self.base.model.joint).torque {
-            ("N", _) => "mN",
-            _ => "mN m",
-        };
+        let (unit, _) = Measures::of(&self.base.model.joint).torque;
         let mut reason = format!(
-            "{} explain these recordings equally well; along {} their predictions still differ by {:.1} {unit} RMS, {floors:.1} times the noise",
+            "{} explain these recordings equally well; along {} their predictions still differ by {:.1} m{unit} RMS, {floors:.1} times the noise",
             words::listed(open),
             motion.means,
             1e3 * apart_nm

@@ -114,6 +114,7 @@ fn candidate(candidate: &Candidate) -> Value {
         "intervals": intervals,
         "trades_with": names(&candidate.trades_with),
         "taken": candidate.taken,
+        "in_addition": candidate.beside,
         "stopped": if candidate.settled { "converged" } else { "out_of_patience" },
     });
     put_shrink(&mut told, candidate.shrink);

@@ -51,8 +51,9 @@ fn mend(found: &Diagnosis) -> Vec<String> {
     let faults: Vec<&str> = of(Some(Family::Fault)).map(Cause::name).collect();
     if !faults.is_empty() {
         steps.push(format!(
-            "The model.json written here includes {}: it predicts these recordings. For the joint itself delete that from its \"effects\".",
-            faults.join(" and ")
+            "The model.json written here includes {}: it predicts these recordings, not the joint. For the joint delete {} from its \"effects\".",
+            faults.join(" and "),
+            if faults.len() == 1 { "it" } else { "them" }
         ));
     }
     if of(Some(Family::Outside)).next().is_some() {

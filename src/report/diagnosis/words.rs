@@ -113,7 +113,7 @@ pub fn flexible_shrink(found: &Diagnosis) -> f64 {
     1.0 - (1.0 - share * share).max(0.0).sqrt()
 }
 
-/// Whether one of its parameters is negative that cannot be in what it is called: it stands for an effect that is still missing.
+/// Whether one of its parameters is negative although its name forbids that: it then stands for an effect that is still missing.
 pub fn compensates(candidate: &Candidate) -> bool {
     candidate.parameters.iter().any(|parameter| parameter.doubt == Some(BELOW_ZERO))
 }

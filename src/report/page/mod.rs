@@ -239,7 +239,7 @@ impl Page {
     pub fn write(&self, output: &Output, pictures: bool) -> Result<()> {
         let figures = self.figures();
         let lasting: Vec<&Figure> = figures.iter().filter(|(is_static, _)| *is_static).map(|(_, f)| *f).collect();
-        let one = |figure: &&'_ Figure| {
+        let one = |figure: &&Figure| {
             write_figure(figure, "plots/", output, pictures)?;
             drawn(figure, FOR_PAGES, output)
         };
