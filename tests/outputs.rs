@@ -342,9 +342,10 @@ fn a_name_too_long_is_no_matter_of_free_space() {
 fn long_run(out: &TempDir) -> Child {
     let arguments = ["simulate", "--model", "data/elbow/truth/model.json", "--rate-hz", "20000", "--quiet", "-o"];
     let mut command = Command::new(env!("CARGO_BIN_EXE_tautline"));
+    let before = staged(out);
     let mut child = command.args(arguments).arg(out.path().join("long")).spawn().unwrap();
     for _ in 0..2000 {
-        if !staged(out).is_empty() {
+        if staged(out).iter().any(|name| !before.contains(name)) {
             return child;
         }
         std::thread::sleep(Duration::from_millis(5));
