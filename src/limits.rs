@@ -105,9 +105,11 @@ pub fn shown(name: &str) -> String {
 /// `names` as a message lists them: the first of them, and how many more there are.
 pub fn listed<'a>(names: impl IntoIterator<Item = &'a str>) -> String {
     let mut names = names.into_iter();
-    let first: Vec<String> = names.by_ref().take(NAMES_LISTED).map(shown).collect();
-    match names.count() {
-        0 => first.join(", "),
-        more => format!("{} and {more} more", first.join(", ")),
-    }
+    let first: Vec<&str> = names.by_ref().take(NAMES_LISTED).collect();
+    and_more(&first, names.count())
+}
+
+fn and_more(first: &[&str], more: usize) -> String {
+    let first = first.iter().map(|name| shown(name)).collect::<Vec<_>>().join(", ");
+    if more == 0 { first } else { format!("{first} and {more} more") }
 }

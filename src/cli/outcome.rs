@@ -60,17 +60,19 @@ impl Talk {
         text: impl FnOnce(&mut Vec<u8>) -> io::Result<()>,
     ) -> Result<()> {
         // Both forms, whichever is wanted: a figure may stand in one alone.
-        let (json, text) = (json(), written(text));
-        gate::json(STDOUT, &json)?;
-        gate::shown(STDOUT, &text)?;
-        let output = output.into();
+        self.conclude(output.into(), &json(), &written(text))
+    }
+
+    fn conclude(&self, output: Option<Output>, json: &Value, text: &str) -> Result<()> {
+        gate::json(STDOUT, json)?;
+        gate::shown(STDOUT, text)?;
         let report = output.as_ref().map(|output| output.path().join(REPORT)).filter(|_| self.open);
         output.map_or(Ok(()), Output::finish)?;
         report.filter(|report| report.is_file()).map_or(Ok(()), |report| open(&report))?;
         match self {
-            Self { json: true, .. } => say(|out| out.write_all(json_text(&json).as_bytes())),
+            Self { json: true, .. } => print(&json_text(json)),
             Self { quiet: true, .. } => Ok(()),
-            _ => say(|out| out.write_all(text.as_bytes())),
+            _ => print(text),
         }
     }
 }
@@ -112,9 +114,12 @@ fn written(write: impl FnOnce(&mut Vec<u8>) -> io::Result<()>) -> String {
 /// Writes to standard output, without colours where `NO_COLOR` is set or the output is not a terminal, and everything else that would act
 /// on a terminal made visible. A reader that went away (`| head`) is no failure of ours, a full disk is.
 pub fn say(write: impl FnOnce(&mut Vec<u8>) -> io::Result<()>) -> Result<()> {
-    let text = written(write);
+    print(&written(write))
+}
+
+fn print(text: &str) -> Result<()> {
     let mut out = anstream::stdout().lock();
-    match out.write_all(visible_styled(&text).as_bytes()).and_then(|()| out.flush()) {
+    match out.write_all(visible_styled(text).as_bytes()).and_then(|()| out.flush()) {
         Err(error) if error.kind() != io::ErrorKind::BrokenPipe => {
             Problem::error("standard output", format!("cannot be written: {error}"), "the files are in place").alone()
         }

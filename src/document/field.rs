@@ -103,19 +103,20 @@ impl<'a> Field<'_, 'a> {
     }
 
     /// One of `choices`, by its name.
-    pub fn choice<T: Clone>(mut self, choices: &[(&str, T)]) -> Option<T> {
-        let names = choices.iter().map(|(name, _)| *name);
-        self.example = self.example.or_else(|| first_of(names.clone()));
+    pub fn choice<T: Clone>(self, choices: &[(&str, T)]) -> Option<T> {
+        let at = self.one_of(choices.iter().map(|(name, _)| *name).collect())?;
+        choices.get(at).map(|(_, choice)| choice.clone())
+    }
+
+    /// Which of `names` it is.
+    fn one_of(mut self, names: Vec<&str>) -> Option<usize> {
+        self.example = self.example.or_else(|| first_of(&names));
         let (section, key) = (self.section, self.key.clone());
         let text = self.text()?;
-        let found = choices.iter().find(|(name, _)| *name == text).map(|(_, choice)| choice.clone());
+        let found = names.iter().position(|name| *name == text);
         if found.is_none() {
-            let all = names.clone().collect::<Vec<_>>().join(", ");
-            section.reject(
-                &key,
-                format!("is `{}`; expected one of {all}", shown(&text)),
-                suggest(&text, "name one of", names),
-            );
+            let what = format!("is `{}`; expected one of {}", shown(&text), names.join(", "));
+            section.reject(&key, what, suggest(&text, "name one of", names));
         }
         found
     }
@@ -160,17 +161,24 @@ impl<'a> Field<'_, 'a> {
     pub fn ignore(self) {}
 
     fn take<T>(self, expected: &str, take: impl FnOnce(&'a Value) -> Option<T>) -> Option<T> {
-        let Some(node) = self.node else {
-            if self.required {
-                self.section.report(self.name(), self.section.row, "missing", self.what_to_write(expected));
-            }
-            return None;
-        };
-        let value = take(&node.value);
+        let value = self.node.and_then(|node| take(&node.value));
         if value.is_none() {
-            self.section.reject(&self.key, format!("is {}", node.value.describe()), format!("expected {expected}"));
+            self.report_not(expected);
         }
         value
+    }
+
+    /// Reports that it is not what was `expected`, if it is there or had to be.
+    fn report_not(&self, expected: &str) {
+        match self.node {
+            Some(node) => {
+                self.section.reject(&self.key, format!("is {}", node.value.describe()), format!("expected {expected}"));
+            }
+            None if self.required => {
+                self.section.report(self.name(), self.section.row, "missing", self.what_to_write(expected));
+            }
+            None => (),
+        }
     }
 
     fn what_to_write(&self, expected: &str) -> String {
@@ -194,9 +202,8 @@ impl<'a> Field<'_, 'a> {
 }
 
 /// The first of `names` as a value, and the others that it may be.
-fn first_of<'n>(mut names: impl Iterator<Item = &'n str>) -> Option<(String, String)> {
-    let first = names.next()?;
-    let others: Vec<&str> = names.collect();
+fn first_of(names: &[&str]) -> Option<(String, String)> {
+    let (first, others) = names.split_first()?;
     let means = if others.is_empty() { String::new() } else { format!(", or one of {}", others.join(", ")) };
     Some((format!("\"{first}\""), means))
 }

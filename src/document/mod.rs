@@ -160,13 +160,17 @@ pub fn bytes(file: &Path, most: u64) -> Result<Vec<u8>> {
 /// The one of `known` that `asked` was most likely meant to be, if any comes near. Long names, and names after the first
 /// thousand, are not searched: a comparison takes the product of both lengths.
 pub fn nearest<'a>(asked: &str, known: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
+    nearest_of(asked, known.into_iter().take(NAMES_COMPARED).collect())
+}
+
+fn nearest_of<'a>(asked: &str, known: Vec<&'a str>) -> Option<&'a str> {
     /// 1 is equal, 0 has nothing in common; at 0.6 `Nm` still finds `N m`, and unrelated words are left alone.
     const NEAR: f64 = 0.6;
     let is_comparable = |name: &str| name.len() <= NAME_CHARS;
     if !is_comparable(asked) {
         return None;
     }
-    let known = known.into_iter().take(NAMES_COMPARED).filter(|name| is_comparable(name) && *name != asked);
+    let known = known.into_iter().filter(|name| is_comparable(name) && *name != asked);
     let asked = asked.trim().to_lowercase();
     let likeness = |name: &str| {
         let name = name.to_lowercase();
@@ -180,8 +184,9 @@ pub fn nearest<'a>(asked: &str, known: impl IntoIterator<Item = &'a str>) -> Opt
 }
 
 /// The cure for a name that does not exist: "did you mean ...?" or those that there are, as "`WHAT`: a, b, c".
-pub fn suggest<'a>(asked: &str, what: &str, known: impl IntoIterator<Item = &'a str> + Clone) -> String {
-    match nearest(asked, known.clone()) {
+pub fn suggest<'a>(asked: &str, what: &str, known: impl IntoIterator<Item = &'a str>) -> String {
+    let known: Vec<&str> = known.into_iter().collect();
+    match nearest(asked, known.iter().copied()) {
         Some(name) => format!("did you mean `{name}`?"),
         None => format!("{what}: {}", listed(known)),
     }

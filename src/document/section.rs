@@ -66,6 +66,12 @@ impl<'a> Section<'a> {
     /// Runs `read`, then reports every key that it did not read.
     pub(super) fn finish_with<T>(self, read: impl FnOnce(&Self) -> Option<T>) -> Option<T> {
         let value = read(&self);
+        self.report_unknown();
+        value
+    }
+
+    /// Reports every key that was not read.
+    fn report_unknown(&self) {
         let asked = self.asked.borrow();
         let mut unknown = self.table.iter().filter(|(key, _)| !asked.contains(*key));
         for (key, node) in unknown.by_ref().take(FAULTS_LISTED) {
@@ -76,7 +82,6 @@ impl<'a> Section<'a> {
             let what = format!("and {} more unknown keys", more + 1);
             self.problems.borrow_mut().push(Problem::error(self.file, what, "").at_row(node.row));
         }
-        value
     }
 
     fn field<'s>(&'s self, key: &str, required: bool) -> Field<'s, 'a> {

@@ -4,50 +4,9 @@
 
 use super::filter::LowPass;
 use super::scalar::Scalar;
+use super::section::Section;
 use std::collections::VecDeque;
 use std::f64::consts::TAU;
-
-/// One second-order section, transposed direct form II: y = b0 x + z1, z1 = b1 x - a1 y + z2, z2 = b2 x - a2 y.
-#[derive(Debug, Clone, Copy)]
-struct Section {
-    b: [f64; 3],
-    /// a1 and a2; a0 is 1.
-    a: [f64; 2],
-    z: [f64; 2],
-}
-
-impl Section {
-    fn new(b: [f64; 3], a: [f64; 3]) -> Self {
-        let [a0, a1, a2] = a;
-        Self { b: b.map(|b| b / a0), a: [a1 / a0, a2 / a0], z: [0.0; 2] }
-    }
-
-    /// Gain for a signal that rests.
-    fn gain(&self) -> f64 {
-        self.b.iter().sum::<f64>() / (1.0 + self.a[0] + self.a[1])
-    }
-
-    /// As if the input had rested at `x` for ever; returns the output.
-    fn rest(&mut self, x: f64) -> f64 {
-        let y = self.gain() * x;
-        self.z[1] = self.b[2] * x - self.a[1] * y;
-        self.z[0] = self.b[1] * x - self.a[0] * y + self.z[1];
-        y
-    }
-
-    fn step(&mut self, x: f64) -> f64 {
-        let y = self.b[0] * x + self.z[0];
-        self.z[0] = self.b[1] * x - self.a[0] * y + self.z[1];
-        self.z[1] = self.b[2] * x - self.a[1] * y;
-        y
-    }
-
-    /// How late it passes slow signals on, samples: the group delay at rest.
-    fn delay(&self) -> f64 {
-        let slope = |c: [f64; 3]| (c[1] + 2.0 * c[2]) / c.iter().sum::<f64>();
-        slope(self.b) - slope([1.0, self.a[0], self.a[1]])
-    }
-}
 
 /// Holds a signal back by a number of samples, not always whole; in between it is drawn straight.
 #[derive(Debug, Clone)]
@@ -137,13 +96,15 @@ pub struct CausalLowPass {
 impl CausalLowPass {
     /// The sections of `filter`.
     pub fn new(filter: &LowPass) -> Self {
-        Self { sections: filter.sections().map(|(b, a)| Section::new(b, a)).collect(), started: false }
+        Self { sections: filter.sections().to_vec(), started: false }
     }
 
     /// The next sample, filtered.
     pub fn step(&mut self, x: f64) -> f64 {
         let first = !std::mem::replace(&mut self.started, true);
-        self.sections.iter_mut().fold(x, |x, section| if first { section.rest(x) } else { section.step(x) })
+        let next = |x, section: &mut Section| if first { section.rest(x) } else { section.step(x) };
+        let [y] = self.sections.iter_mut().fold([x], next);
+        y
     }
 
     /// The same, before its first sample.
@@ -180,7 +141,7 @@ impl Follower {
     /// The next sample's value, first and second derivative per second.
     pub fn step(&mut self, x: f64) -> [f64; 3] {
         let first = !std::mem::replace(&mut self.started, true);
-        self.sections.each_mut().map(|section| if first { section.rest(x) } else { section.step(x) })
+        self.sections.each_mut().map(|section| if first { section.rest([x]) } else { section.step([x]) }).map(|[y]| y)
     }
 
     /// The same, before its first sample.

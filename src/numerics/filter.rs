@@ -3,15 +3,15 @@
 //! Run forwards and backwards over an odd extension of the signal, started in the steady state of its first sample: the
 //! edges then carry no transient of a signal that is locally a straight line.
 
-use sci_rs::signal::filter::design::{DigitalFilter, FilterBandType, FilterOutputType, Sos, butter_dyn};
-use sci_rs::signal::filter::sosfilt_zi_dyn;
+use super::section::Section;
+use biquad::{Coefficients, Hertz, Type};
 use std::array::from_fn;
+use std::f64::consts::PI;
 
 /// A low-pass for one sample rate.
 #[derive(Debug, Clone)]
 pub struct LowPass {
-    /// In the steady state of an input of 1.
-    sections: Vec<Sos<f64>>,
+    sections: Vec<Section>,
     order: usize,
 }
 
@@ -23,26 +23,22 @@ impl LowPass {
         if order == 0 || !(cutoff_hz > 0.0 && cutoff_hz < rate_hz / 2.0) {
             return None;
         }
-        let design = butter_dyn(
-            order,
-            vec![cutoff_hz],
-            Some(FilterBandType::Lowpass),
-            Some(false),
-            Some(FilterOutputType::Sos),
-            Some(rate_hz),
-        );
-        match design {
-            DigitalFilter::Sos(mut sos) => {
-                sosfilt_zi_dyn::<_, _, Sos<f64>>(sos.sos.iter_mut());
-                Some(Self { sections: sos.sos, order })
-            }
-            _ => None,
-        }
+        let (rate, cutoff) = (Hertz::from_hz(rate_hz).ok()?, Hertz::from_hz(cutoff_hz).ok()?);
+        let section = |kind: Type<f64>, quality: f64| {
+            let Coefficients { a1, a2, b0, b1, b2 } = Coefficients::from_params(kind, rate, cutoff, quality).ok()?;
+            Some(Section::new([b0, b1, b2], [1.0, a1, a2]))
+        };
+        // Poles at equal angles on a half circle: a real one where their number is odd, then pairs, the best damped first.
+        let real = (order % 2 == 1).then(|| section(Type::SinglePoleLowPass, 1.0));
+        let quality = |pair: usize| 0.5 / (PI * (2 * pair + 1) as f64 / (2 * order) as f64).sin();
+        let pairs = (0..order / 2).rev().map(|pair| section(Type::LowPass, quality(pair)));
+        let sections: Option<Vec<Section>> = real.into_iter().chain(pairs).collect();
+        Some(Self { sections: sections?, order })
     }
 
-    /// Numerator and denominator of its second-order sections.
-    pub fn sections(&self) -> impl Iterator<Item = ([f64; 3], [f64; 3])> {
-        self.sections.iter().map(|section| (section.b, section.a))
+    /// Its second-order sections, without memory.
+    pub fn sections(&self) -> &[Section] {
+        &self.sections
     }
 
     /// How many samples a signal must exceed: SciPy's padding, 3 (2 sections + 1 - the first-order ones).
@@ -83,18 +79,14 @@ impl LowPass {
     }
 
     /// The sections as if the input had been `x` for ever.
-    fn resting_at<const L: usize>(&self, x: [f64; L]) -> Vec<Section<L>> {
-        let rest = |sos: &Sos<f64>| Section { b: sos.b, a: sos.a, z: [x.map(|x| sos.zi0 * x), x.map(|x| sos.zi1 * x)] };
+    fn resting_at<const L: usize>(&self, mut x: [f64; L]) -> Vec<Section<L>> {
+        let rest = |section: &Section| {
+            let mut section = section.over();
+            x = section.rest(x);
+            section
+        };
         self.sections.iter().map(rest).collect()
     }
-}
-
-/// A second-order section with its memory of `L` signals.
-#[derive(Debug, Clone, Copy)]
-struct Section<const L: usize> {
-    b: [f64; 3],
-    a: [f64; 3],
-    z: [[f64; L]; 2],
 }
 
 /// Replaces each of `samples` by what comes out of `sections` for it.
@@ -116,13 +108,8 @@ fn run_in_registers<'s, const N: usize, const L: usize>(
     sections.copy_from_slice(&kept);
 }
 
-/// One sample through `sections` in transposed direct form II: y = b0 x + z0, z0 = b1 x - a1 y + z1, z1 = b2 x - a2 y.
+/// One sample through `sections`.
 #[inline(always)]
 fn step<const L: usize>(sections: &mut [Section<L>], x: [f64; L]) -> [f64; L] {
-    sections.iter_mut().fold(x, |x, Section { b, a, z }| {
-        let y: [f64; L] = from_fn(|l| b[0] * x[l] + z[0][l]);
-        z[0] = from_fn(|l| b[1] * x[l] - a[1] * y[l] + z[1][l]);
-        z[1] = from_fn(|l| b[2] * x[l] - a[2] * y[l]);
-        y
-    })
+    sections.iter_mut().fold(x, |x, section| section.step(x))
 }

@@ -36,6 +36,9 @@ pub mod statistics;
 /// Numbers that a formula can be written over.
 pub mod scalar;
 
+/// Second-order sections of filters.
+mod section;
+
 /// Numbers that carry their derivatives.
 pub mod dual;
 
