@@ -208,7 +208,7 @@ impl Survey<'_> {
         let inside = |i: &usize| (from..=to).contains(&bins[*i]);
         let (low, high) = bounds(&quantity.values, &bins, from, to);
         let (what, unit, per) = quantity.means;
-        let detail = format!("{what} {} to {} {unit}", number(low * per), number(high * per));
+        let detail = format!("{what} {} {unit}", range(low * per, high * per));
         let region = match quantity.region {
             Region::LowSpeed if from + to >= BINS => Region::HighSpeed,
             region => region,
@@ -255,10 +255,13 @@ pub(super) fn rms(values: impl Iterator<Item = f64>) -> f64 {
     (sum / count.max(1) as f64).sqrt()
 }
 
-/// Three digits, as people write them.
-fn number(x: f64) -> String {
-    let digits = if x == 0.0 { 0 } else { (2 - x.abs().log10().floor() as i32).clamp(0, 6) as usize };
-    format!("{x:.digits$}")
+/// "-0.12 to 60.3": both with the decimals that give the larger three digits.
+fn range(low: f64, high: f64) -> String {
+    let size = low.abs().max(high.abs());
+    let digits = if size == 0.0 { 0 } else { (2 - size.log10().floor() as i32).clamp(0, 6) };
+    let rounded = |x: f64| (x * 10f64.powi(digits)).round() / 10f64.powi(digits) + 0.0;
+    let decimals = digits as usize;
+    format!("{:.decimals$} to {:.decimals$}", rounded(low), rounded(high))
 }
 
 /// Gives `region` the `share` that a named cause explains, `name` in its detail where the region was not told of before; over all samples

@@ -19,7 +19,9 @@ static ABOUT: About = About {
     ],
     needs: &[Excitation::TorqueRate],
     by_hand: Some("tap the winch and compare when encoder and torque sensor answer"),
-    remedy: Some("Find where the recorder stamps torque and position apart; the model need not change for it."),
+    remedy: Some(
+        "Find out why torque and position are not recorded at the same time; the model need not change for it.",
+    ),
     starts: Starts::Forms,
     ..About::PLAIN
 };

@@ -57,7 +57,12 @@ impl Units {
 
     /// `value_nm` with three digits and the unit that suits it.
     pub fn torque(&self, value_nm: f64) -> String {
-        let (unit, factor) = self.torque_scale(value_nm.abs());
+        self.torque_beside(value_nm, value_nm.abs())
+    }
+
+    /// The same in the unit that suits `largest_nm`, with which it is compared.
+    pub fn torque_beside(&self, value_nm: f64, largest_nm: f64) -> String {
+        let (unit, factor) = self.torque_scale(largest_nm);
         format!("{} {unit}", significant(factor * value_nm, 3))
     }
 

@@ -48,15 +48,19 @@ pub fn sheet(figure: &Figure) -> Sheet<'_> {
     for row in &figure.rows {
         let headed = row.panels.iter().any(|panel| !panel.title.is_empty());
         top += if headed { HEADED_PX } else { BARE_PX };
-        let width = (WIDTH_PX - RIGHT_PX) / row.panels.len() as f64;
-        for (column, panel) in row.panels.iter().enumerate() {
-            let from = column as f64 * width;
-            // Panels of one column of the figure stand in line.
-            let alike = figure.rows.iter().filter(|other| other.panels.len() == row.panels.len());
-            let left = alike.map(|other| left_px(&other.panels[column])).fold(0.0, f64::max);
-            let frame =
-                Frame { left: from + left, top, right: from + width - beside_px(panel), bottom: top + row.height_px };
+        // Panels of one column of the figure stand in line, and those of one row are equally wide.
+        let alike = || figure.rows.iter().filter(|other| other.panels.len() == row.panels.len());
+        let widest =
+            |of: fn(&Panel) -> f64, column: usize| alike().map(|row| of(&row.panels[column])).fold(0.0, f64::max);
+        let margins: Vec<(f64, f64)> =
+            (0..row.panels.len()).map(|column| (widest(left_px, column), widest(beside_px, column))).collect();
+        let taken: f64 = margins.iter().map(|(left, beside)| left + beside).sum();
+        let width = (WIDTH_PX - RIGHT_PX - taken) / row.panels.len() as f64;
+        let mut from = 0.0;
+        for (panel, (left, beside)) in row.panels.iter().zip(margins) {
+            let frame = Frame { left: from + left, top, right: from + left + width, bottom: top + row.height_px };
             panels.push((frame, panel));
+            from = frame.right + beside;
         }
         top += row.height_px + row.panels.iter().map(below_px).fold(0.0, f64::max);
     }

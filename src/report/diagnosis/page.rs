@@ -61,6 +61,8 @@ pub fn page(found: &Diagnosis, campaign: &str, model: &str) -> Page {
 fn cards(found: &Diagnosis) -> Vec<Card> {
     let units = Units::of(&found.before.joint);
     let (gap, verdict) = (&found.gap, &found.verdict);
+    // Side by side in one unit.
+    let torque = |value_nm: f64| units.torque_beside(value_nm, gap.rmse_nm);
     let card =
         |name: &str, value: String, note: String| Card { name: name.to_string(), value, note: kept_together(&note) };
     let mut all = vec![
@@ -71,10 +73,10 @@ fn cards(found: &Diagnosis) -> Vec<Card> {
         ),
         card(
             "gap as delivered",
-            units.torque(verdict.gap_before_nm),
+            torque(verdict.gap_before_nm),
             format!(
                 "RMS above the noise floor; RMSE {}, {} of the torque's RMS",
-                units.torque(gap.rmse_nm),
+                torque(gap.rmse_nm),
                 percent(gap.rmse_nm / torque_rms_nm(found))
             ),
         ),
@@ -87,19 +89,14 @@ fn cards(found: &Diagnosis) -> Vec<Card> {
             )
         });
         all.push(card("explained", shrink(verdict.shrink), format!("of the gap, on held-out {}{own}", found.held_out)));
-        let rmse =
-            taken(found).map(|candidate| format!("; held-out RMSE {}", units.torque(candidate.held_out_rmse_nm)));
+        let rmse = taken(found).map(|candidate| format!("; held-out RMSE {}", torque(candidate.held_out_rmse_nm)));
         let rmse = rmse.last().unwrap_or_default();
         let within = taken(found).last().is_some_and(|last| last.held_out_rmse_nm <= gap.floor.upper_nm());
-        let note = if within {
-            "within the noise floor: what fitting the parameters costs"
-        } else {
-            "RMS above the noise floor"
-        };
-        all.push(card("remains", units.torque(verdict.gap_after_nm), format!("{note}{rmse}")));
+        let note = if within { "within the noise floor" } else { "RMS above the noise floor" };
+        all.push(card("remains", torque(verdict.gap_after_nm), format!("{note}{rmse}")));
     }
-    let floor = format!("upper limit; estimate {}, {}", units.torque(gap.floor.rms_nm), source(&gap.floor));
-    all.push(card("noise floor", units.torque(gap.floor.upper_nm()), floor));
+    let floor = format!("upper limit; estimate {}, {}", torque(gap.floor.rms_nm), source(&gap.floor));
+    all.push(card("noise floor", torque(gap.floor.upper_nm()), floor));
     if let Some(motion) = &found.motion {
         let (name, value, note) = super::motion::card(motion, found.before.joint.kind);
         all.push(Card { name, value, note });

@@ -20,10 +20,12 @@ fn table(intro: &str, heads: &[&str], rows: Vec<Vec<String>>) -> Option<Table> {
 /// Every cause that was tried, best first.
 pub fn candidates_table(found: &Diagnosis) -> Option<Table> {
     let units = Units::of(&found.before.joint);
+    let is_hidden = |cause: &str| found.blind_spots.iter().any(|spot| spot.hides.contains(&cause));
     let row = |candidate: &Candidate| {
         let rival_of = taken(found).filter(|taken| taken.trades_with.contains(&candidate.cause));
         let role = match Role::of(candidate, found) {
             Role::Rival => format!("rival of {}", rival_of.map(|c| c.cause.name()).collect::<Vec<_>>().join(", ")),
+            Role::Other | Role::Beside if is_hidden(candidate.cause.name()) => "not testable here".to_string(),
             role => role.name().to_string(),
         };
         vec![
@@ -32,14 +34,15 @@ pub fn candidates_table(found: &Diagnosis) -> Option<Table> {
             candidate.how.to_string(),
             added(Some(candidate.cause), found).map_or_else(String::new, percent),
             shrink(candidate.shrink),
-            units.torque(candidate.held_out_rmse_nm),
+            units.torque_beside(candidate.held_out_rmse_nm, found.gap.rmse_nm),
         ]
     };
     let mut told = table(
         "Each candidate is fitted together with the model's own parameters, which stay within their confidence, and scored on held-out data: \
          how far the gap shrinks, with a 95 % bootstrap interval. Where the verdict names several causes, their rows are those of all of \
          them together (\"adds\" is the part of each), and any other candidate is fitted in the place of one of them, or \"in addition\" \
-         to all of them, where it gains too little to be named. A rival explains these data as well as the cause that it stands for.",
+         to all of them, where it gains too little to be named. A rival explains these data as well as the cause that it stands for. What \
+         is \"not testable here\" needs a motion that these recordings lack (see the next steps).",
         &["cause", "verdict", "variant", "adds", "gap shrinks by", "held-out RMSE"],
         found.candidates.iter().map(row).collect(),
     )?;

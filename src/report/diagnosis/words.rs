@@ -1,7 +1,7 @@
 //! The verdict of a diagnosis in plain words with its numbers.
 
 use super::names::{bounds, claim, claim_as, family, means};
-use super::parameters::shown;
+use super::parameters::{Shown, shown};
 use crate::diagnose::{BELOW_ZERO, Candidate, Cause, Diagnosis, Form, Kind, Shrink};
 use crate::effects::Family;
 use crate::report::number::{counted, significant};
@@ -9,6 +9,8 @@ use crate::report::wording::Units;
 
 /// A flexible fit that recovers less than this share of the gap says that it does not follow the recorded motion.
 const FOLLOWS: f64 = 0.5;
+/// Most fitted parameters told in the page's first sentences; the table has them all.
+const SIZES: usize = 3;
 
 /// The verdict in a sentence or three: the cause, and how far the gap shrinks with it.
 pub fn verdict(found: &Diagnosis) -> String {
@@ -41,7 +43,17 @@ pub fn short(found: &Diagnosis) -> String {
     });
     let sure =
         format!("Confidence in this verdict: {}, calibrated on simulated joints.", percent(found.verdict.confidence));
-    sentences(&[cause(found, &units), explained, approximate(found, &units), sure])
+    sentences(&[cause(found, &units), sizes(found), explained, approximate(found, &units), sure])
+}
+
+/// The fitted parameters of the causes that the verdict names, where they are few enough for a sentence.
+fn sizes(found: &Diagnosis) -> String {
+    let all = taken(found).flat_map(|candidate| shown(candidate, found)).filter(|p| !p.interval.is_empty());
+    let all: Vec<String> = all.map(|p| p.sentence()).collect();
+    match all.len() {
+        1..=SIZES if found.verdict.kind != Kind::Ambiguous => format!("Fitted: {}.", all.join("; ")),
+        _ => String::new(),
+    }
 }
 
 /// Those of `all` that are not empty, as one text.
@@ -164,7 +176,7 @@ fn nothing(found: &Diagnosis, units: &Units) -> String {
 /// "Coulomb friction (both directions alike): friction.up.a_j 37.5 -> 42.1 N [41, 43]".
 fn moved(candidate: &Candidate, found: &Diagnosis) -> String {
     let how = if candidate.how.is_empty() { String::new() } else { format!(", {}", candidate.how) };
-    let values: Vec<String> = shown(candidate, found).iter().map(super::parameters::Shown::sentence).collect();
+    let values: Vec<String> = shown(candidate, found).iter().map(Shown::sentence).collect();
     let values = if values.is_empty() { String::new() } else { format!(": {}", values.join("; ")) };
     format!("{} ({}{how}){values}", means(candidate.cause), candidate.cause.name())
 }

@@ -199,16 +199,17 @@
         const side = width / row.panels.length >= NARROW ? row.panels.length : 1;
         for (let at = 0; at < row.panels.length; at += side) {
           const panels = row.panels.slice(at, at + side), height = this.tall(row, width);
-          const lefts = panels.map((panel, i) => this.left(panel, width, side, at + i));
-          const titles = panels.map((panel, i) => wrapped(panel.title, BOLD * (width / panels.length - lefts[i] - RIGHT)));
+          const margins = panels.map((panel, i) => this.margins(width, side, at + i));
+          // Panels of one row are equally wide.
+          const across = (width - margins.reduce((sum, [left, right]) => sum + left + right, 0)) / panels.length;
+          const titles = panels.map((panel) => wrapped(panel.title, BOLD * across));
           const lines = Math.max(...panels.map((panel, i) => (panel.title ? titles[i].length : 0)));
           top += lines ? 10 + 15 * lines : ROOM;
+          let from = 0;
           panels.forEach((panel, i) => {
-            const from = (i * width) / panels.length;
-            const cells = panel.series.some((series) => series.kind === "cells");
-            const beside = Math.max(0, ...panel.beside.map((text) => Math.min(wide(text[1]), 0.3 * width) + 10), cells ? 74 : 0);
-            const left = from + lefts[i];
-            const frame = { panel, left, top, right: from + width / panels.length - Math.max(RIGHT, beside), bottom: top + height, alone: side === 1 && row.panels.length > 1 };
+            const left = from + margins[i][0], right = left + across;
+            from = right + margins[i][1];
+            const frame = { panel, left, top, right, bottom: top + height, alone: side === 1 && row.panels.length > 1 };
             if (panel.title) titles[i].forEach((line, k) => make("text", { x: left, y: top - 8 - 15 * (titles[i].length - 1 - k), class: "head" }, svg, line));
             this.frame(svg, frame);
           });
@@ -232,14 +233,19 @@
       };
       return Math.max(row.height, ...row.panels.filter((panel) => panel.y.texts).map(of));
     }
-    left(panel, width, side, column) {
+    // Room to the left and to the right of a column's panels, which stand in line.
+    margins(width, side, column) {
       const alike = side === 1 ? this.panels : this.data.rows.filter((row) => row.panels.length === side).map((row) => row.panels[column]);
-      const of = (panel) => {
+      const left = (panel) => {
         const tall = this.data.rows.find((row) => row.panels.includes(panel)).height;
         const texts = panel.y.hidden ? [] : ticks(panel.y, this.ends(panel).y, tall, TALL).map((tick) => wide(tick[1]));
         return Math.min(Math.max(0, ...texts), panel.y.texts ? 0.34 * width : 200) + (panel.y.label ? 20 : 0) + 14;
       };
-      return Math.max(...alike.map(of));
+      const right = (panel) => {
+        const cells = panel.series.some((series) => series.kind === "cells");
+        return Math.max(RIGHT, ...panel.beside.map((text) => Math.min(wide(text[1]), 0.3 * width) + 10), cells ? 74 : 0);
+      };
+      return [left, right].map((of) => Math.max(...alike.map(of)));
     }
     frame(svg, frame) {
       const { panel, left, top, right, bottom } = frame, ends = this.ends(panel);

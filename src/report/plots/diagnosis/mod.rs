@@ -97,7 +97,7 @@ fn after_name(found: &Diagnosis) -> &'static str {
         (true, true) => "with the causes found, contacts left out",
         (true, false) => "with the causes found",
         (false, true) => "contacts left out",
-        (false, false) => "own parameters refitted in confidence",
+        (false, false) => "own parameters refitted within their confidence",
     }
 }
 
