@@ -142,3 +142,38 @@ fn bad_input_is_refused() {
         assert!(!Path::new(&to).exists(), "something was left behind");
     }
 }
+
+/// The first paragraph of the page on a small recording of the elbow with more Coulomb friction than its model has, or with `effect`.
+fn first_sentences(effect: Option<&str>) -> String {
+    const MODEL: &str = "data/elbow/truth/model.json";
+    let folder = TempDir::new().unwrap();
+    let at = |name: &str| folder.path().join(name).to_string_lossy().into_owned();
+    let mut model: Value = serde_json::from_str(&std::fs::read_to_string(MODEL).unwrap()).unwrap();
+    if effect.is_none() {
+        for direction in ["up", "down"] {
+            let coulomb = &mut model["friction"][direction]["a_j"];
+            *coulomb = (1.2 * coulomb.as_f64().unwrap()).into();
+        }
+    }
+    std::fs::write(at("recorded.json"), model.to_string()).unwrap();
+    let (recorded, logs, out) = (at("recorded.json"), at("logs"), at("out"));
+    let mut simulate = vec!["simulate", "--model", &recorded, "-o", &logs, "--quiet", "--seed", "5"];
+    simulate.extend(["--rate-hz", "50", "--speeds", "5", "--repeats", "2", "--cosines", "2"]);
+    simulate.extend(effect.iter().flat_map(|effect| ["--effect", effect]));
+    for command in [&simulate[..], &["diagnose", &logs, "--model", MODEL, "-o", &out, "--quiet"]] {
+        let done = tautline(command);
+        assert_eq!(done.status.code(), Some(0), "{}", String::from_utf8_lossy(&done.stderr));
+    }
+    let page = std::fs::read_to_string(folder.path().join("out/report.html")).unwrap();
+    let from = &page[page.find("class=\"short\"").unwrap()..];
+    from[..from.find("</p>").unwrap()].to_string()
+}
+
+#[test]
+fn the_first_sentences_give_what_was_fitted_once() {
+    let stale = first_sentences(None);
+    assert!(stale.contains("out of date in") && !stale.contains("Fitted:"), "{stale}");
+    assert_eq!(stale.matches("friction.up.a_j").count(), 1, "{stale}");
+    let spring = first_sentences(Some("elastic_spring:stiffness_nm_rad=0.25"));
+    assert_eq!(spring.matches("Fitted: stiffness 0.2").count(), 1, "{spring}");
+}

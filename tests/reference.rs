@@ -5,7 +5,8 @@ use std::path::Path;
 use tautline::dynamics::{Chain, Motion};
 use tautline::numerics::filter::LowPass;
 
-/// Largest difference relative to the signal's size: what two libraries' rounding leaves is 1e-13.
+/// Largest difference relative to the signal's size: what two libraries' rounding leaves is 3e-13 at 170 samples per period of the cut-off,
+/// 1e-10 at 4000.
 const FILTER_AGREEMENT: f64 = 1e-9;
 
 fn numbers(value: &Value) -> Vec<f64> {

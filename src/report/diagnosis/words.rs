@@ -46,12 +46,14 @@ pub fn short(found: &Diagnosis) -> String {
     sentences(&[cause(found, &units), sizes(found), explained, approximate(found, &units), sure])
 }
 
-/// The fitted parameters of the causes that the verdict names, where they are few enough for a sentence.
+/// The fitted parameters of the effects that the verdict names, where they are few enough for a sentence; stale parameters stand in
+/// the sentence before.
 fn sizes(found: &Diagnosis) -> String {
+    let is_told = matches!(found.verdict.kind, Kind::Effect | Kind::Several);
     let all = taken(found).flat_map(|candidate| shown(candidate, found)).filter(|p| !p.interval.is_empty());
     let all: Vec<String> = all.map(|p| p.sentence()).collect();
     match all.len() {
-        1..=SIZES if found.verdict.kind != Kind::Ambiguous => format!("Fitted: {}.", all.join("; ")),
+        1..=SIZES if is_told => format!("Fitted: {}.", all.join("; ")),
         _ => String::new(),
     }
 }
