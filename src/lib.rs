@@ -1,45 +1,13 @@
 //! tautline: the models of cable-driven robot joints, identified, judged and explained from recorded logs.
 //!
-//! The modules stand in the order in which data flow; a module may use those above it, never those below.
+//! What works on samples is the crate `tautline-core` (`src/core`), whose modules are shown here too. The modules stand in the
+//! order in which data flow; a module may use those above it, never those below.
 
-/// Ground: what is wrong with an input, and how to mend it.
-pub mod problem;
-
-/// Ground: how large an input may be, and how much it may make the program allocate.
-pub mod limits;
-
-/// Ground: TOML and JSON as one tree that remembers its rows and knows which keys were asked for.
-pub mod document;
-
-/// Ground: least squares, bounded Levenberg-Marquardt, zero-phase filter, statistics; numbers that carry derivatives or print code.
-pub mod numerics;
-
-/// Ground: gravity and inertia of one joint, or of a chain of bodies (URDF).
-pub mod dynamics;
-
-/// Ground: quantities and their units; everything inside is SI and radians.
-pub mod units;
-
-/// Ground: what a joint or its sensors may have beyond the paper's formula: one effect, one file, one list.
-pub mod effects;
-
-/// Ground: the paper's formula: friction branches, their combination, the predicted torque; `model.json`.
-pub mod model;
-
-/// A robot's URDF or MuJoCo XML -> what it says of one joint, as a model.
-pub mod robots;
-
-/// Ground: a motion's plan: rests, sweeps, cosines, sums of sines, one after the other; `trajectory/1`.
-pub mod trajectory;
-
-/// Logs in other programs' formats (MATLAB, ROS 2, TwinCAT) -> columns by name.
-pub mod import;
-
-/// A campaign's folder -> `Campaign` and, trial by trial, `Log`: the only place that reads data frames.
-pub mod log;
-
-/// `Model` x trajectory -> a campaign, as if recorded.
-pub mod simulate;
+#[doc(inline)]
+pub use tautline_core::{
+    diagnose, document, dynamics, effects, evaluate, identify, import, interaction, limits, log, model, numerics,
+    predict, prepare, problem, robots, simulate, trajectory, units,
+};
 
 /// Motions x the joint's limits -> what they ask of it, before anything moves.
 pub mod excite;
@@ -50,26 +18,8 @@ pub mod bus;
 /// A rig on the wire x a plan -> a campaign, recorded: the bus, the drive, its safety.
 pub mod capture;
 
-/// `Log` -> `Trial`: filtered, differentiated, cut into legs.
-pub mod prepare;
-
 /// Files that no campaign describes yet -> a draft of campaign.toml, with what no data can tell as questions.
 pub mod init;
-
-/// `Model` x `Trial` -> y and its parts, sample by sample.
-pub mod predict;
-
-/// `Trial`s -> A(v), B(v) -> friction -> combination -> `Model` with its confidence.
-pub mod identify;
-
-/// `Model` x `Trial` -> figures: how well the model predicts motions that it was not identified from.
-pub mod evaluate;
-
-/// `Model` x `Trial` -> the torque that a person adds, from logs or as samples come.
-pub mod interaction;
-
-/// `Model` x `Trial`s -> where the gap lies, what causes it, and by how much it shrinks once that is added.
-pub mod diagnose;
 
 /// Two `Model`s of one joint -> what changed, and what it does to the prediction.
 pub mod compare;

@@ -90,7 +90,7 @@ fn the_library_is_the_format_s_list_and_the_folder() {
     assert!(ids.starts_with(&IDS), "files hold these names, in this order: {IDS:?}");
     let shared = ["mod", "library", "ripple", "about", "parameter", "region", "sample", "transition", "effect"];
     let names =
-        std::fs::read_dir("src/effects").unwrap().map(|entry| entry.unwrap().file_name().into_string().unwrap());
+        std::fs::read_dir("src/core/effects").unwrap().map(|entry| entry.unwrap().file_name().into_string().unwrap());
     let files: BTreeSet<String> = names.map(|name| name.trim_end_matches(".rs").to_string()).collect();
     assert_eq!(files, ids.iter().chain(&shared).map(|id| id.to_string()).collect());
     for id in ids {

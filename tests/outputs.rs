@@ -435,7 +435,7 @@ fn the_guide_has_a_page_on_security() {
     let list = String::from_utf8(done(&["guide"]).stdout).unwrap();
     assert!(list.contains("security"));
     let page = String::from_utf8(done(&["guide", "security"]).stdout).unwrap();
-    for word in ["What is not trusted", "--force", "CAP_NET_RAW", "src/limits.rs", "143"] {
+    for word in ["What is not trusted", "--force", "CAP_NET_RAW", "src/core/limits.rs", "143"] {
         assert!(page.contains(word), "{word}");
     }
     assert_eq!(tautline(&["guide", "nothing"]).status.code(), Some(2));

@@ -1,7 +1,7 @@
 //! A motion's plan: position over time, from rest to rest, as a list of segments.
 //!
 //! ```
-//! use tautline::trajectory::{Path, Protocol, Segment, Trajectory};
+//! use tautline_core::trajectory::{Path, Protocol, Segment, Trajectory};
 //!
 //! let there = |to_rad| Segment::Sweep { to_rad, speed_rad_s: 0.5, acceleration_rad_s2: 4.0 };
 //! let own = Path { start_rad: 0.0, segments: vec![there(1.0), Segment::Rest { duration_s: 0.5 }, there(0.0)] };

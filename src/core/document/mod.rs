@@ -2,12 +2,12 @@
 //!
 //! ```
 //! use std::path::Path;
-//! use tautline::document::Document;
+//! use tautline_core::document::Document;
 //!
 //! let document = Document::from_toml(Path::new("m.toml"), "[motor]\ngain = 2.0")?;
 //! let gain = document.read(|root| root.need("motor").section(|motor| motor.need("gain").positive()))?;
 //! assert_eq!(gain, 2.0);
-//! # Ok::<(), tautline::problem::Problems>(())
+//! # Ok::<(), tautline_core::problem::Problems>(())
 //! ```
 //!
 //! There is no list of known keys: a key is known once it was read. So a reader first reads every key, and only then returns early if one

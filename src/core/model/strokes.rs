@@ -270,10 +270,11 @@ mod tests {
         let curves = [Combination::Sign, Combination::Linear, Combination::arctan(p), Combination::Power { n }];
         let effects = ["", "reversal_transition:backlash_m=0.002,p=0.4,n=0.6", "presliding:travel_rad=0.02,exponent=1"];
         let more = ["presliding:travel_rad=0.02,exponent=0.8", "presliding:travel_rad=0.02,exponent=1.4"];
+        let file = concat!(env!("CARGO_MANIFEST_DIR"), "/../../data/davinci_l4/base_model.json");
         for curve in curves {
             for effect in effects.into_iter().chain(more) {
                 for backlash_m in [0.0, 1e-3, 4e-2] {
-                    let mut model = Model::read(std::path::Path::new("data/davinci_l4/base_model.json")).unwrap();
+                    let mut model = Model::read(file.as_ref()).unwrap();
                     (model.combination, model.joint.backlash_m) = (curve, backlash_m);
                     model.effects.extend((!effect.is_empty()).then(|| Added::parse(effect).unwrap()));
                     let backlash_rad = model.backlash_m() / model.joint.pulley_radius_m;

@@ -72,8 +72,9 @@ pub mod tests {
 
     /// The bundled recording of a surgical tool with a model that lacks its transition.
     pub fn bundled() -> (DataSet, Model) {
-        let campaign = Campaign::read(Path::new("data/davinci_l4")).unwrap();
-        let model = Model::read(Path::new("data/davinci_l4/base_model.json")).unwrap();
+        let folder = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../../data/davinci_l4"));
+        let campaign = Campaign::read(folder).unwrap();
+        let model = Model::read(&folder.join("base_model.json")).unwrap();
         (DataSet::read(&campaign, &model, &|_| ()).unwrap(), model)
     }
 }
