@@ -63,9 +63,10 @@ pub(super) fn hints(recordings: &[(Vec<f64>, Vec<f64>)], turns: bool) -> Hints {
         _ => rows[i].0.cos(),
     });
     let y = DVector::from_iterator(rows.len(), rows.iter().map(|row| row.2));
-    let Some(fit) = solve(&design, &y) else { return Hints::default() };
+    let Some(fit) = solve(design, y) else { return Hints::default() };
     let variance = fit.residual_sum / (rows.len() - columns) as f64;
-    let se = |j: usize| (variance * fit.unscaled_covariance[(j, j)]).sqrt();
+    let covariance = variance * fit.unscaled_covariance();
+    let se = |j: usize| covariance[(j, j)].sqrt();
     let friction = fit.coefficients[0];
     let torque_sign = (friction.abs() > CLEAR * se(0)).then_some(friction.signum());
     let zero_rad = torque_sign.filter(|_| with_gravity).and_then(|sign| {

@@ -11,10 +11,25 @@ const DEPENDENT: f64 = 1e-10;
 pub struct LinearFit {
     /// One coefficient for each column of the design.
     pub coefficients: DVector<f64>,
-    /// (X' X)^-1: times the residual variance it is the covariance.
-    pub unscaled_covariance: DMatrix<f64>,
     /// Sum of squared residuals.
     pub residual_sum: f64,
+    /// The triangular factor of the design, its columns scaled to unit length, and those lengths.
+    factor: DMatrix<f64>,
+    scales: Vec<f64>,
+}
+
+impl LinearFit {
+    /// (X' X)^-1: times the residual variance it is the covariance.
+    pub fn unscaled_covariance(&self) -> DMatrix<f64> {
+        let n = self.scales.len();
+        let mut inverse = DMatrix::identity(n, n);
+        // Cannot fail: no pivot is below `DEPENDENT`.
+        self.factor.solve_upper_triangular_mut(&mut inverse);
+        DMatrix::from_fn(n, n, |i, j| {
+            let product = inverse.row(i).iter().zip(inverse.row(j).iter()).map(|(a, b)| a * b).sum::<f64>();
+            product / (self.scales[i] * self.scales[j])
+        })
+    }
 }
 
 /// Minimises |X b - y|^2; `None` when the columns of `design` are dependent or outnumber its rows.
@@ -22,12 +37,12 @@ pub struct LinearFit {
 /// By modified Gram-Schmidt on columns scaled to unit length, so that their sizes (1, exp(-60), ...) do not decide their
 /// rank. Written out rather than through a general factorisation: the search over rates solves this ten thousand times on a
 /// few dozen rows, where a library's bookkeeping costs more than its arithmetic.
-pub fn solve(design: &DMatrix<f64>, y: &DVector<f64>) -> Option<LinearFit> {
+pub fn solve(design: DMatrix<f64>, y: DVector<f64>) -> Option<LinearFit> {
     let n = design.ncols();
     if design.nrows() < n {
         return None;
     }
-    let mut q = design.clone();
+    let mut q = design;
     let mut r = DMatrix::zeros(n, n);
     let mut scales = Vec::with_capacity(n);
     for mut column in q.column_iter_mut() {
@@ -38,7 +53,7 @@ pub fn solve(design: &DMatrix<f64>, y: &DVector<f64>) -> Option<LinearFit> {
         column /= scale;
         scales.push(scale);
     }
-    let mut rest = y.clone();
+    let mut rest = y;
     let mut projected = DVector::zeros(n);
     for i in 0..n {
         let length = q.column(i).norm();
@@ -55,11 +70,10 @@ pub fn solve(design: &DMatrix<f64>, y: &DVector<f64>) -> Option<LinearFit> {
         projected[i] = q.column(i).dot(&rest);
         rest.axpy(-projected[i], &q.column(i), 1.0);
     }
-    let inverse = r.solve_upper_triangular(&DMatrix::identity(n, n))?;
-    let unscaled_covariance = DMatrix::from_fn(n, n, |i, j| {
-        inverse.row(i).iter().zip(inverse.row(j).iter()).map(|(a, b)| a * b).sum::<f64>() / (scales[i] * scales[j])
-    });
-    let scaled_solution = &inverse * projected;
-    let coefficients = DVector::from_fn(n, |i, _| scaled_solution[i] / scales[i]);
-    Some(LinearFit { coefficients, unscaled_covariance, residual_sum: rest.norm_squared() })
+    let mut coefficients = projected;
+    if !r.solve_upper_triangular_mut(&mut coefficients) {
+        return None;
+    }
+    coefficients.iter_mut().zip(&scales).for_each(|(coefficient, scale)| *coefficient /= scale);
+    Some(LinearFit { coefficients, residual_sum: rest.norm_squared(), factor: r, scales })
 }

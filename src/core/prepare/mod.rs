@@ -114,11 +114,16 @@ impl Trial {
 
     /// What the sample `at` asks of the joint: mass and measured load.
     pub fn asked(&self, at: usize, kind: JointKind, dynamics: &Dynamics) -> Asked {
-        let slope_nm_rad = match &self.chain {
+        let slope_nm_rad = self.slope_nm_rad(at, kind, dynamics);
+        Asked { torque_nm: self.rigid(at, kind, dynamics).total_nm() + self.load_nm(at), slope_nm_rad }
+    }
+
+    /// dG/dq at sample `at`, N m/rad.
+    pub fn slope_nm_rad(&self, at: usize, kind: JointKind, dynamics: &Dynamics) -> f64 {
+        match &self.chain {
             Some(chain) => dynamics.at_true_position(chain[at].0.gravity_nm, chain[at].1).1,
             None => dynamics.gravity_slope_nm_rad(kind, self.position_rad[at]),
-        };
-        Asked { torque_nm: self.rigid(at, kind, dynamics).total_nm() + self.load_nm(at), slope_nm_rad }
+        }
     }
 
     /// The sample `at` as effects see it; `others` is room for the other joints' motions.

@@ -41,17 +41,19 @@ impl Series {
         let step = ((trial.log.rate_hz / (SAMPLES_PER_PERIOD * lowpass_hz)) as usize).max(1);
         let n = trial.torque_nm.len();
         let thin = |values: &[f64]| values.iter().step_by(step).copied().collect::<Vec<f64>>();
-        let joint_torque = |i: usize| trial.rigid(i, kind, dynamics).total_nm() + trial.load_nm(i);
-        let gravity =
-            |i: usize| (trial.rigid(i, kind, dynamics).gravity_nm, trial.asked(i, kind, dynamics).slope_nm_rad);
+        let asked = |i: usize| {
+            let rigid = trial.rigid(i, kind, dynamics);
+            (rigid.total_nm() + trial.load_nm(i), (rigid.gravity_nm, trial.slope_nm_rad(i, kind, dynamics)))
+        };
+        let (joint_torque_nm, gravity_nm) = (0..n).step_by(step).map(asked).unzip();
         Self {
             trial: trial.index,
             rate_hz: trial.log.rate_hz / step as f64,
             time_s: thin(&trial.log.time_s),
             position_rad: thin(trial.followed_rad()),
             velocity_rad_s: (0..n).step_by(step).map(|i| trial.velocity_rad_s(i)).collect(),
-            joint_torque_nm: (0..n).step_by(step).map(joint_torque).collect(),
-            gravity_nm: (0..n).step_by(step).map(gravity).collect(),
+            joint_torque_nm,
+            gravity_nm,
             torque_nm: thin(&trial.torque_nm),
             in_range: trial.in_range(lowpass_hz).into_iter().step_by(step).collect(),
             deadband_rad: trial.deadband_rad,

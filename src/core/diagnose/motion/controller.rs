@@ -113,7 +113,7 @@ fn fit(rows: &[Row]) -> Option<[f64; 3]> {
     let column = |row: &Row, at: usize| if at == 2 { 1.0 } else { row[at + 1] };
     let solved = |columns: usize| {
         let design = DMatrix::from_fn(rows.len(), columns, |i, at| column(&rows[i], at));
-        linear::solve(&design, &y).map(|fit| fit.coefficients)
+        linear::solve(design, y.clone()).map(|fit| fit.coefficients)
     };
     let x = solved(3).or_else(|| solved(2)).or_else(|| solved(1))?;
     Some([0, 1, 2].map(|at| x.get(at).copied().unwrap_or(0.0)))

@@ -161,7 +161,7 @@ pub(super) fn fit(rows: &[Row], of_sweeps: bool) -> Option<Evidence> {
     let of_slope = put(has_slope, slope);
     let design = DMatrix::from_fn(rows.len(), terms.len(), |i, j| terms[j][i]);
     let y = column(4);
-    let found = solve(&design, &DVector::from_column_slice(&y))?.coefficients;
+    let found = solve(design, DVector::from_column_slice(&y))?.coefficients;
     let of = |term: Option<usize>| term.map_or(0.0, |at| found[at]);
     let (gain, torque_nm) = (of(of_load), root_mean_square(&y));
     let middle = mean(&load);

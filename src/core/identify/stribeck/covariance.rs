@@ -21,8 +21,8 @@ impl Points {
         let slopes: Vec<Vec<f64>> = self.speeds.iter().map(|s| slopes(fit, s.speed_rad_s)).collect();
         let jacobian =
             DMatrix::from_fn(self.speeds.len(), free.len(), |i, j| self.speeds[i].weight.sqrt() * slopes[i][free[j]]);
-        let solved = solve(&jacobian, &DVector::zeros(self.speeds.len()));
-        let unscaled = solved.ok_or("singular: the points do not tell the parameters apart")?.unscaled_covariance;
+        let solved = solve(jacobian, DVector::zeros(self.speeds.len()));
+        let unscaled = solved.ok_or("singular: the points do not tell the parameters apart")?.unscaled_covariance();
         let mut all = DMatrix::zeros(fit.parameters(), fit.parameters());
         for (i, a) in free.iter().enumerate() {
             for (j, b) in free.iter().enumerate() {

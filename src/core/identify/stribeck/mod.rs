@@ -197,7 +197,7 @@ impl Points {
                 design[(i, j)] = root * x;
             }
         }
-        let mut fit = solve(&design, &b)?;
+        let mut fit = solve(design, b)?;
         fit.residual_sum += self.within;
         Some(fit)
     }

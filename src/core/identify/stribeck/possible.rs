@@ -59,17 +59,15 @@ impl Possible {
             return Some(fit.coefficients.clone());
         }
         let squares: Vec<f64> = self.largest(rates).map(|x| x * x).collect();
-        let n = squares.len();
+        let (n, covariance) = (squares.len(), fit.unscaled_covariance());
         (0..WEIGHTS).find_map(|i| {
             let share = i as f64 / (WEIGHTS - 1) as f64;
             // In units of what makes both count alike.
             let weight = 10f64.powf(DECADES.0 + share * (DECADES.1 - DECADES.0)) * room / self.limit_nm.powi(2);
-            let system = DMatrix::from_fn(n, n, |i, j| {
-                f64::from(i == j) + weight * fit.unscaled_covariance[(i, j)] * squares[j]
-            });
+            let system = DMatrix::from_fn(n, n, |i, j| f64::from(i == j) + weight * covariance[(i, j)] * squares[j]);
             let c = system.lu().solve(&fit.coefficients)?;
             let pull = DVector::from_fn(n, |i, _| weight * squares[i] * c[i]);
-            let cost = pull.dot(&(&fit.unscaled_covariance * &pull));
+            let cost = pull.dot(&(&covariance * &pull));
             (cost <= room && fits(&c)).then_some(c)
         })
     }

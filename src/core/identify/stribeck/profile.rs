@@ -84,6 +84,7 @@ impl Points {
         let stretch = |range: &mut (f64, f64), low: f64, high: f64| {
             *range = (range.0.min(low), range.1.max(high));
         };
+        let covariance = fit.unscaled_covariance();
         let room = thresholds.parameters - fit.residual_sum;
         if let Some(start) = possible.start(rates, &fit, room) {
             for (range, rate) in profile.rates.iter_mut().zip(rates) {
@@ -91,7 +92,7 @@ impl Points {
             }
             for (i, range) in profile.coefficients.iter_mut().enumerate() {
                 // The end of the ellipsoid of equal cost in this direction.
-                let half = fit.unscaled_covariance.column(i) * (room / fit.unscaled_covariance[(i, i)]).sqrt();
+                let half = covariance.column(i) * (room / covariance[(i, i)]).sqrt();
                 let ends = [&fit.coefficients - &half, &fit.coefficients + &half];
                 let [low, high] = ends.map(|end| possible.reach(rates, &start, &end, i));
                 stretch(range, low.min(high), low.max(high));
@@ -103,7 +104,7 @@ impl Points {
         }
         for (range, u) in profile.band_nm.iter_mut().zip(&profile.band_speed_rad_s) {
             let x = DVector::from_iterator(2 + rates.len(), row(*u, rates));
-            let (middle, half) = (x.dot(&fit.coefficients), (room * x.dot(&(&fit.unscaled_covariance * &x))).sqrt());
+            let (middle, half) = (x.dot(&fit.coefficients), (room * x.dot(&(&covariance * &x))).sqrt());
             stretch(range, middle - half, middle + half);
         }
     }
