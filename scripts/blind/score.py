@@ -86,7 +86,8 @@ def judge(answer, diagnosis, trouble, seconds):
         return row
     verdict = diagnosis["verdict"]
     effects = verdict.get("effects") or []
-    row["clear"] = next((d["outcome"] for d in diagnosis.get("decisions", []) if d["rule"] == "clear"), None)
+    clear = {d["outcome"] for d in diagnosis.get("decisions", []) if d["rule"] == "clear"}
+    row["clear"] = max(clear, default=None)  # "not clear" where either decision is
     row.update(verdict=verdict["kind"], named=effects, confidence=verdict.get("confidence"), right=bool(right(answer, verdict["kind"], effects)))
     where = diagnosis.get("where") or []
     row["where"] = where[0]["region"] if where else None

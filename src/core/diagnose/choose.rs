@@ -2,7 +2,9 @@
 
 use super::base::BaseModel;
 use super::candidates::{Cause, FittedCause, Hypothesis, Round};
-use super::criteria::{DISTINCT, Decision, FLOOR_SHARE, Requirement, Share, requirements, rivals, seconds, simplest};
+use super::criteria::{
+    DISTINCT, Decision, FLOOR_SHARE, FLOOR_SHARE_MORE, Requirement, Share, requirements, rivals, seconds, simplest,
+};
 use super::fit::Fit;
 use super::mask::Mask;
 use super::perturbation::{Perturbation, within_confidence};
@@ -68,13 +70,6 @@ pub struct Found<'d> {
     pub seconds: Vec<Cause>,
 }
 
-impl Found<'_> {
-    /// How many times the least that counts it explains of the gap.
-    pub fn margin(&self) -> f64 {
-        self.met.first().map_or(0.0, Requirement::margin)
-    }
-}
-
 /// Searches for the causes of the residual of `model`.
 pub fn choose<'d>(mask: &Arc<Mask<'d>>, model: &Model, listener: Listener<'_>) -> Choice<'d> {
     let first = BaseModel::new(mask, model, within_confidence(model));
@@ -133,14 +128,14 @@ impl<'d> Search<'d, '_> {
     /// One cause after the other; also two as a pair, because the best single cause may be a compromise between both.
     fn forward(&self, rest: &Fit<'d>) -> Forward<'d> {
         let floor_nm = self.first.mask.floor_nm;
-        let is_gap = |now: f64| now - floor_nm.powi(2) > (FLOOR_SHARE * floor_nm).powi(2);
+        let is_above = |share: f64, now: f64| now - floor_nm.powi(2) > (share * floor_nm).powi(2);
         let mut way = Forward { chosen: Vec::new(), fit: rest.clone(), opening: Round::default(), refused: Vec::new() };
         // Even if hardly anything remains at first: the floor is not known so precisely that a weak cause could not show.
-        while way.chosen.len() < CAUSES_MAX && (way.chosen.is_empty() || is_gap(way.fit.score())) {
+        while way.chosen.len() < CAUSES_MAX && (way.chosen.is_empty() || is_above(FLOOR_SHARE_MORE, way.fit.score())) {
             (self.listener)(Progress::Begins(Phase::Cause(way.chosen.len() + 1)));
             let round = self.round(&way.chosen, &way.fit);
             let mut next = self.one_more(&way, &round.tried);
-            let closes = next.as_ref().is_some_and(|(_, fit)| !is_gap(fit.score()));
+            let closes = next.as_ref().is_some_and(|(_, fit)| !is_above(FLOOR_SHARE, fit.score()));
             if let ([one], false) = (&way.chosen[..], closes) {
                 (self.listener)(Progress::Begins(Phase::Pairs));
                 next = self.or_pair(next, one, &way);

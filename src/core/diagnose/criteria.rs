@@ -9,23 +9,20 @@ use super::stale::SAME_TORQUE;
 use crate::model::groups;
 use crate::numerics::statistics::standard_deviation;
 
-/// A cause must change the prediction by this share of the floor at least, RMS ...
+/// The first cause must change the prediction by this share of the floor at least, RMS, any further one by more: what the first leaves may
+/// be misfit of its formula, and that of weak causes is below the floor ...
 pub const FLOOR_SHARE: f64 = 0.4;
+pub const FLOOR_SHARE_MORE: f64 = 0.8;
 /// ... the first cause by this share of the gap's square, any further one by this share of the remainder ...
 const GAP_SHARE_FIRST: f64 = 0.15;
 const GAP_SHARE_MORE: f64 = 0.30;
-/// ... and of the whole gap's square ...
-const WHOLE_SHARE_MORE: f64 = 0.02;
-/// ... or by nearly all of the remainder, if that is as large as the floor and this share of the whole ...
-const GAP_SHARE_NEARLY: f64 = 0.6;
-const WHOLE_SHARE_NEARLY: f64 = 0.01;
+/// ... and of the whole gap's square, more than the misfit of the first one's formula explains ...
+const WHOLE_SHARE_MORE: f64 = 0.035;
 /// ... or by this share of the whole: in a gap with many small causes even a large one is a small share of the remainder.
 const WHOLE_SHARE_ALONE: f64 = 0.12;
-/// A further cause is distinct if no other cause gives this share of its gain: then a smaller share of the remainder is enough ...
+/// A further cause is distinct if no other cause gives this share of its gain: then a smaller share of the remainder is enough, this one.
 pub const DISTINCT: f64 = 0.3;
-/// ... this share, and this of the whole.
 const GAP_SHARE_DISTINCT: f64 = 0.1;
-const WHOLE_SHARE_DISTINCT: f64 = 0.02;
 /// Its gain must exceed this many standard errors over clusters.
 const ERRORS: f64 = 2.0;
 /// It must exceed this multiple of the gain that the encoder's errors alone, simulated once, would give.
@@ -126,16 +123,19 @@ pub enum Share {
 }
 
 impl Share {
-    /// The smallest gain that counts where `gap` of `whole` remains, above a floor of `floor_square`, (N m)^2.
-    fn least(self, gap: f64, whole: f64, floor_square: f64) -> f64 {
-        let nearly = (GAP_SHARE_NEARLY * gap).max(WHOLE_SHARE_NEARLY * whole).max(floor_square);
-        let much = (GAP_SHARE_MORE * gap).max(WHOLE_SHARE_MORE * whole);
-        let further = nearly.min(much).min(WHOLE_SHARE_ALONE * whole);
+    /// The smallest gain that counts where `gap` of `whole` remains, (N m)^2.
+    fn least(self, gap: f64, whole: f64) -> f64 {
+        let further = |share: f64| (share * gap).max(WHOLE_SHARE_MORE * whole).min(WHOLE_SHARE_ALONE * whole);
         match self {
             Self::First => GAP_SHARE_FIRST * gap,
-            Self::Further => further,
-            Self::Distinct => further.min((GAP_SHARE_DISTINCT * gap).max(WHOLE_SHARE_DISTINCT * whole)),
+            Self::Further => further(GAP_SHARE_MORE),
+            Self::Distinct => further(GAP_SHARE_DISTINCT),
         }
+    }
+
+    /// The smallest change of the prediction that counts, as a share of the floor, RMS.
+    fn least_of_floor(self) -> f64 {
+        if self == Self::First { FLOOR_SHARE } else { FLOOR_SHARE_MORE }
     }
 
     /// That of a further `cause`, if none falls short of its gain by less than this share of it. A function of time can be anything: it
@@ -176,11 +176,6 @@ impl Requirement {
         self.value >= self.least
     }
 
-    /// How many times the least it is.
-    pub fn margin(&self) -> f64 {
-        self.value / self.least.max(f64::MIN_POSITIVE)
-    }
-
     /// As a decision about `subject`.
     pub fn decision(self, subject: &'static str, outcome: &'static str) -> Decision {
         Decision { rule: self.rule, subject, value: self.value, limit: self.least, outcome }
@@ -201,9 +196,9 @@ pub fn requirements(
     let value = now - with.score();
     let gap = (now - floor_square).max(0.0);
     let whole = (start - floor_square).max(0.0);
-    let least = share.least(gap, whole, floor_square);
+    let least = share.least(gap, whole);
     let mut all = vec![Requirement { rule: "share of the gap", value, least }];
-    let of_floor = || Requirement { rule: "floors", value, least: FLOOR_SHARE * FLOOR_SHARE * floor_square };
+    let of_floor = || Requirement { rule: "floors", value, least: share.least_of_floor().powi(2) * floor_square };
     let sure = || sureness(&with.mask.data.folds, &without.held_out, &with.held_out);
     let beyond_encoder = || Requirement { rule: "encoder", value, least: ENCODER_GAINS * of_encoder().max(0.0) };
     let further: [Box<dyn FnOnce() -> Requirement>; 3] = [Box::new(of_floor), Box::new(sure), Box::new(beyond_encoder)];
@@ -228,16 +223,15 @@ fn sureness(folds: &Folds, before: &[f64], after: &[f64]) -> Requirement {
     }
 }
 
-/// Causes other than `taken` that do as well with no more numbers; one that a spring over a short way is mistaken for may have
+/// Causes other than `taken` that do as well with no more numbers, another form of it within the accuracy of any formula; one that a spring over a short way is mistaken for may have
 /// one less.
 pub fn rivals(taken: &FittedCause, tried: &[FittedCause], start: f64) -> Vec<Cause> {
     let spare = |cause: Cause| {
         usize::from(taken.cause.effect().is_some_and(|effect| effect.about().outnumbered_by.contains(&cause.name())))
     };
     let is_rival = |other: &&FittedCause| {
-        let does_as_well =
-            || other.count() <= taken.count() + spare(other.cause) && is_tie(&taken.fit, &other.fit, start);
-        other.cause != taken.cause && (does_as_well() || is_other_form(taken, other, start))
+        let does_as_well = || is_tie(&taken.fit, &other.fit, start) || is_other_form(taken, other, start);
+        other.cause != taken.cause && other.count() <= taken.count() + spare(other.cause) && does_as_well()
     };
     let mut found: Vec<Cause> = Vec::new();
     for other in tried.iter().filter(is_rival) {
@@ -299,9 +293,10 @@ mod tests {
             assert_eq!(Share::of(Cause::Effect(of_time), 1.0), Share::Further);
         }
         // A tenth of a gap of which half remains: enough for a distinct cause, not for any other.
-        let least = |share: Share| share.least(0.5, 1.0, 0.01);
+        let least = |share: Share| share.least(0.5, 1.0);
         assert!(least(Share::Distinct) < 0.1 && least(Share::Further) > 0.1);
-        // Of a negligible remainder no share is enough: it must be as large as the floor.
-        assert!(Share::Distinct.least(0.01, 1.0, 0.01) >= 0.01);
+        assert!(Share::First.least_of_floor() < Share::Distinct.least_of_floor());
+        // Of what the misfit of a formula explains no share is enough.
+        assert!(Share::Distinct.least(0.03, 1.0) > 0.03);
     }
 }

@@ -4,7 +4,7 @@ use super::answer::{Answer, Form, Kind};
 use super::bootstrap::{Numbers, Resamples, Shrink, above};
 use super::candidates::Cause;
 use super::choose::{Choice, Found};
-use super::criteria::{DISTINCT, Decision};
+use super::criteria::Decision;
 use super::probability::{probabilities, said};
 use super::stale::{DOWN_ONLY, UP_ONLY};
 use crate::effects::Region;
@@ -22,8 +22,11 @@ const UNNAMED_SHARE: f64 = 0.45;
 /// Where the residual of the base is below this many floors, a cause is named only if this share of the resamples agrees.
 const WEAK_FLOORS: f64 = 0.6;
 const WEAK_AGREEMENT: f64 = 0.5;
-/// A verdict with several causes is clear if the weakest explains this multiple of the limit.
-const CLEAR_MARGIN: f64 = 1.5;
+/// A verdict that names causes is clear if the gap is larger than this many floors and they leave no more than this share of it (RMS).
+const CLEAR_FLOORS: f64 = 1.0;
+const CLEAR_SHARE: f64 = 0.1;
+/// What the rule says of such a verdict.
+const CLEAR: &str = "clear";
 
 /// The answer.
 #[derive(Debug, Clone, PartialEq)]
@@ -34,7 +37,7 @@ pub struct Verdict {
     pub effects: Vec<Cause>,
     /// Share of resamplings that come to the same.
     pub agreement: f64,
-    /// Probability that it is right: [`Self::agreement`] times the share of blind simulated verdicts of this kind that were right.
+    /// Probability that it is right: how many blind simulated verdicts of its kind were, less where the resamples do not agree.
     pub confidence: f64,
     /// The answers with their probabilities, which add up to 1.
     pub probabilities: Vec<(Answer, f64)>,
@@ -174,8 +177,10 @@ pub fn verdict(choice: &Choice<'_>, evidence: &Evidence<'_>) -> Verdict {
         _ if is_open => Some(Form::Approximate),
         _ => Some(Form::Fits),
     };
-    let clear = clear(kind, &choice.found);
-    let is_clear = clear.as_ref().is_none_or(|clear| clear.value >= clear.limit);
+    let gap_before_nm = above(delivered, floor_square);
+    let gap_after_nm = above(last, floor_square).max(evidence.numbers.square().sqrt());
+    let clear = clear(kind, gap_before_nm, gap_after_nm, floor_square.sqrt());
+    let is_clear = clear.iter().all(|decision| decision.outcome == CLEAR);
     decisions.extend(clear);
     let probabilities = probabilities(kind, agreement, &effects, is_clear);
     Verdict {
@@ -186,23 +191,26 @@ pub fn verdict(choice: &Choice<'_>, evidence: &Evidence<'_>) -> Verdict {
         probabilities,
         form,
         decisions,
-        gap_before_nm: above(delivered, floor_square),
-        gap_after_nm: above(last, floor_square).max(evidence.numbers.square().sqrt()),
+        gap_before_nm,
+        gap_after_nm,
         shrink: evidence.shrink(&evidence.last, evidence.numbers),
     }
 }
 
-/// Whether a verdict belongs to those that were nearly always right: a single cause that no other comes close to, or several of which the
-/// weakest explains much more than the limit.
-fn clear(kind: Kind, found: &[Found<'_>]) -> Option<Decision> {
-    let least = |of: &dyn Fn(&Found<'_>) -> f64| found.iter().map(of).min_by(f64::total_cmp);
-    let (value, limit) = match kind {
-        Kind::None | Kind::Unknown => return None,
-        Kind::Several => (least(&|found| found.margin())?, CLEAR_MARGIN),
-        Kind::Stale | Kind::Effect | Kind::Ambiguous => (least(&|found| found.distinctness)?, DISTINCT),
+/// Whether a verdict belongs to those that were right more often: its causes close a gap that stands out of the floor, N m.
+fn clear(kind: Kind, gap_before_nm: f64, gap_after_nm: f64, floor_nm: f64) -> Vec<Decision> {
+    if !matches!(kind, Kind::Effect | Kind::Several) {
+        return Vec::new();
+    }
+    let decision = |subject, value, limit, holds| {
+        let outcome = if holds { CLEAR } else { "not clear" };
+        Decision { rule: "clear", subject, value, limit, outcome }
     };
-    let outcome = if value >= limit { "clear" } else { "not clear" };
-    Some(Decision { rule: "clear", subject: "verdict", value, limit, outcome })
+    let (least_nm, most_nm) = (CLEAR_FLOORS * floor_nm, CLEAR_SHARE * gap_before_nm);
+    vec![
+        decision("gap", gap_before_nm, least_nm, gap_before_nm >= least_nm),
+        decision("remainder", gap_after_nm, most_nm, gap_after_nm <= most_nm),
+    ]
 }
 
 fn kind_of(cause: Cause) -> Kind {
@@ -237,5 +245,21 @@ pub fn signature(cause: Cause, how: &str) -> Region {
         (Cause::Stale(name), UP_ONLY) if name != LOAD_COEFFICIENT.name => Region::Up,
         (Cause::Stale(name), DOWN_ONLY) if name != LOAD_COEFFICIENT.name => Region::Down,
         _ => cause.signature(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{CLEAR, Kind, clear};
+
+    #[test]
+    fn a_verdict_is_clear_where_its_causes_close_a_gap_above_the_floor() {
+        let is_clear =
+            |kind, before, after, floor| clear(kind, before, after, floor).iter().all(|d| d.outcome == CLEAR);
+        assert!(is_clear(Kind::Effect, 2.0, 0.1, 1.0));
+        assert!(!is_clear(Kind::Effect, 2.0, 0.3, 1.0));
+        assert!(!is_clear(Kind::Several, 0.9, 0.0, 1.0));
+        // Others have no such rule.
+        assert!(clear(Kind::None, 0.0, 0.0, 1.0).is_empty());
     }
 }

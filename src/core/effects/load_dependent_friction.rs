@@ -1,14 +1,14 @@
 //! Friction in proportion to the load that the joint carries.
 
-use super::{About, ActsOn, Added, Carried, Effect, Excitation, Extent, Family, Hooks, Parameter, Region, Sample};
+use super::{
+    About, ActsOn, Added, Carried, Effect, Excitation, Extent, Family, Hooks, Parameter, Region, Sample,
+    grows_both_ways,
+};
 use crate::dynamics::{Both, Direction};
 use crate::numerics::scalar::Scalar;
 
 /// Pretensions, and torques at which it levels off, that are tried, as shares of the reading's range.
 const FORMS: [(f64, f64); 6] = [(0.0, 0.0), (0.05, 0.0), (0.1, 0.0), (0.2, 0.0), (0.0, 0.25), (0.0, 0.7)];
-
-/// One direction's share may be negative by this share of the other's: it is not known more precisely.
-const OPPOSED_MAX: f64 = 0.3;
 
 const ID: &str = "load_dependent_friction";
 
@@ -68,9 +68,8 @@ impl Effect for LoadDependentFriction {
         [of(0.0), of(1.0)].concat()
     }
 
-    /// What grows in one direction and falls in the other is no friction.
     fn is_itself(&self, p: &[f64], _extent: &Extent) -> bool {
-        p[0].min(p[1]) >= -OPPOSED_MAX * p[0].abs().max(p[1].abs())
+        grows_both_ways(p[0], p[1])
     }
 }
 

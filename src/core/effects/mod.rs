@@ -76,6 +76,14 @@ pub const LIBRARY: [&dyn Effect; 20] = [
     &presliding::Bristles,
 ];
 
+/// One direction's strength may be negative by this share of the other's: it is not known more precisely.
+const OPPOSED_MAX: f64 = 0.3;
+
+/// Whether the strengths of friction moving up and down are those of one: what grows in one direction and falls in the other is none.
+fn grows_both_ways(up: f64, down: f64) -> bool {
+    up.min(down) >= -OPPOSED_MAX * up.abs().max(down.abs())
+}
+
 /// Values from `low` to `high`, evenly spaced in their logarithm.
 fn spaced(low: f64, high: f64, count: usize) -> impl Iterator<Item = f64> {
     let ratio = high / low;
@@ -88,4 +96,15 @@ pub const RESTING_RAD_S: f64 = 0.01;
 /// `time_s` or `elapsed_s` of `sample`: a clock that starts anew with each trial, or runs through the campaign.
 fn clock_s<S: Scalar>(restarts: S, sample: &Sample<'_, S>) -> S {
     if restarts.value() > 0.5 { sample.time_s } else { sample.elapsed_s }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::grows_both_ways;
+
+    #[test]
+    fn what_grows_in_one_direction_and_falls_in_the_other_is_no_friction() {
+        assert!(grows_both_ways(0.3, 0.1) && grows_both_ways(0.3, -0.05));
+        assert!(!grows_both_ways(0.3, -0.2) && !grows_both_ways(-0.1, -0.1));
+    }
 }

@@ -1,6 +1,8 @@
 //! Drag beyond linear in speed.
 
-use super::{About, ActsOn, Carried, Effect, Excitation, Extent, Family, Hooks, Parameter, Region, Sample};
+use super::{
+    About, ActsOn, Carried, Effect, Excitation, Extent, Family, Hooks, Parameter, Region, Sample, grows_both_ways,
+};
 use crate::dynamics::Both;
 use crate::numerics::scalar::Scalar;
 
@@ -39,7 +41,7 @@ impl Effect for QuadraticViscous {
 
     /// Drag that levels off with speed is not this effect.
     fn is_itself(&self, p: &[f64], _extent: &Extent) -> bool {
-        p[0] + p[1] >= 0.0
+        grows_both_ways(p[0], p[1])
     }
 }
 

@@ -35,22 +35,21 @@ pub fn evidence(found: &Diagnosis) -> Vec<String> {
     let (sure, agree) = (percent(found.verdict.confidence), percent(found.verdict.agreement));
     all.push(format!("Probabilities: {}.", probabilities(&found.verdict.probabilities)));
     all.push(format!(
-        "The confidence in the verdict, {sure}, is the share of the bootstrap resamples of whole {} that give the same verdict, {agree}, \
-         times the share of right verdicts among those of its kind{} on simulated joints with withheld answers.",
-        found.held_out,
+        "The confidence in the verdict, {sure}, is the share of right verdicts among those of its kind{} on simulated joints with withheld \
+         answers, reduced where the bootstrap resamples disagree: of those of whole {}, {agree} give the same verdict.",
         clearness(found).map_or(String::new(), |clearness| format!(" ({clearness})")),
+        found.held_out,
     ));
     all.iter().map(|sentence| kept_together(sentence)).collect()
 }
 
-/// Which verdicts the probability comes from; nothing where the verdict names no cause.
-pub fn clearness(found: &Diagnosis) -> Option<&'static str> {
-    let clear = found.verdict.decisions.iter().find(|decision| decision.rule == "clear")?;
-    Some(match (found.verdict.kind, clear.value >= clear.limit) {
-        (Kind::Several, true) => "those whose weakest cause explains much more than the limit",
-        (Kind::Several, false) => "those whose weakest cause explains little more than the limit",
-        (_, true) => "those in which no other cause does nearly as well",
-        (_, false) => "those in which other causes do nearly as well",
+/// Which verdicts the probability comes from; nothing where that of its kind does for all.
+fn clearness(found: &Diagnosis) -> Option<&'static str> {
+    let mut clear = found.verdict.decisions.iter().filter(|decision| decision.rule == "clear").peekable();
+    clear.peek()?;
+    Some(match clear.all(|decision| decision.outcome == "clear") {
+        true => "those that close a gap as large as the floor to a tenth",
+        false => "those that leave more than a tenth of the gap, or whose gap is below the floor",
     })
 }
 

@@ -1,6 +1,5 @@
 //! The tables of a diagnosis's page.
 
-use super::evidence::clearness;
 use super::names::{Role, bounds, formula, means};
 use super::parameters::{Shown, shown};
 use super::words::{percent, shrink, taken};
@@ -60,7 +59,7 @@ pub fn decisions_table(found: &Diagnosis) -> Option<Table> {
             decision.rule.to_string(),
             significant(decision.value, 3),
             significant(decision.limit, 3),
-            clearness(found).filter(|_| decision.rule == "clear").unwrap_or(decision.outcome).to_string(),
+            decision.outcome.to_string(),
         ]
     };
     table(
@@ -68,9 +67,8 @@ pub fn decisions_table(found: &Diagnosis) -> Option<Table> {
          \"share of the gap\", \"floors\" and \"encoder\" compare the reduction of the mean square, (N m)², with a share of the gap, with \
          the floor, and with the reduction that the encoder's errors alone would give; \"standard errors\" and \"clusters that gain\" ask \
          whether most trials or cycles improve; \"distinct\" is the share of the reduction that no other cause gives, which a weak cause \
-         must have; \"clear\" is the smallest of these shares where one cause is named, and for several causes the share of the gap \
-         that the weakest explains, as a multiple of the limit (it only selects the simulated verdicts that the probability is taken \
-         from); \"form\", \"open\" and \"named\" compare the remainder, N m RMS above the floor.",
+         must have; \"form\", \"open\" and \"named\" compare the remainder, N m RMS above the floor; \"clear\" compares the gap with \
+         the floor and the remainder with the gap, N m RMS (it only selects the simulated verdicts that the probability is taken from).",
         &["cause", "rule", "value", "limit", "outcome"],
         found.verdict.decisions.iter().map(row).collect(),
     )
