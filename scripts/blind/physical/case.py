@@ -142,6 +142,8 @@ def drawn_model(s, parameters, columns, declared, rng):
     if not declared:
         moved = np.clip(moved, -0.02, 0.02)
     moved *= min(1.0, s.floor / max(1e-300, rms(columns @ moved)))  # an identification misses its own campaign by no more
+    if any(n.endswith("c_j") and m <= -1 for n, m in zip(parameters, moved)):
+        raise Rejected("a rate of the other sign")  # which no model has
     bounds = 1.96 * sd if declared else np.full(len(parameters), DEFAULT)
     values = s.base.values()
     confidence = {n: (values[n] * (1 + m - b), values[n] * (1 + m + b)) for n, m, b in zip(parameters, moved, bounds)}

@@ -41,10 +41,9 @@ impl<R: Read> Read for Source<R> {
         let given = self.stream.read(buffer)?;
         let in_row = self.in_row.get() + given;
         self.in_row.set(in_row);
-        if buffer[..given].contains(&0) {
+        if let Some(before) = memchr::memchr(0, &buffer[..given]) {
             // What stands before it is whole, and is read first.
             self.is_over = true;
-            let before = buffer.iter().position(|byte| *byte == 0).unwrap_or(0);
             return if before == 0 { Err(io::Error::other(Damage::Nul)) } else { Ok(before) };
         }
         if in_row > LINE_BYTES + buffer.len() {
