@@ -16,8 +16,8 @@ pub const FLOOR_SHARE_MORE: f64 = 0.8;
 /// ... the first cause by this share of the gap's square, any further one by this share of the remainder ...
 const GAP_SHARE_FIRST: f64 = 0.15;
 const GAP_SHARE_MORE: f64 = 0.30;
-/// ... and of the whole gap's square, more than the misfit of the first one's formula explains ...
-const WHOLE_SHARE_MORE: f64 = 0.035;
+/// ... and of what those before it explain, which may be misfit of their formulas ...
+const EXPLAINED_SHARE_MORE: f64 = 0.035;
 /// ... or by this share of the whole: in a gap with many small causes even a large one is a small share of the remainder.
 const WHOLE_SHARE_ALONE: f64 = 0.12;
 /// A further cause is distinct if no other cause gives this share of its gain: then a smaller share of the remainder is enough, this one.
@@ -125,7 +125,8 @@ pub enum Share {
 impl Share {
     /// The smallest gain that counts where `gap` of `whole` remains, (N m)^2.
     fn least(self, gap: f64, whole: f64) -> f64 {
-        let further = |share: f64| (share * gap).max(WHOLE_SHARE_MORE * whole).min(WHOLE_SHARE_ALONE * whole);
+        let misfit = EXPLAINED_SHARE_MORE * (whole - gap);
+        let further = |share: f64| (share * gap).max(misfit).min(WHOLE_SHARE_ALONE * whole);
         match self {
             Self::First => GAP_SHARE_FIRST * gap,
             Self::Further => further(GAP_SHARE_MORE),
