@@ -69,7 +69,7 @@ fn cards(found: &Diagnosis) -> Vec<Card> {
         card(
             "confidence",
             percent(verdict.confidence),
-            format!("{}, calibrated on simulated joints", of_what(verdict)),
+            format!("{}: the share of such verdicts that was right on simulated joints", of_what(verdict)),
         ),
         card(
             "gap as delivered",

@@ -65,7 +65,7 @@ fn gap(out: &mut impl Write, found: &Diagnosis) -> io::Result<()> {
     row("noise floor", gap.floor.upper_nm(), floor)?;
     writeln!(
         out,
-        "  {:<24} {:>12}  {DIM}in the verdict, calibrated on simulated joints{DIM:#}",
+        "  {:<24} {:>12}  {DIM}in the verdict: share of such verdicts right on simulated joints{DIM:#}",
         "confidence",
         percent(verdict.confidence)
     )

@@ -41,8 +41,10 @@ pub fn short(found: &Diagnosis) -> String {
         true => format!("{what} {} of the gap between model and recordings.", percent(found.verdict.shrink.value)),
         false => within_the_floor(found, &units),
     });
-    let sure =
-        format!("Confidence in this verdict: {}, calibrated on simulated joints.", percent(found.verdict.confidence));
+    let sure = format!(
+        "Confidence in this verdict: {}, the share of such verdicts that was right on simulated joints.",
+        percent(found.verdict.confidence)
+    );
     sentences(&[cause(found, &units), sizes(found), explained, approximate(found, &units), sure])
 }
 
