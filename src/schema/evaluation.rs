@@ -169,7 +169,7 @@ pub struct Verdict {
     pub kind: String,
     /// The causes.
     pub effects: Vec<String>,
-    /// Probability that it is right: the agreement times the share of blind simulated verdicts of its kind that were right.
+    /// Probability that it is right: the share of blind simulated verdicts of its kind that were right, lower where the resamples disagree.
     pub confidence: f64,
     /// Share of the bootstrap resamples that agree.
     pub agreement: f64,
