@@ -139,7 +139,7 @@ fn a_verdict_that_rests_on_being_simplest_says_what_would_settle_it() {
     let open = diagnosed_with((&jumps, &jumps), 0.1, &[passes], few, 7);
     let next = open.next.as_ref().unwrap();
     let both = ["presliding", "reversal_transition"];
-    assert_eq!((named(&open), &next.separates[..]), ((Kind::Effect, vec!["presliding"]), &both[..]));
+    assert_eq!((named(&open), &next.separates[..]), ((Kind::Ambiguous, both.to_vec()), &both[..]));
     let settled = diagnosed_with((&jumps, &jumps), 0.1, &[passes], proposed(&open), 8);
     assert_eq!(named(&settled), (Kind::Effect, vec!["reversal_transition"]));
 }

@@ -224,15 +224,16 @@ fn sureness(folds: &Folds, before: &[f64], after: &[f64]) -> Requirement {
     }
 }
 
-/// Causes other than `taken` that do as well with no more numbers, another form of it within the accuracy of any formula; one that a spring over a short way is mistaken for may have
+/// Causes other than `taken` that do as well with no more numbers; one that a spring over a short way is mistaken for may have
 /// one less.
 pub fn rivals(taken: &FittedCause, tried: &[FittedCause], start: f64) -> Vec<Cause> {
     let spare = |cause: Cause| {
         usize::from(taken.cause.effect().is_some_and(|effect| effect.about().outnumbered_by.contains(&cause.name())))
     };
     let is_rival = |other: &&FittedCause| {
-        let does_as_well = || is_tie(&taken.fit, &other.fit, start) || is_other_form(taken, other, start);
-        other.cause != taken.cause && other.count() <= taken.count() + spare(other.cause) && does_as_well()
+        let does_as_well =
+            || other.count() <= taken.count() + spare(other.cause) && is_tie(&taken.fit, &other.fit, start);
+        other.cause != taken.cause && (does_as_well() || is_other_form(taken, other, start))
     };
     let mut found: Vec<Cause> = Vec::new();
     for other in tried.iter().filter(is_rival) {

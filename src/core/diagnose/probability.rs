@@ -18,7 +18,7 @@ struct Outcomes {
 }
 
 /// Resamples that disagree count with this weight where causes are named: most of them prefer a rival for the same part of the gap, and
-/// verdicts on which few agreed were right nearly as often as others (agreement below 0.8: 48 of 57, else 286 of 327).
+/// verdicts on which few agreed were right nearly as often as others (agreement below 0.8: 39 of 48, else 289 of 336).
 const AGREEMENT_WEIGHT: f64 = 0.2;
 
 impl Kind {
@@ -29,11 +29,11 @@ impl Kind {
         let (right, none, outside, other) = match (self, is_clear) {
             (Self::None, _) => (63.0, 0.0, 6.0, 15.0),
             (Self::Stale, _) => (55.0, 0.0, 1.0, 0.0),
-            (Self::Effect, true) => (178.0, 0.0, 1.0, 2.0),
-            (Self::Effect, false) => (36.0, 1.0, 4.0, 8.0),
+            (Self::Effect, true) => (168.0, 0.0, 1.0, 2.0),
+            (Self::Effect, false) => (34.0, 1.0, 4.0, 8.0),
             (Self::Several, true) => (33.0, 0.0, 1.0, 16.0),
             (Self::Several, false) => (3.0, 0.0, 5.0, 6.0),
-            (Self::Ambiguous, _) => (29.0, 0.0, 2.0, 3.0),
+            (Self::Ambiguous, _) => (35.0, 0.0, 2.0, 9.0),
             (Self::Unknown, _) => (33.0, 0.0, 0.0, 9.0),
         };
         Outcomes { right, none, outside, other }
