@@ -9,8 +9,8 @@ use crate::report::wording::{Units, moving};
 
 /// Samples drawn for each direction.
 const DOTS: usize = 1100;
-/// Samples looked at: some four hundred for each stretch, whose quantiles then err by a thirtieth of the range they mark.
-const SAMPLES: usize = 40_000;
+/// Samples looked at: over a thousand for each stretch.
+const SAMPLES: usize = 100_000;
 /// Stretches of position of which median and range are drawn.
 const POSITION_BINS: usize = 45;
 /// Stretches of speed, for each direction.
