@@ -41,7 +41,7 @@ const TIE_LEFT_SHARE: f64 = 0.05;
 const TIE_SHARE_MAX: f64 = 0.05;
 
 /// Accuracy of a formula, as a share of the gap's square: forms of the same effect that differ by less are not distinguished.
-const FORM_SHARE: f64 = 0.01;
+const FORM_ACCURACY: f64 = 0.01;
 /// A cause that moves the base by this much more, in squared standard deviations, is worse: its prior is e^-5 times as likely ...
 const SURPRISE_APART: f64 = 10.0;
 /// ... and each parameter fewer is worth as much as determining one to a hundredth of its range: 2 ln 100.
@@ -224,8 +224,8 @@ fn sureness(folds: &Folds, before: &[f64], after: &[f64]) -> Requirement {
     }
 }
 
-/// Causes other than `taken` that do as well with no more numbers; one that a spring over a short way is mistaken for may have
-/// one less.
+/// Causes other than `taken` that do as well with no more numbers (one that a spring over a short way is mistaken for may have one
+/// less), and other forms of it that explain as much within the accuracy of any formula, however many numbers they have.
 pub fn rivals(taken: &FittedCause, tried: &[FittedCause], start: f64) -> Vec<Cause> {
     let spare = |cause: Cause| {
         usize::from(taken.cause.effect().is_some_and(|effect| effect.about().outnumbered_by.contains(&cause.name())))
@@ -247,7 +247,8 @@ pub fn rivals(taken: &FittedCause, tried: &[FittedCause], start: f64) -> Vec<Cau
 /// Whether `other` is the same effect in another form, and explains as much within the accuracy of any formula.
 fn is_other_form(taken: &FittedCause, other: &FittedCause, start: f64) -> bool {
     let floor_square = taken.fit.mask.floor_square();
-    is_alike(taken.cause, other.cause) && other.score() - taken.score() <= FORM_SHARE * (start - floor_square).max(0.0)
+    is_alike(taken.cause, other.cause)
+        && other.score() - taken.score() <= FORM_ACCURACY * (start - floor_square).max(0.0)
 }
 
 /// Whether `other` is another form of `cause`.

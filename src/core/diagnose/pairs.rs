@@ -75,9 +75,13 @@ fn promising(base: &BaseModel<'_>, hypotheses: &[Hypothesis]) -> Vec<[Hypothesis
     let mut ranked: Vec<(f64, usize, usize)> =
         pairs.into_par_iter().map(|(j, i)| (left(&parts[j], &parts[i]), j, i)).collect();
     ranked.sort_by(|a, b| a.0.total_cmp(&b.0));
+    of_different_causes(ranked.into_iter().map(|(_, j, i)| [parts[j].hypothesis, parts[i].hypothesis]))
+}
+
+/// The first of `pairs`, one for each two causes.
+fn of_different_causes<'h>(pairs: impl Iterator<Item = [&'h Hypothesis; 2]>) -> Vec<[Hypothesis; 2]> {
     let mut found: Vec<[Hypothesis; 2]> = Vec::new();
-    for (_, j, i) in ranked {
-        let pair = [parts[j].hypothesis, parts[i].hypothesis];
+    for pair in pairs {
         let same = |known: &[Hypothesis; 2]| causes(&[&known[0], &known[1]]) == causes(&pair);
         if !found.iter().any(same) {
             found.push(pair.map(Hypothesis::clone));
