@@ -18,8 +18,6 @@ use std::sync::Arc;
 
 /// Most causes that are looked for.
 const CAUSES_MAX: usize = 6;
-/// How often more causes are looked for once some that were found did not stay.
-const RETURNS: usize = 2;
 /// Number of the causes refused last that are reported.
 const REFUSED_TOLD: usize = 5;
 
@@ -78,14 +76,14 @@ pub fn choose<'d>(mask: &Arc<Mask<'d>>, model: &Model, listener: Listener<'_>) -
     let rest = first.alone();
     let start = rest.score();
     let search = Search { first, again: OnceCell::new(), start, rounds: Rounds::default(), listener };
-    let Forward { chosen, fit, opening, mut refused } = search.forward(&rest);
+    let Forward { chosen, fit, opening, refused } = search.forward(&rest);
     // Causes that were not promising enough alone to be fitted count as explaining nothing alone.
     let scores: Vec<(Cause, f64)> = opening.tried.iter().map(|tried| (tried.cause, tried.score())).collect();
     let alone = |cause: Cause| scores.iter().filter(|(of, _)| *of == cause).fold(start, |least, (_, x)| least.min(*x));
     let (steps, last) = match &chosen[..] {
         [] => (Vec::new(), fit),
         [one] => (vec![search.place(one, opening.tried, rest.clone(), &search.first)], fit),
-        _ => search.settled(chosen, &mut refused),
+        _ => search.settle(chosen),
     };
     let count = steps.len();
     let of_step = |step: Step<'d>| Found {
@@ -152,25 +150,6 @@ impl<'d> Search<'d, '_> {
             }
         }
         way
-    }
-
-    /// The causes settled, and with them any that is enough to be named beside those that stayed; `refused` are those that were not.
-    fn settled(&self, chosen: Vec<Hypothesis>, refused: &mut Vec<FittedCause<'d>>) -> (Vec<Step<'d>>, Fit<'d>) {
-        let mut settled = self.settle(chosen);
-        for _ in 0..RETURNS {
-            let stayed: Vec<Hypothesis> = settled.0.iter().filter_map(|step| step.taken.hypothesis()).collect();
-            let (chosen, fit) = self.together(&stayed);
-            if chosen.len() >= CAUSES_MAX {
-                break;
-            }
-            let tried = self.round(&chosen, &fit).tried;
-            let way = Forward { chosen, fit, opening: Round::default(), refused: Vec::new() };
-            let more = self.one_more(&way, &tried);
-            *refused = tried;
-            let Some((chosen, _)) = more else { break };
-            settled = self.settle(chosen);
-        }
-        settled
     }
 
     /// What was chosen and the best of `tried` beside it, if that is enough to be named.

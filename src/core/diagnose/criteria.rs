@@ -252,7 +252,7 @@ fn is_other_form(taken: &FittedCause, other: &FittedCause, start: f64) -> bool {
 }
 
 /// Whether `other` is another form of `cause`.
-pub fn is_alike(cause: Cause, other: Cause) -> bool {
+fn is_alike(cause: Cause, other: Cause) -> bool {
     cause.effect().is_some_and(|effect| effect.about().alike.contains(&other.name()))
 }
 

@@ -91,9 +91,6 @@ impl<'d> Explanation<'d> {
         let left_square = self.choice.last.held_out_square();
         let unpredicted_square = flexible::fit(mask, columns, &self.left_nm).held_out.min(left_square);
         let is_bare = self.choice.found.is_empty() && self.events.is_empty();
-        let delivered_nm = mask.residual_nm(&self.choice.base.predicted_nm);
-        let delivered_square = || delivered_nm.iter().map(|r| r * r).sum::<f64>() / mask.rows().max(1) as f64;
-        let bare_square = is_bare.then(delivered_square);
-        floor::settled((mask.data, &self.after), &self.left_nm, (unpredicted_square, left_square), bare_square)
+        floor::settled((mask.data, &self.after), &self.left_nm, (unpredicted_square, left_square), is_bare)
     }
 }

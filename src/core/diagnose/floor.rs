@@ -154,28 +154,22 @@ fn differing_square(blocks: &mut [f64]) -> f64 {
 
 /// The floor under `left_nm`, the residual at all rows of `after`, the model with its causes; it includes slow noise. Without long repeats,
 /// slow noise differs from a cause only in that no fit predicts it on held-out units: `unforeseen_square` is the residual of a flexible fit
-/// there, (N m)^2. The residual of the model itself, `left_square`, limits the encoder's part. Where no cause and no contact was found,
-/// that of the model as delivered does, given as `bare_square`: what moves it within its confidence is the encoder's, too; and where such a
-/// fit predicts nothing, the whole residual is noise.
+/// there, (N m)^2. The residual of the model itself, `left_square`, limits the encoder's part. Where no cause and no contact was found
+/// (`is_bare`) and such a fit predicts nothing, the whole residual is noise.
 pub fn settled(
     (data, after): (&DataSet, &Model),
     left_nm: &[f64],
     (unforeseen_square, left_square): (f64, f64),
-    bare_square: Option<f64>,
+    is_bare: bool,
 ) -> Floor {
-    let most_square = bare_square.map_or(left_square, |square| square.max(left_square));
     let encoder_square = of_encoder(data, after);
     let fast = of_noise(&data.records, left_nm, left_square);
     let noise_square = (unforeseen_square - encoder_square).max(0.0);
     let found_again = left_square - unforeseen_square;
     let least = FOUND_AGAIN_MIN * (left_square - encoder_square - fast.rms_nm.powi(2));
-    if bare_square.is_some()
-        && fast.source == FloorSource::Spectrum
-        && noise_square > fast.rms_nm.powi(2)
-        && found_again <= least
-    {
+    if is_bare && fast.source == FloorSource::Spectrum && noise_square > fast.rms_nm.powi(2) && found_again <= least {
         let all = Floor::of_noise(noise_square.sqrt(), FloorSource::Unforeseen, SPECTRUM_ERROR);
-        return all.with_encoder(encoder_square, most_square);
+        return all.with_encoder(encoder_square, left_square);
     }
     let blocks = repeats_blocks(&data.records, left_nm, BLOCK_LATER, SLOW_LATER);
     let whole_square = match blocks.len() >= BLOCKS_MIN {
@@ -185,7 +179,7 @@ pub fn settled(
     let rms_nm = whole_square.sqrt().min(RISE_MAX * fast.rms_nm).max(fast.rms_nm);
     let rise = (rms_nm / fast.rms_nm.max(f64::MIN_POSITIVE)).powi(2) - 1.0;
     let settled = Floor { rms_nm, relative_error: fast.relative_error.hypot(RISE_ERROR * rise), ..fast };
-    settled.with_encoder(encoder_square, most_square)
+    settled.with_encoder(encoder_square, left_square)
 }
 
 /// Mean squares of the differences between repeats, in blocks, slow differences removed.

@@ -3,7 +3,7 @@
 use super::base::BaseModel;
 use super::candidates::{Cause, FittedCause, Hypothesis};
 use super::choose::Search;
-use super::criteria::{Share, distinctness, is_alike, is_tie, simplest};
+use super::criteria::{Share, distinctness, is_tie, simplest};
 use super::fit::Fit;
 use super::progress::{Phase, Progress};
 
@@ -39,7 +39,6 @@ impl<'d> Search<'d, '_> {
     /// out what the others explain as well without it. Returns the causes, and the fit of all.
     pub fn settle(&self, mut chosen: Vec<Hypothesis>) -> (Vec<Step<'d>>, Fit<'d>) {
         let mut steps: Vec<Step<'d>> = Vec::new();
-        self.drop_idle(&mut chosen);
         for _ in 0..SWEEPS {
             let before: Vec<Cause> = chosen.iter().map(|hypothesis| hypothesis.cause).collect();
             steps.clear();
@@ -54,44 +53,7 @@ impl<'d> Search<'d, '_> {
                 break;
             }
         }
-        let (chosen, steps, all) = self.without_idle(chosen, steps);
-        self.in_other_forms(chosen, steps, all)
-    }
-
-    /// Leaves out what the others explain as well, before it keeps them from where they belong.
-    fn drop_idle(&self, chosen: &mut Vec<Hypothesis>) {
-        while chosen.len() > 1 {
-            let (_, all) = self.together(chosen);
-            let is_idle = |at: &usize| {
-                let without = self.together(&all_but(chosen, *at)).1;
-                !self.is_material(&all, &without, Share::at_best(chosen[*at].cause))
-            };
-            let Some(idle) = (0..chosen.len()).find(is_idle) else { return };
-            chosen.remove(idle);
-        }
-    }
-
-    /// The same causes in the form in which each does best once all move together: tried alone, one form of an effect may gain a little more
-    /// than another that leaves less beside the rest.
-    fn in_other_forms(
-        &self,
-        mut chosen: Vec<Hypothesis>,
-        mut steps: Vec<Step<'d>>,
-        mut all: Fit<'d>,
-    ) -> (Vec<Step<'d>>, Fit<'d>) {
-        for at in 0..chosen.len() {
-            let is_form = |other: &&FittedCause<'d>| is_alike(steps[at].taken.cause, other.cause);
-            let Some(form) = steps[at].tried.iter().find(is_form).cloned() else { continue };
-            let mut instead = chosen.clone();
-            let Some(hypothesis) = form.hypothesis() else { continue };
-            instead[at] = hypothesis;
-            let (instead, fit) = self.together(&instead);
-            if instead.len() == chosen.len() && fit.score() < all.score() {
-                steps[at].taken = form;
-                (chosen, all) = (instead, fit);
-            }
-        }
-        (steps, all)
+        self.without_idle(chosen, steps)
     }
 
     /// The best in the place of number `at`. What stands there stays unless something does better, or as well by fewer numbers
@@ -136,11 +98,7 @@ impl<'d> Search<'d, '_> {
         Step::new(taken, tried, without)
     }
 
-    fn without_idle(
-        &self,
-        mut chosen: Vec<Hypothesis>,
-        mut steps: Vec<Step<'d>>,
-    ) -> (Vec<Hypothesis>, Vec<Step<'d>>, Fit<'d>) {
+    fn without_idle(&self, mut chosen: Vec<Hypothesis>, mut steps: Vec<Step<'d>>) -> (Vec<Step<'d>>, Fit<'d>) {
         loop {
             let (_, all) = self.together(&chosen);
             let idle = (0..chosen.len()).find(|at| {
@@ -152,7 +110,7 @@ impl<'d> Search<'d, '_> {
                     chosen.remove(at);
                     steps.remove(at);
                 }
-                _ => return (chosen, steps, all),
+                _ => return (steps, all),
             }
         }
     }

@@ -28,7 +28,7 @@ const WHOLE_SHARE: f64 = 0.9;
 /// Steps matter where at least this share of all changes is a single one beside a sample without change; faster motion
 /// hides them.
 const LONE_SHARE: f64 = 0.5;
-/// With fewer than this share of them even changes are those of an even speed.
+/// With fewer than this share of them even changes are those of a speed.
 const LONE_SHARE_MIN: f64 = 0.1;
 
 /// What friction follows.
@@ -97,8 +97,12 @@ pub fn smallest_change_rad(raw_rad: &[f64], above_rad: f64) -> Option<f64> {
 /// Whether the position changes by whole steps of `step_rad`.
 fn is_made_of_steps(raw_rad: &[f64], step_rad: f64) -> bool {
     let off = |change_rad: f64| (change_rad / step_rad - (change_rad / step_rad).round()).abs();
-    let whole = changes_rad(raw_rad, 0.0).filter(|change_rad| off(*change_rad) < ONE_STEP).count();
-    whole as f64 >= WHOLE_SHARE * changes_rad(raw_rad, 0.0).count() as f64
+    let (mut all, mut whole) = (0usize, 0usize);
+    for change_rad in changes_rad(raw_rad, 0.0) {
+        all += 1;
+        whole += usize::from(off(change_rad) < ONE_STEP);
+    }
+    whole as f64 >= WHOLE_SHARE * all as f64
 }
 
 /// The share of all changes that are single steps of `step_rad` beside a sample without change.
