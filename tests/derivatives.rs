@@ -63,7 +63,7 @@ fn readings_nm<S: Evaluated>(model: &Model<S>, motions: &[[Motion; 2]]) -> Vec<S
         Sample { time_s, elapsed_s, own: over(motions[i][0]), others: &others[i] }
     };
     let driven = |i: usize| {
-        let k_tilde = passage.step(motions[i][0].position);
+        let k_tilde = passage.step(motions[i][0].position, motions[i][0].velocity);
         let sample = sample(i);
         model.driven_nm(&sample, model.asked_alone(sample.own, S::from(0.1)), k_tilde).torque_nm
     };

@@ -169,8 +169,8 @@ fn main() {{
 /// What `program` makes of `trial`, N m.
 fn ran(program: &Path, model: &Model, trial: &Trial) -> Vec<f64> {
     let backlash_rad = model.backlash_m() / model.joint.pulley_radius_m;
-    let (direction, _) = settle(trial.followed_rad(), backlash_rad, 0.0);
-    let start = [trial.followed_rad()[0], direction.sign(), 0.0];
+    let (direction, _) = settle(trial.followed_rad(), backlash_rad, trial.deadband_rad);
+    let start = [trial.followed_rad()[0], direction.sign(), trial.deadband_rad];
     fed(program, &start.into_iter().chain(samples(model, trial)).collect::<Vec<f64>>())
 }
 

@@ -8,7 +8,7 @@ use super::code::{inline, lines, number};
 use super::plain_name;
 use crate::dynamics::{JointKind, Motion};
 use crate::effects::{Added, Presliding, Sample};
-use crate::model::{Asked, Combination, Model, moved, on_the_way};
+use crate::model::{AT_REST_RAD_S, Asked, Combination, Model, moved, on_the_way};
 use crate::numerics::causal::Lag;
 use crate::numerics::expression::{Expression, Tape};
 use crate::numerics::scalar::Scalar;
@@ -41,8 +41,8 @@ struct Parts {
     needs_slope: bool,
     others: usize,
     passage: Passage,
-    /// K~ changes at once.
-    jumps: bool,
+    /// K~ follows the sign of the speed alone, from this speed on, rad/s.
+    jumps: Option<String>,
     late: Option<Late>,
     follows: Option<Follows>,
     effects: Vec<String>,
@@ -106,7 +106,7 @@ fn parts(model: &Model, language: Language, settings: &Settings) -> Result<Parts
         needs_slope,
         others,
         passage: passage(model, language),
-        jumps: model.added_curve().is_none() && model.combination == Combination::Sign,
+        jumps: (model.added_curve().is_none() && model.combination == Combination::Sign).then(|| number(AT_REST_RAD_S)),
         late: late(model, settings)?,
         follows: follows(model, settings),
         effects: model.effects.iter().map(|e| format!("{}: {}", e.id(), e.effect.about().means)).collect(),

@@ -94,7 +94,7 @@ impl Record {
         let n = trial.torque_nm.len();
         let at: Vec<usize> = (0..n).step_by(step).collect();
         let backlash_rad = model.backlash_m() / model.joint.pulley_radius_m;
-        let (_, known_from) = settle(trial.followed_rad(), backlash_rad, 0.0);
+        let (_, known_from) = settle(trial.followed_rad(), backlash_rad, trial.deadband_rad);
         let memory = forgotten(rate_hz, lowpass_hz);
         let first = (known_from + memory).div_ceil(step);
         let rests = rests(trial.followed_rad(), rate_hz, trial.deadband_rad);
@@ -129,7 +129,7 @@ impl Record {
             gravity_shares: at.iter().map(|i| model.joint.kind.gravity_share(trial.position_rad[*i])).collect(),
             chain: trial.chain.as_ref().map(|chain| at.iter().map(|i| chain[*i]).collect()),
             step,
-            strokes: trial.strokes.clone(),
+            strokes: Strokes::new(trial.followed_rad(), (0..n).map(|i| trial.velocity_rad_s(i)), trial.deadband_rad),
             deadband_rad: trial.deadband_rad,
             lowpass,
         })

@@ -66,8 +66,7 @@ pub fn few_speeds(direction: Direction, speeds: impl Iterator<Item = f64>, campa
 fn no_turn(readings: &[Reading], campaign: &Path) -> Option<Problem> {
     let alone = readings.iter().filter(|reading| reading.entry.protocol != Protocol::Interaction);
     let mut prepared = alone.map(|reading| &reading.prepared);
-    let turns =
-        prepared.any(|p| p.series.velocity_rad_s.iter().any(|v| *v > 0.0) && !p.series.strokes.reversals().is_empty());
+    let turns = prepared.any(|p| p.series.velocity_rad_s.iter().any(|v| *v > 0.0) && !p.reversals().is_empty());
     (!turns).then(|| {
         let what = "no sweep, and no trial in which the joint turns: friction cannot be told from the load";
         Problem::error(campaign, what, "record motion in both directions")

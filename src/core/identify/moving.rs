@@ -111,7 +111,7 @@ impl Limits {
         let over = |values: &dyn Fn(&Prepared) -> f64| trials.iter().map(values).fold(f64::MIN_POSITIVE, f64::max);
         let largest = |values: &[f64]| values.iter().fold(0f64, |m, x| m.max(x.abs()));
         let stroke = |t: &Prepared| {
-            let (low, high) = extent(t.series.position_rad());
+            let (low, high) = extent(&t.series.position_rad);
             high - low
         };
         Self {

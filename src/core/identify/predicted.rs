@@ -2,10 +2,11 @@
 
 use crate::dynamics::Motion;
 use crate::effects::{Evaluated, Sample};
-use crate::model::{Asked, Model, Transition, settle};
+use crate::model::{Asked, Direction, Model, Transition, settle};
 use crate::numerics::filter::LowPass;
 use crate::numerics::scalar::Scalar;
 use crate::prepare::Series;
+use std::ops::Range;
 
 /// Around a stretch of a trial, in periods of the low-pass: the filter run on the stretch alone has then forgotten its edges.
 pub const PADDING_PERIODS: f64 = 3.0;
@@ -51,11 +52,12 @@ impl Prepared {
     /// K~ of every sample for `model`'s curve and backlash, and the first sample from which it is known.
     pub fn k_tilde<S: Scalar>(&self, model: &Model<S>) -> (Vec<S>, usize) {
         let backlash_rad = model.joint.backlash_rad();
-        let positions = self.series.position_rad();
-        let (direction, known_from) = settle(positions, backlash_rad.value(), 0.0);
-        let mut state = Transition::after(direction, positions.first().copied().unwrap_or(0.0));
-        let step = |x: &f64| state.step(*x, &model.combination, backlash_rad, 0.0);
-        (positions.iter().map(step).collect(), known_from)
+        let deadband_rad = self.series.deadband_rad;
+        let (direction, known_from) = settle(&self.series.position_rad, backlash_rad.value(), deadband_rad);
+        let start_rad = self.series.position_rad.first().copied().unwrap_or(0.0);
+        let mut state = Transition::after(direction, start_rad);
+        let step = |x: &f64| state.step(*x, &model.combination, backlash_rad, deadband_rad);
+        (self.series.position_rad.iter().map(step).collect(), known_from)
     }
 
     /// y predicted by `model` at any sample, friction combined by `k_tilde` there, before the low-pass, N m. Of effects it has at most
@@ -67,7 +69,7 @@ impl Prepared {
             if model.effects.is_empty() {
                 return model.torque_nm(load_nm(i), velocity, k_tilde).torque_nm;
             }
-            let (time_s, position) = (S::from(self.series.time_s[i]), S::from(self.series.position_rad()[i]));
+            let (time_s, position) = (S::from(self.series.time_s[i]), S::from(self.series.position_rad[i]));
             let own = Motion { position, velocity, acceleration: S::from(0.0) };
             let sample = Sample { time_s, elapsed_s: time_s, own, others: &[] };
             model.driven_nm(&sample, Asked { torque_nm: load_nm(i), slope_nm_rad: S::from(0.0) }, k_tilde).torque_nm
@@ -81,5 +83,41 @@ impl Prepared {
         let raw: Vec<f64> = k_tilde.iter().enumerate().map(|(i, k)| torque_nm(i, *k)).collect();
         let predicted = self.low_pass(&raw);
         (self.series.torque_nm.iter().zip(&predicted).map(|(y, p)| y - p).collect(), known_from)
+    }
+
+    /// Samples at which the joint turns, with the direction it turns to.
+    pub fn reversals(&self) -> Vec<(usize, Direction)> {
+        let positions = &self.series.position_rad;
+        let Some(first) = positions.first() else { return Vec::new() };
+        let (mut extreme_rad, mut at, mut direction) = (*first, 0, None);
+        let mut turns = Vec::new();
+        for (i, x) in positions.iter().enumerate() {
+            let onward = |d: Direction| (x - extreme_rad) * d.sign();
+            match direction {
+                Some(d) if onward(d) >= 0.0 => (extreme_rad, at) = (*x, i),
+                Some(d) if onward(d) >= -self.series.deadband_rad => {}
+                _ if (x - extreme_rad).abs() > self.series.deadband_rad => {
+                    let turned = if *x > extreme_rad { Direction::Up } else { Direction::Down };
+                    if direction.is_some() {
+                        turns.push((at, turned));
+                    }
+                    direction = Some(turned);
+                    (extreme_rad, at) = (*x, i);
+                }
+                _ => {}
+            }
+        }
+        turns
+    }
+    /// The motion cut at its reversals, with where each stroke goes; what comes before the first reversal is one too.
+    pub fn strokes(&self) -> Vec<(Range<usize>, Direction)> {
+        let turns = self.reversals();
+        let positions = &self.series.position_rad;
+        let falls = positions.last() < positions.first();
+        let alone = if falls { Direction::Down } else { Direction::Up };
+        let begin = turns.first().map_or(alone, |(_, direction)| direction.opposite());
+        let starts = std::iter::once((0, begin)).chain(turns.iter().copied());
+        let ends = turns.iter().map(|(at, _)| *at).chain([self.len()]);
+        starts.zip(ends).map(|((start, direction), end)| (start..end, direction)).collect()
     }
 }

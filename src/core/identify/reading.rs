@@ -45,7 +45,7 @@ impl Reading {
     pub fn speeds_rad_s(&self) -> Cow<'_, [f64]> {
         let series = &self.prepared.series;
         match self.entry.protocol.speed_rad_s() {
-            Some(speed_rad_s) => sweep_speeds(series.position_rad(), series.rate_hz, speed_rad_s).into(),
+            Some(speed_rad_s) => sweep_speeds(&series.position_rad, series.rate_hz, speed_rad_s).into(),
             None => (&series.velocity_rad_s).into(),
         }
     }

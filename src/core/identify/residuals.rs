@@ -44,7 +44,7 @@ fn residual(trial: &Prepared, file: &str, protocol: Protocol, model: &Model) -> 
         file: file.to_string(),
         protocol,
         time_s: take(&trial.series.time_s),
-        position_rad: take(trial.series.position_rad()),
+        position_rad: take(&trial.series.position_rad),
         velocity_rad_s: take(&trial.series.velocity_rad_s),
         residual_nm: take(&residual),
     }

@@ -1,7 +1,7 @@
 //! Whole series as fits and judgements use them: stroke by stroke, thinned, each filtered with as much around it as it needs.
 
 use super::predicted::{PADDING_PERIODS, Prepared};
-use crate::model::{self, Direction, Model, settle};
+use crate::model::{Direction, Model, settle};
 use crate::prepare::{REST_S, Series, rests};
 use rayon::prelude::*;
 use std::ops::Range;
@@ -39,21 +39,19 @@ impl<'a> Part<'a> {
         let period = trial.series.rate_hz / lowpass_hz;
         let step = ((period / ROWS_PER_PERIOD) as usize).max(1);
         let pad = (PADDING_PERIODS * period) as usize;
-        let (_, known_from) = settle(trial.series.position_rad(), backlash_rad, 0.0);
-        let Series { strokes, rate_hz, deadband_rad, in_range, .. } = &trial.series;
-        let rests =
-            if backlash_rad > 0.0 { Vec::new() } else { rests(strokes.position_rad(), *rate_hz, *deadband_rad) };
+        let (_, known_from) = settle(&trial.series.position_rad, backlash_rad, trial.series.deadband_rad);
+        let Series { position_rad, rate_hz, deadband_rad, in_range, .. } = &trial.series;
+        let rests = if backlash_rad > 0.0 { Vec::new() } else { rests(position_rad, *rate_hz, *deadband_rad) };
         let beside = (2.0 * REST_S * rate_hz) as usize;
         let is_beside_rest =
             |i: usize| rests[i.saturating_sub(beside).min(rests.len())..(i + beside).min(rests.len())].contains(&true);
         let usable = |i: &usize| *i >= known_from && in_range[*i] && !is_beside_rest(*i);
-        let stroke = |model::Stroke { start, end, direction, .. }: &model::Stroke| {
-            let samples = *start..*end;
+        let stroke = |(samples, direction): (Range<usize>, Direction)| {
             let padded = samples.start.saturating_sub(pad)..(samples.end + pad).min(trial.len());
             let first = samples.start.next_multiple_of(step);
-            Stroke { direction: *direction, rows: (first..samples.end).step_by(step).filter(usable).collect(), padded }
+            Stroke { direction, rows: (first..samples.end).step_by(step).filter(usable).collect(), padded }
         };
-        let strokes = strokes.all().iter().map(stroke);
+        let strokes = trial.strokes().into_iter().map(stroke);
         Self::of(trial, strokes.filter(|s| s.rows.len() as f64 >= ROWS_PER_PERIOD).collect())
     }
 

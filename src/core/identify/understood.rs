@@ -84,8 +84,7 @@ impl UnderstoodTrial {
             speed_rad_s: if steady.is_empty() { 0.0 } else { quantile(&mut steady, 0.5) },
             step_rad: series.step_rad,
             noise_nm: reading.noise_nm,
-            series: [&series.time_s, series.position_rad(), &series.velocity_rad_s, &series.torque_nm]
-                .map(<[f64]>::to_vec),
+            series: [&series.time_s, &series.position_rad, &series.velocity_rad_s, &series.torque_nm].map(Vec::clone),
         }
     }
 

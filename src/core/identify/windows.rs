@@ -1,7 +1,7 @@
 //! Where friction changes over: the stretches of a campaign around its reversals.
 
 use super::predicted::{PADDING_PERIODS, Prepared};
-use crate::model::{Both, Combination, Direction, Model, Stroke, Transition, settle};
+use crate::model::{Both, Combination, Direction, Model, Transition, settle};
 use crate::numerics::statistics::mean;
 use std::ops::Range;
 
@@ -39,15 +39,16 @@ pub struct Crossing {
 /// The windows of `trial`: from each reversal until the joint has gone on by `reach_rad`.
 pub fn windows<'a>(trial: &'a Prepared, model: &Model, reach_rad: f64, lowpass_hz: f64) -> Vec<Window<'a>> {
     let n = trial.len();
-    let (_, known_from) = settle(trial.series.position_rad(), model.joint.backlash_rad(), 0.0);
+    let (_, known_from) = settle(&trial.series.position_rad, model.joint.backlash_rad(), trial.series.deadband_rad);
     let pad = (PADDING_PERIODS / lowpass_hz * trial.series.rate_hz) as usize;
     let smear = (SMEAR_PERIODS / lowpass_hz * trial.series.rate_hz) as usize;
-    let turns = trial.series.strokes.reversals();
-    let position_rad = trial.series.position_rad();
+    let turns = trial.reversals();
     let mut ranges: Vec<(Range<usize>, Direction)> = Vec::new();
-    for Stroke { start: at, end: next, direction, from_rad } in turns {
-        let gone = |i: &usize| (position_rad[*i] - from_rad).abs() >= reach_rad;
-        let end = ((*at..*next).find(gone).unwrap_or(*next) + smear).min(n);
+    for (k, (at, direction)) in turns.iter().enumerate() {
+        let next = turns.get(k + 1).map_or(n, |turn| turn.0);
+        let from = trial.series.position_rad[*at];
+        let gone = |i: &usize| (trial.series.position_rad[*i] - from).abs() >= reach_rad;
+        let end = ((*at..next).find(gone).unwrap_or(next) + smear).min(n);
         match ranges.last_mut() {
             // Nearer than the padding: one window, for its state is carried through both.
             Some((last, _)) if *at < last.end + 2 * pad => last.end = end,
@@ -81,11 +82,11 @@ impl<'a> Window<'a> {
     }
 
     fn states(&self, curve: &Combination, backlash_rad: f64) -> impl Iterator<Item = Transition> + '_ {
-        let positions = &self.trial.series.position_rad()[self.padded.clone()];
+        let positions = &self.trial.series.position_rad[self.padded.clone()];
         let mut state = Transition::after(self.start, positions[0]);
-        let curve = *curve;
+        let (curve, deadband_rad) = (*curve, self.trial.series.deadband_rad);
         positions.iter().map(move |x| {
-            state.step(*x, &curve, backlash_rad, 0.0);
+            state.step(*x, &curve, backlash_rad, deadband_rad);
             state
         })
     }

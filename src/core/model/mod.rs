@@ -18,9 +18,9 @@ pub use friction::{Friction, Term, combined, decayed, loss};
 pub use functions::{BranchFunctions, Functions, Level, SharedError, shared_speeds};
 pub use groups::Group;
 pub use joint::{Drive, Joint};
-pub use passage::Passage;
+pub use passage::{AT_REST_RAD_S, Passage};
 pub use predict::{Asked, Components};
-pub use strokes::{Stroke, Strokes};
+pub use strokes::Strokes;
 
 use crate::dynamics::Dynamics;
 use crate::effects::Added;

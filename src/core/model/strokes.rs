@@ -1,7 +1,7 @@
 //! K~ along a whole recorded motion: what depends on the motion alone is worked out once, then any model's K~ follows stroke by
 //! stroke. Beyond the end of a transition nothing is evaluated, and within it only as often as its curve bends.
 
-use super::{Combination, Direction, Model, on_the_way};
+use super::{AT_REST_RAD_S, Combination, Direction, Model, on_the_way};
 use crate::effects::{Evaluated, Presliding};
 use crate::numerics::scalar::Scalar;
 use std::ops::Range;
@@ -14,133 +14,94 @@ const STRAIGHT: f64 = 2e-5;
 /// See [`between`], as shares of the travel.
 const MIDWAY: std::ops::RangeInclusive<f64> = 0.2..=0.8;
 
-/// A recorded motion as friction follows it: cut where the joint turns, in each stroke onward only.
-#[derive(Debug, Clone, Default)]
+/// A recorded motion cut at its reversals.
+#[derive(Debug, Clone)]
 pub struct Strokes {
-    /// Position at each sample, rad; the last one before the joint turns is where it turns.
-    position_rad: Vec<f64>,
     strokes: Vec<Stroke>,
+    /// How far the stroke has come at each sample since the joint turned, rad: moving back within the deadband does not count. Near the
+    /// turn, where it matters, 24 bits are far below any encoder's step.
+    onward_rad: Vec<f32>,
+    /// Travel since the stroke before, forth and back, rad.
+    travel_rad: Vec<f32>,
+    /// Sign of the speed; 0 at rest.
+    moving: Vec<i8>,
 }
 
 /// Motion in one direction.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Stroke {
-    /// Its first sample, ...
-    pub start: usize,
-    /// ... and the one after its last.
-    pub end: usize,
-    /// Where the joint goes.
-    pub direction: Direction,
-    /// Where it comes from: where it turned, rad.
-    pub from_rad: f64,
-}
-
-impl Stroke {
-    /// How far it has come at `position_rad`, rad.
-    fn onward_rad(&self, position_rad: f64) -> f64 {
-        (position_rad - self.from_rad) * self.direction.sign()
-    }
+#[derive(Debug, Clone)]
+struct Stroke {
+    rows: Range<usize>,
+    direction: Direction,
+    /// Where the joint turned, rad.
+    from_rad: f64,
 }
 
 impl Strokes {
-    /// Of `position_rad`; travel back of less than `deadband_rad` is no reversal. The joint turned where the position is furthest, not where
-    /// that was noticed.
-    pub fn new(position_rad: Vec<f64>, deadband_rad: f64) -> Self {
-        let Some(first_rad) = position_rad.first().copied() else { return Self::default() };
-        let turns = turns(&position_rad, deadband_rad);
-        let alone = if position_rad[position_rad.len() - 1] < first_rad { Direction::Down } else { Direction::Up };
-        let sets_out = turns.first().map_or(alone, |turn| turn.direction.opposite());
-        let begins = Stroke { start: 0, end: 0, direction: sets_out, from_rad: first_rad };
-        Self::of(position_rad, std::iter::once(begins).chain(turns).collect())
-    }
-
-    /// Of strokes whose ends are yet to be set.
-    fn of(mut position_rad: Vec<f64>, mut strokes: Vec<Stroke>) -> Self {
-        for at in 0..strokes.len() {
-            let next = strokes.get(at + 1).copied();
-            strokes[at].end = next.map_or(position_rad.len(), |next| next.start);
-            let Stroke { start, end, direction, from_rad } = strokes[at];
-            let mut furthest_rad = from_rad;
-            for x in &mut position_rad[start..end] {
-                if (*x - furthest_rad) * direction.sign() > 0.0 {
-                    furthest_rad = *x;
-                }
-                *x = furthest_rad;
+    /// Of `positions_rad`, of which the speeds are given; travel back of less than `deadband_rad` is no reversal.
+    pub fn new(positions_rad: &[f64], velocity_rad_s: impl Iterator<Item = f64>, deadband_rad: f64) -> Self {
+        let first_rad = positions_rad.first().copied().unwrap_or(0.0);
+        let sets_out = positions_rad.iter().map(|x| x - first_rad).find(|away| away.abs() > deadband_rad);
+        let direction = if sets_out.is_some_and(|away| away < 0.0) { Direction::Down } else { Direction::Up };
+        let mut stroke = Stroke { rows: 0..0, direction, from_rad: first_rad };
+        let (mut strokes, mut at_rad, mut before_rad, mut sum_rad) = (Vec::new(), first_rad, first_rad, 0.0);
+        let [mut onward_rad, mut travel_rad] = [(); 2].map(|()| Vec::with_capacity(positions_rad.len()));
+        for (i, x) in positions_rad.iter().enumerate() {
+            let further_rad = (x - at_rad) * stroke.direction.sign();
+            if further_rad < -deadband_rad {
+                let direction = if *x > at_rad { Direction::Up } else { Direction::Down };
+                let next = Stroke { rows: i..i, direction, from_rad: at_rad };
+                strokes.push(std::mem::replace(&mut stroke, next));
+                (at_rad, sum_rad) = (*x, 0.0);
+            } else if further_rad > 0.0 {
+                at_rad = *x;
             }
-            if let Some(next) = next {
-                position_rad[end - 1] = next.from_rad;
-            }
+            stroke.rows.end = i + 1;
+            sum_rad += (x - before_rad).abs();
+            before_rad = *x;
+            onward_rad.push(((at_rad - stroke.from_rad) * stroke.direction.sign()) as f32);
+            travel_rad.push(sum_rad as f32);
         }
-        Self { position_rad, strokes }
-    }
-
-    /// Every `step`th sample, the joint turning where it did.
-    pub fn thinned(&self, step: usize) -> Self {
-        let mut kept: Vec<Stroke> = Vec::new();
-        for stroke in &self.strokes {
-            let start = stroke.start.div_ceil(step);
-            // Motion back and forth between two samples does not show.
-            if start < stroke.end.div_ceil(step) && kept.last().is_none_or(|last| last.direction != stroke.direction) {
-                kept.push(Stroke { start, ..*stroke });
-            }
-        }
-        Self::of(self.position_rad.iter().step_by(step).copied().collect(), kept)
-    }
-
-    /// Position at each sample, rad.
-    pub fn position_rad(&self) -> &[f64] {
-        &self.position_rad
-    }
-
-    /// All of them in order.
-    pub fn all(&self) -> &[Stroke] {
-        &self.strokes
-    }
-
-    /// Those that begin with a reversal.
-    pub fn reversals(&self) -> &[Stroke] {
-        self.strokes.get(1..).unwrap_or_default()
-    }
-
-    /// Where the joint is at the end of `stroke`, rad.
-    fn to_rad(&self, stroke: &Stroke) -> f64 {
-        self.position_rad[stroke.end - 1]
+        strokes.push(stroke);
+        let moving = |v: f64| i8::from(v >= AT_REST_RAD_S) - i8::from(v <= -AT_REST_RAD_S);
+        Self { strokes, onward_rad, travel_rad, moving: velocity_rad_s.map(moving).collect() }
     }
 
     /// The direction in which K_f first saturates, from where its start no longer matters; `Up` if it never does.
     fn settled(&self, backlash_rad: f64) -> Direction {
         let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
         let crosses = |stroke: &&Stroke| {
-            let ends = [stroke.from_rad, self.to_rad(stroke)];
+            let onward_rad = f64::from(self.onward_rad[stroke.rows.end - 1]);
+            let ends = [stroke.from_rad, stroke.from_rad + onward_rad * stroke.direction.sign()];
             low = ends.iter().copied().fold(low, f64::min);
             high = ends.iter().copied().fold(high, f64::max);
             high - low >= backlash_rad
         };
-        self.strokes.iter().find(crosses).map_or(Direction::Up, |stroke| stroke.direction)
+        let mut moved = self.strokes.iter().filter(|stroke| !stroke.rows.is_empty());
+        moved.find(crosses).map_or(Direction::Up, |stroke| stroke.direction)
     }
-}
 
-/// Tells `then` what `of` the travel comes to at each of `rows` of a stroke, `way_rad` on its way, along which it is smooth.
-fn along<S: Scalar>(
-    way_rad: &impl Fn(usize) -> f64,
-    rows: Range<usize>,
-    of: &impl Fn(f64) -> S,
-    then: &mut impl FnMut(Range<usize>, S),
-) {
-    let Some(last) = rows.end.checked_sub(1).filter(|last| *last >= rows.start) else { return };
-    let mut from = (rows.start, of(way_rad(rows.start)));
-    then(rows.start..rows.start + 1, from.1);
-    while from.0 < last {
-        let to = (from.0 + SPAN).min(last);
-        let to = (to, of(way_rad(to)));
-        between(way_rad, from, to, of, then);
-        from = to;
+    /// Tells `then` what `of` the travel comes to at each of `rows`, along which it is smooth.
+    fn along<S: Scalar>(
+        way_rad: &[f32],
+        rows: Range<usize>,
+        of: &impl Fn(f64) -> S,
+        then: &mut impl FnMut(Range<usize>, S),
+    ) {
+        let Some(last) = rows.end.checked_sub(1).filter(|last| *last >= rows.start) else { return };
+        let mut from = (rows.start, of(f64::from(way_rad[rows.start])));
+        then(rows.start..rows.start + 1, from.1);
+        while from.0 < last {
+            let to = (from.0 + SPAN).min(last);
+            let to = (to, of(f64::from(way_rad[to])));
+            between(way_rad, from, to, of, then);
+            from = to;
+        }
     }
 }
 
 /// The samples after `from` up to `to`, where the values are known.
 fn between<S: Scalar>(
-    way_rad: &impl Fn(usize) -> f64,
+    way_rad: &[f32],
     from: (usize, S),
     to: (usize, S),
     of: &impl Fn(f64) -> S,
@@ -151,22 +112,22 @@ fn between<S: Scalar>(
         return then(to.0..to.0 + 1, to.1);
     }
     let share = |from: usize, to: usize, at: usize| {
-        let [from_rad, to_rad, at_rad] = [from, to, at].map(way_rad);
+        let [from_rad, to_rad, at_rad] = [from, to, at].map(|i| f64::from(way_rad[i]));
         if to_rad == from_rad { 0.0 } else { (at_rad - from_rad) / (to_rad - from_rad) }
     };
     let chord = |from: (usize, S), to: (usize, S), at: usize| from.1 + (to.1 - from.1) * share(from.0, to.0, at);
-    let seen = (middle, of(way_rad(middle)));
+    let seen = (middle, of(f64::from(way_rad[middle])));
     // The sample midway in time must be about midway in travel, or it says nothing about the longer part.
-    let is_told = way_rad(from.0) == way_rad(to.0) || MIDWAY.contains(&share(from.0, to.0, middle));
+    let is_told = way_rad[from.0] == way_rad[to.0] || MIDWAY.contains(&share(from.0, to.0, middle));
     if !is_told || (seen.1 - chord(from, to, middle)).value().abs() > STRAIGHT {
         between(way_rad, from, seen, of, then);
         return between(way_rad, seen, to, of, then);
     }
     for (from, to) in [(from, seen), (seen, to)] {
-        let [from_rad, to_rad] = [from.0, to.0].map(way_rad);
+        let [from_rad, to_rad] = [from.0, to.0].map(|i| f64::from(way_rad[i]));
         let per_rad = if to_rad == from_rad { S::from(0.0) } else { (to.1 - from.1) / (to_rad - from_rad) };
         let rows = from.0 + 1..=to.0;
-        rows.for_each(|at| then(at..at + 1, from.1 + per_rad * (way_rad(at) - from_rad)));
+        rows.for_each(|at| then(at..at + 1, from.1 + per_rad * (f64::from(way_rad[at]) - from_rad)));
     }
 }
 
@@ -181,43 +142,55 @@ impl<S: Evaluated> Model<S> {
         let mut k_f = S::from(motion.settled(backlash_rad.value()).sign());
         let mut k_tilde = (k_f + 1.0) / 2.0;
         let mut bent = Bent { k_tilde, at_rad: 0.0 };
-        for stroke in &motion.strokes {
-            let (rows, start) = (stroke.start..stroke.end, (k_f, k_tilde));
-            let end = S::from(stroke.direction.sign());
+        for Stroke { rows, direction, .. } in &motion.strokes {
+            let (start, sign) = ((k_f, k_tilde), direction.sign());
+            let end = S::from(sign);
             let arrived = (end + 1.0) / 2.0;
             let whole = (end - start.0).abs();
-            let crossed_rad = if jumps { S::from(0.0) } else { backlash_rad * whole / 2.0 };
-            let is_passing = |onward_rad: f64| onward_rad < crossed_rad.value();
-            let positions_rad = &motion.position_rad[rows.clone()];
-            let passes = positions_rad.partition_point(|x| is_passing(stroke.onward_rad(*x)));
-            let (passing, settled) = (rows.start..rows.start + passes, rows.start + passes..rows.end);
+            let crossed_rad = backlash_rad * whole / 2.0;
+            let passed = |onward_rad: &f32| f64::from(*onward_rad) < crossed_rad.value();
+            let passes = if jumps { 0 } else { motion.onward_rad[rows.clone()].partition_point(passed) };
+            let passing = rows.start..rows.start + passes;
             let done = |onward_rad: f64| S::from(onward_rad) / crossed_rad;
             let on_curve = |onward_rad: f64| on_the_way(start.1, share(done(onward_rad)), end);
-            let onward_rad = |row: usize| stroke.onward_rad(motion.position_rad[row]);
-            let in_all_rad = stroke.onward_rad(motion.to_rad(stroke));
+            let settled = passing.end..rows.end;
             match &presliding {
                 None => {
-                    along(&onward_rad, passing, &on_curve, &mut then);
-                    if !settled.is_empty() {
-                        then(settled, arrived);
+                    Strokes::along(&motion.onward_rad, passing.clone(), &on_curve, &mut then);
+                    match jumps {
+                        true => motion.by_speed(settled.clone(), arrived, &mut then),
+                        false if !settled.is_empty() => then(settled.clone(), arrived),
+                        false => (),
                     }
                 }
                 Some(presliding) => {
                     bent.at_rad = 0.0;
-                    for at in passing {
-                        bent.follow(presliding, on_curve(onward_rad(at)), onward_rad(at));
+                    for at in passing.clone() {
+                        let [onward_rad, to_rad] = [&motion.onward_rad, &motion.travel_rad].map(|of| f64::from(of[at]));
+                        bent.follow(presliding, on_curve(onward_rad), to_rad);
                         then(at..at + 1, bent.k_tilde);
                     }
-                    match is_passing(in_all_rad) {
-                        true => bent.follow(presliding, on_curve(in_all_rad), in_all_rad),
-                        false => bent.settle(presliding, arrived, (&onward_rad, in_all_rad), settled, &mut then),
-                    }
+                    bent.settle(presliding, arrived, motion, settled.clone(), &mut then);
                 }
             }
-            (k_f, k_tilde) = match is_passing(in_all_rad) {
-                true => (start.0 + end * whole * done(in_all_rad), on_curve(in_all_rad)),
-                false => (end, arrived),
+            (k_f, k_tilde) = match (settled.is_empty(), rows.end.checked_sub(1)) {
+                (true, Some(last)) => {
+                    let onward_rad = f64::from(motion.onward_rad[last]);
+                    (start.0 + end * whole * done(onward_rad), on_curve(onward_rad))
+                }
+                _ => (end, arrived),
             };
+        }
+    }
+}
+
+impl Strokes {
+    /// K~ that follows the sign of the speed alone, as (20) has it; at rest the last motion's, `arrived`.
+    fn by_speed<S: Scalar>(&self, rows: Range<usize>, arrived: S, then: &mut impl FnMut(Range<usize>, S)) {
+        for at in rows {
+            let k_tilde =
+                if self.moving[at] == 0 { arrived } else { S::from(f64::from(u8::from(self.moving[at] > 0))) };
+            then(at..at + 1, k_tilde);
         }
     }
 }
@@ -237,84 +210,35 @@ impl<S: Scalar> Bent<S> {
         *self = Self { k_tilde: if behind.value() < 0.0 { target - left } else { target + left }, at_rad: to_rad };
     }
 
-    /// On through `rows`, over which the branch stays at `target`, to the end of a stroke that goes `in_all_rad`.
+    /// On through `rows`, over which the branch stays at `target`.
     fn settle(
         &mut self,
         presliding: &Presliding<S>,
         target: S,
-        (onward_rad, in_all_rad): (&impl Fn(usize) -> f64, f64),
+        motion: &Strokes,
         rows: Range<usize>,
         then: &mut impl FnMut(Range<usize>, S),
     ) {
+        let Some(last) = rows.end.checked_sub(1).filter(|_| !rows.is_empty()) else { return };
         let (behind, from_rad) = (self.k_tilde - target, self.at_rad);
+        if Presliding::has_arrived(behind.abs()) {
+            *self = Self { k_tilde: target, at_rad: f64::from(motion.travel_rad[last]) };
+            return then(rows, target);
+        }
         let left = presliding.relaxing(behind.abs());
-        let k_tilde = |onward_rad: f64| {
-            let left = left(S::from(onward_rad - from_rad));
+        let k_tilde = |travel_rad: f64| {
+            let left = left(S::from(travel_rad - from_rad));
             if behind.value() < 0.0 { target - left } else { target + left }
         };
-        let has_arrived = |onward_rad: f64| Presliding::has_arrived(left(S::from(onward_rad - from_rad)));
-        let arrives = match Presliding::has_arrived(behind.abs()) {
-            true => rows.start,
-            false => first_where(rows.clone(), |row| has_arrived(onward_rad(row))),
-        };
-        along(onward_rad, rows.start..arrives, &k_tilde, then);
-        if arrives < rows.end {
-            then(arrives..rows.end, target);
+        let is_behind = |travel_rad: &f32| !Presliding::has_arrived(left(S::from(f64::from(*travel_rad) - from_rad)));
+        let bending = rows.start..rows.start + motion.travel_rad[rows.clone()].partition_point(is_behind);
+        Strokes::along(&motion.travel_rad, bending.clone(), &k_tilde, then);
+        if bending.end < rows.end {
+            then(bending.end..rows.end, target);
         }
-        let is_there = arrives < rows.end || Presliding::has_arrived(behind.abs());
-        *self = Self { k_tilde: if is_there { target } else { k_tilde(in_all_rad) }, at_rad: in_all_rad };
+        let at_rad = f64::from(motion.travel_rad[last]);
+        *self = Self { k_tilde: if bending.end < rows.end { target } else { k_tilde(at_rad) }, at_rad };
     }
-}
-
-/// The first of `rows` of which `holds`, which once it does holds for all that follow; their end if there is none.
-fn first_where(rows: Range<usize>, holds: impl Fn(usize) -> bool) -> usize {
-    let (mut low, mut high) = (rows.start, rows.end);
-    while low < high {
-        let middle = low.midpoint(high);
-        if holds(middle) { high = middle } else { low = middle + 1 }
-    }
-    low
-}
-
-/// The strokes that begin where a joint at `position_rad` turns, travel back of less than `deadband_rad` aside.
-fn turns(position_rad: &[f64], deadband_rad: f64) -> Vec<Stroke> {
-    let Some(first_rad) = position_rad.first() else { return Vec::new() };
-    let (mut furthest, mut furthest_rad, mut direction) = (0, *first_rad, None);
-    let mut turns = Vec::new();
-    for (i, x) in position_rad.iter().enumerate() {
-        let away_rad = x - furthest_rad;
-        match direction {
-            Some(Direction::Up) if away_rad >= 0.0 => (furthest, furthest_rad) = (i, *x),
-            Some(Direction::Down) if away_rad <= 0.0 => (furthest, furthest_rad) = (i, *x),
-            _ if away_rad.abs() > deadband_rad => {
-                let turned = if away_rad > 0.0 { Direction::Up } else { Direction::Down };
-                if direction.is_some() {
-                    turns.push(vertex(position_rad, furthest, turned));
-                }
-                direction = Some(turned);
-                (furthest, furthest_rad) = (i, *x);
-            }
-            _ => {}
-        }
-    }
-    turns
-}
-
-/// The stroke that begins about sample `at`, the furthest: on the parabola through it and its neighbours, between two samples. Where the
-/// joint rested before it turned, at the rest.
-fn vertex(position_rad: &[f64], at: usize, direction: Direction) -> Stroke {
-    let here_rad = position_rad[at];
-    let on_sample = Stroke { start: at + 1, end: at + 1, direction, from_rad: here_rad };
-    let (Some(before), Some(after_rad)) = (at.checked_sub(1), position_rad.get(at + 1)) else { return on_sample };
-    let before_rad = position_rad[before];
-    let rested = before_rad == here_rad && before.checked_sub(1).is_none_or(|i| position_rad[i] == here_rad);
-    let bend_rad = before_rad - 2.0 * here_rad + after_rad;
-    if rested || bend_rad == 0.0 {
-        return on_sample;
-    }
-    let late = 0.5 * (before_rad - after_rad) / bend_rad;
-    let start = if late < 0.0 { at } else { at + 1 };
-    Stroke { start, from_rad: here_rad - 0.25 * (before_rad - after_rad) * late, ..on_sample }
 }
 
 #[cfg(test)]
@@ -333,11 +257,15 @@ mod tests {
         (0..20_000).map(position).collect()
     }
 
+    fn speeds(positions_rad: &[f64]) -> impl Iterator<Item = f64> {
+        (0..positions_rad.len()).map(|i| positions_rad[i] - positions_rad[i.saturating_sub(1)])
+    }
+
     #[test]
     fn k_tilde_stroke_by_stroke_is_that_of_one_sample_after_the_other() {
         let positions_rad = motion_rad();
         let deadband_rad = 1.5e-3;
-        let motion = Strokes::new(positions_rad.clone(), deadband_rad);
+        let motion = Strokes::new(&positions_rad, speeds(&positions_rad), deadband_rad);
         let (n, p) = (1.7, 3.0);
         let curves = [Combination::Sign, Combination::Linear, Combination::arctan(p), Combination::Power { n }];
         let effects = ["", "reversal_transition:backlash_m=0.002,p=0.4,n=0.6", "presliding:travel_rad=0.02,exponent=1"];
@@ -350,9 +278,10 @@ mod tests {
                     (model.combination, model.joint.backlash_m) = (curve, backlash_m);
                     model.effects.extend((!effect.is_empty()).then(|| Added::parse(effect).unwrap()));
                     let backlash_rad = model.backlash_m() / model.joint.pulley_radius_m;
-                    let (direction, known_from) = settle(motion.position_rad(), backlash_rad, 0.0);
-                    let mut state = Passage::after(&model, direction, positions_rad[0], 0.0);
-                    let one_by_one: Vec<f64> = motion.position_rad().iter().map(|x| state.step(*x)).collect();
+                    let (direction, known_from) = settle(&positions_rad, backlash_rad, deadband_rad);
+                    let mut state = Passage::after(&model, direction, positions_rad[0], deadband_rad);
+                    let one_by_one: Vec<f64> =
+                        positions_rad.iter().zip(speeds(&positions_rad)).map(|(x, v)| state.step(*x, v)).collect();
                     let mut along = Vec::new();
                     model.k_tilde_along(&motion, |rows, k_tilde| {
                         assert_eq!(rows.start, along.len());

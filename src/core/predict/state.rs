@@ -30,14 +30,20 @@ pub fn forgotten(rate_hz: f64, lowpass_hz: f64) -> usize {
     (FORGOTTEN_PERIODS / lowpass_hz * rate_hz) as usize
 }
 
-/// The states of `trial` under `model`'s clearance and curve, along the motion that friction follows. With `Sign` K~ changes at once where
-/// the joint turns, as (20) has it; K_f still says where a transition through the clearance would be.
+/// The states of `trial` under `model`'s clearance and curve.
+///
+/// K_f follows the position as recorded, or as reconstructed from the jumps of a coarse encoder: a filtered one would ring at corners. With
+/// `Sign` K~ follows the sign of the speed alone, as (20) has it; K_f still says where a transition through the clearance would be.
 pub fn states(model: &Model, trial: &Trial) -> States {
     let positions = trial.followed_rad();
     let backlash_rad = model.backlash_m() / model.joint.pulley_radius_m;
-    let (direction, known_from) = settle(positions, backlash_rad, 0.0);
+    let (direction, known_from) = settle(positions, backlash_rad, trial.deadband_rad);
     let start_rad = positions.first().copied().unwrap_or(0.0);
-    let mut state = Passage::after(model, direction, start_rad, 0.0);
-    let (k_tilde, k_f) = positions.iter().map(|x| (state.step(*x), state.k_f())).unzip();
+    let mut state = Passage::after(model, direction, start_rad, trial.deadband_rad);
+    let (mut k_tilde, mut k_f) = (Vec::with_capacity(positions.len()), Vec::with_capacity(positions.len()));
+    for (i, x) in positions.iter().enumerate() {
+        k_tilde.push(state.step(*x, trial.velocity_rad_s(i)));
+        k_f.push(state.k_f());
+    }
     States { k_tilde, k_f, known_from }
 }

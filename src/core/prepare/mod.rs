@@ -16,7 +16,7 @@ pub use stumps::{left_out, read_campaign};
 use crate::dynamics::{Dynamics, JointKind, Motion, RigidTorque};
 use crate::effects::Sample;
 use crate::log::{Campaign, Log, Protocol, TrialEntry};
-use crate::model::{Asked, Joint, Strokes};
+use crate::model::{Asked, Joint};
 use crate::numerics::difference::{acceleration_at, velocity_at};
 use crate::numerics::filter::LowPass;
 use crate::numerics::line::crossing;
@@ -58,8 +58,8 @@ pub struct Trial {
     pub others: Vec<Vec<Motion>>,
     /// When the trial began, s since the campaign did; 0 where the campaign's clock is not needed.
     pub began_s: f64,
-    /// The motion that friction follows: neither with the steps and the noise of the encoder nor with the ringing of a filter.
-    pub strokes: Strokes,
+    /// Position that K_f follows where that is not the recorded one, rad.
+    between_jumps_rad: Option<Vec<f64>>,
     /// Travel back below which nothing counts as a reversal: noise, rad.
     pub deadband_rad: f64,
     /// The encoder's step where it matters, else 0, rad.
@@ -92,9 +92,9 @@ impl Trial {
         Motion { position: self.position_rad[at], velocity, acceleration }
     }
 
-    /// Position that friction follows, rad.
+    /// Position that K_f follows, rad: as recorded, or what an encoder's jumps say of it.
     pub fn followed_rad(&self) -> &[f64] {
-        self.strokes.position_rad()
+        self.between_jumps_rad.as_deref().unwrap_or(&self.log.position_rad)
     }
 
     /// What mass asks of the joint at sample `at`, N m: by the chain where the campaign has one, else by `dynamics`.
@@ -178,7 +178,7 @@ pub fn prepare(campaign: &Campaign, index: usize, mut log: Log) -> Result<Trial>
     let others: Vec<Vec<Motion>> =
         log.other_position_rad.iter().map(|recorded| rigid::moving(recorded, &motion, rate_hz)).collect();
     let lowpass_hz = campaign.signal.lowpass_hz;
-    let Position { strokes, deadband_rad, step_rad } = Position::new(&log.position_rad, &position_rad);
+    let Position { between_jumps_rad, deadband_rad, step_rad } = Position::new(&log.position_rad, &position_rad);
     let legs = match entry.protocol {
         Protocol::Uniform { speed_rad_s } => find_legs(&log, &position_rad, speed_rad_s, &campaign.joint, lowpass_hz)?,
         _ => Vec::new(),
@@ -195,7 +195,7 @@ pub fn prepare(campaign: &Campaign, index: usize, mut log: Log) -> Result<Trial>
         chain: None,
         others,
         began_s: campaign.began_s(index),
-        strokes,
+        between_jumps_rad,
         deadband_rad,
         step_rad,
         legs,

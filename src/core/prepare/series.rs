@@ -2,7 +2,6 @@
 
 use super::Trial;
 use crate::dynamics::{Dynamics, JointKind};
-use crate::model::Strokes;
 use crate::numerics::scalar::Scalar;
 
 /// Samples kept per period of the low-pass: the filter redesigned for the thinned rate then differs from the declared one
@@ -18,8 +17,8 @@ pub struct Series {
     pub rate_hz: f64,
     /// Time, s.
     pub time_s: Vec<f64>,
-    /// The motion that friction follows.
-    pub strokes: Strokes,
+    /// Position that K_f follows, rad: without the ringing that a filter leaves at a corner.
+    pub position_rad: Vec<f64>,
     /// Speed, rad/s.
     pub velocity_rad_s: Vec<f64>,
     /// Rigid-body torque at the joint with any measured load, the position's zero taken as right, N m.
@@ -37,11 +36,6 @@ pub struct Series {
 }
 
 impl Series {
-    /// Position that friction follows, rad.
-    pub fn position_rad(&self) -> &[f64] {
-        self.strokes.position_rad()
-    }
-
     /// `trial` thinned for a low-pass at `lowpass_hz`, with the rigid-body torque of `dynamics`, whose zero of position is 0.
     pub fn new(trial: &Trial, lowpass_hz: f64, kind: JointKind, dynamics: &Dynamics) -> Self {
         let step = ((trial.log.rate_hz / (SAMPLES_PER_PERIOD * lowpass_hz)) as usize).max(1);
@@ -56,7 +50,7 @@ impl Series {
             trial: trial.index,
             rate_hz: trial.log.rate_hz / step as f64,
             time_s: thin(&trial.log.time_s),
-            strokes: trial.strokes.thinned(step),
+            position_rad: thin(trial.followed_rad()),
             velocity_rad_s: (0..n).step_by(step).map(|i| trial.velocity_rad_s(i)).collect(),
             joint_torque_nm,
             gravity_nm,

@@ -2,18 +2,17 @@
 
 use super::course::{Course, Motions};
 use crate::dynamics::{Chain, Motion};
-use crate::model::{Asked, Direction, Model, Passage, Strokes};
+use crate::model::{Asked, Direction, Model, Passage};
 
 /// y along `course` before the sensor, N m; `chain` takes the place of the model's own gravity and inertia.
 pub(super) fn torque_nm(model: &Model, chain: Option<&Chain>, course: &Course, motions: &Motions) -> Vec<f64> {
     let Some(first) = motions.own.first() else { return Vec::new() };
-    let motion = Strokes::new(course.position_rad.clone(), 0.0);
     let mut passage = Passage::after(model, start(&course.position_rad), first.position, 0.0);
     let mut others = Vec::with_capacity(motions.others.len());
     let torque = |i: usize| {
         let sample = motions.sample(i, &mut others);
         let asked = asked(model, chain, sample.own, sample.others);
-        let k_tilde = passage.step(motion.position_rad()[i]);
+        let k_tilde = passage.step(sample.own.position, sample.own.velocity);
         let contact_nm = course.contact_nm.get(i).copied().unwrap_or(0.0);
         model.driven_nm(&sample, asked, k_tilde).torque_nm + contact_nm
     };

@@ -88,7 +88,7 @@ static inline void {{ p.name }}_start({{ p.name }}_state *s, double measured_rad
 }
 
 /* Where friction stands between its branches once the joint is at x: 0 down, 1 up. */
-static inline double {{ p.name }}_passage({{ p.name }}_state *s, double x)
+static inline double {{ p.name }}_passage({{ p.name }}_state *s, double x, double v)
 {
     const double travel = x - s->at_rad, onward = travel * s->direction;
     const int turned = onward < -s->deadband_rad;
@@ -106,18 +106,19 @@ static inline double {{ p.name }}_passage({{ p.name }}_state *s, double x)
         (void)u;
         s->k_tilde = {{ p.passage.k_tilde }};
     }
+    (void)v;
 {%- if let Some(left) = p.passage.left %}
     const double moved = fabs(x - s->bent_at_rad);
     if (moved >= 0.0) {
-        const double target = {% if p.jumps %}(s->direction + 1.0) / 2.0{% else %}s->k_tilde{% endif %};
+        const double target = {% if p.jumps.is_some() %}(s->direction + 1.0) / 2.0{% else %}s->k_tilde{% endif %};
         const double behind = s->bent - target;
         const double left = {{ left }};
         s->bent_at_rad = x;
         s->bent = target + copysign(left, behind);
     }
     return s->bent;
-{%- else if p.jumps %}
-    return (s->direction + 1.0) / 2.0;
+{%- else if let Some(at_rest) = p.jumps %}
+    return fabs(v) < {{ at_rest }} ? (s->direction + 1.0) / 2.0 : v > 0.0 ? 1.0 : 0.0;
 {%- else %}
     return s->k_tilde;
 {%- endif %}
@@ -162,8 +163,8 @@ static inline double {{ p.name }}_torque_nm({{ p.name }}_state *s, const {{ p.na
 {
     const double q = x->own.position_rad, v = x->own.velocity_rad_s, a = x->own.acceleration_rad_s2;
     const double t = x->time_s, elapsed = x->elapsed_s;
-    const double k = {{ p.name }}_passage(s, x->measured_rad);
-    (void)q, (void)v, (void)a, (void)t, (void)elapsed, (void)k;
+    const double k = {{ p.name }}_passage(s, x->measured_rad, v);
+    (void)q, (void)a, (void)t, (void)elapsed, (void)k;
 {{ p.body }}    return y;
 }
 

@@ -59,10 +59,11 @@ impl Reach {
 fn median_stroke_rad(trials: &[Prepared]) -> f64 {
     let mut strokes: Vec<f64> = Vec::new();
     for trial in trials {
-        let turns: Vec<f64> = trial.series.strokes.reversals().iter().map(|turn| turn.from_rad).collect();
-        strokes.extend(turns.windows(2).map(|pair| (pair[1] - pair[0]).abs()));
+        let turns = trial.reversals();
+        let at = |i: usize| trial.series.position_rad[turns[i].0];
+        strokes.extend((1..turns.len()).map(|i| (at(i) - at(i - 1)).abs()));
         if turns.len() < 2 {
-            let (low, high) = extent(trial.series.position_rad());
+            let (low, high) = extent(&trial.series.position_rad);
             strokes.push((high - low).max(0.0));
         }
     }

@@ -96,12 +96,12 @@ fn moving(campaign: &Campaign, reading: &Reading) -> Vec<Row> {
     let (load_nm, slope_nm_rad) = (low_passed(&load_nm), low_passed(&slope_nm_rad));
     let velocity_rad_s = reading.prepared.low_pass(&reading.speeds_rad_s());
     let fastest = velocity_rad_s.iter().fold(0.0, |most: f64, v| most.max(v.abs()));
-    let (low, high) = extent(series.position_rad());
+    let (low, high) = extent(&series.position_rad);
     let inner = low + ENDS * (high - low)..high - ENDS * (high - low);
-    let passed_rad = since_reversal(series.position_rad(), &velocity_rad_s);
+    let passed_rad = since_reversal(&series.position_rad, &velocity_rad_s);
     let is_used = |i: &usize| {
         let is_moving = velocity_rad_s[*i].abs() > MOVING * fastest && passed_rad[*i] > REVERSAL * (high - low);
-        is_moving && series.in_range[*i] && inner.contains(&series.position_rad()[*i])
+        is_moving && series.in_range[*i] && inner.contains(&series.position_rad[*i])
     };
     let used: Vec<usize> = all.filter(is_used).collect();
     let step = used.len().div_ceil(SAMPLES).max(1);

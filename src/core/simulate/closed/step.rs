@@ -94,14 +94,14 @@ impl Plant<'_> {
         };
         let excess_nm = |velocity: f64| {
             let own = motion(velocity);
-            let k_tilde = { state.passage }.step(own.position);
+            let k_tilde = { state.passage }.step(own.position, own.velocity);
             self.sensed_nm(own, &motor_nm) - self.asked_nm(own, k_tilde, &mass, moment)
         };
         let velocity_rad_s = self.balance_rad_s(excess_nm, &mass);
         let own = motion(velocity_rad_s);
         let mut passage = state.passage;
         if velocity_rad_s != 0.0 {
-            passage.step(own.position);
+            passage.step(own.position, own.velocity);
         }
         let torque_nm = self.sensed_nm(own, &motor_nm);
         State { position_rad: own.position, velocity_rad_s, passage, torque_nm }
