@@ -80,7 +80,7 @@ def judge(answer, diagnosis, trouble, seconds):
     row = {
         "case": answer["case"], "kind": answer["kind"], "effects": answer["effects"], "variants": answer["variants"], "strength": strength(answer),
         "indistinguishable": answer["indistinguishable"], "seconds": seconds, "trouble": trouble, "right": False, "verdict": "failed", "named": [],
-        "clear": None, "where": None, "where_right": None, "shrink_true": answer["shrink_true_form"], "shrink": None, "held": None, "confidence": None,
+        "clear": None, "where": None, "where_right": None, "shrink_true": answer.get("shrink_true_form"), "shrink": None, "held": None, "confidence": None,
     }
     if diagnosis is None:
         return row
@@ -91,12 +91,12 @@ def judge(answer, diagnosis, trouble, seconds):
     row.update(verdict=verdict["kind"], named=effects, confidence=verdict.get("confidence"), right=bool(right(answer, verdict["kind"], effects)))
     where = diagnosis.get("where") or []
     row["where"] = where[0]["region"] if where else None
-    if answer["where"]:
+    if answer.get("where"):
         row["where_right"] = row["where"] in answer["where"]
-    if row["right"] and answer["shrink_true_form"] is not None and verdict.get("shrink") is not None:
+    if row["right"] and row["shrink_true"] is not None and verdict.get("shrink") is not None:
         row["shrink"] = verdict["shrink"]
         if verdict.get("shrink_low") is not None and verdict.get("shrink_high") is not None:
-            row["held"] = verdict["shrink_low"] <= answer["shrink_true_form"] <= verdict["shrink_high"]
+            row["held"] = verdict["shrink_low"] <= row["shrink_true"] <= verdict["shrink_high"]
     return row
 
 
