@@ -139,6 +139,7 @@ fn parameters_name_their_units_and_have_room() {
         "stiffens",
         "by_speed",
         "long_tail",
+        "in_place",
     ];
     for effect in LIBRARY {
         let about = effect.about();
@@ -332,6 +333,10 @@ fn numbers_that_contradict_the_name_are_told() {
         "warm_up:restarts=0,cold_share=-0.5,cold_nm=0.1,time_constant_s=15,exponent=1",
         "friction_ripple:periods_per_rad=1.2,sin_1_nm=0.08",
         "torque_ripple:periods_per_rad=0.9,cos_of_load=0.1",
+        "sensor_drift:restarts=0,horizon_s=40,waves=0,settle_s=5,line_nm=0.01,offset_nm=0.2",
+        "sensor_gain:error=1.5",
+        "sensor_gain:error=-0.6",
+        "stribeck:up_nm=0.3,down_nm=0.3,speed_rad_s=6,exponent=1",
     ] {
         assert!(!is_itself(text), "{text}");
     }

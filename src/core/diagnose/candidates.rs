@@ -8,9 +8,10 @@ use super::parameter_ref::ParameterRef;
 use super::perturbation::{Perturbation, of_effect};
 use super::progress::{Listener, Progress};
 use super::ripple;
-use super::stale::{Stale, stale};
+use super::stale::{Stale, WHOLE_LINE, stale};
+use crate::dynamics::Direction;
 use crate::effects::{Added, Effect, Extent, LIBRARY, Role, Starts, find};
-use crate::model::{Combination, Model};
+use crate::model::{Combination, Model, Term, groups};
 use rayon::prelude::*;
 
 /// Starts of one effect that are fitted in full, the most promising first.
@@ -172,8 +173,10 @@ pub fn try_all<'d>(base: &BaseModel<'d>, known: &[Cause], likely: &Likely, liste
     let mut place = 0..;
     initialised.retain(|initialised| place.next() < Some(FITTED) || initialised.is_shape());
     let reach = initialised.first().map_or(f64::INFINITY, |best| reach(base, best.cost()));
-    let groups: Vec<Stale> =
-        stale(&base.model).into_iter().filter(|group| !known.contains(&Cause::Stale(group.name))).collect();
+    let groups: Vec<Stale> = stale(&base.model, &base.data().extent)
+        .into_iter()
+        .filter(|group| !known.contains(&Cause::Stale(group.name)))
+        .collect();
     listener(Progress::Ahead(groups.len() + initialised.len()));
     let told = |tried: FittedCause<'d>| {
         listener(Progress::Done(tried.cause.name()));
@@ -196,7 +199,7 @@ pub fn try_one<'d>(base: &BaseModel<'d>, cause: Cause) -> Option<FittedCause<'d>
     match cause {
         Cause::Effect(id) => begin(base, find(id)?, &Likely::new(), &base.residual_nm())?.fit(base, f64::INFINITY),
         Cause::Stale(name) => {
-            let groups = stale(&base.model).into_par_iter().filter(|group| group.name == name);
+            let groups = stale(&base.model, &base.data().extent).into_par_iter().filter(|group| group.name == name);
             let tried = groups.map(|group| of_group(base, group));
             tried.min_by(|a, b| a.score().total_cmp(&b.score()))
         }
@@ -205,7 +208,23 @@ pub fn try_one<'d>(base: &BaseModel<'d>, cause: Cause) -> Option<FittedCause<'d>
 
 fn of_group<'d>(base: &BaseModel<'d>, group: Stale) -> FittedCause<'d> {
     let fit = base.fit(base.model.clone(), group.moves);
-    FittedCause { cause: Cause::Stale(group.name), how: group.how, fit }
+    let name = if group.how == WHOLE_LINE { of_line(base, &fit.model) } else { group.name };
+    FittedCause { cause: Cause::Stale(name), how: group.how, fit }
+}
+
+/// The group to which most of the change from `base` to `model` belongs, of which lines of friction differ: its level, or its slope.
+fn of_line(base: &BaseModel<'_>, model: &Model) -> &'static str {
+    let speed_rad_s = base.data().extent.speed_rad_s.1;
+    let change = |term: Term| -> f64 {
+        let one = |direction: Direction| {
+            let parameter = ParameterRef::Friction(direction, term);
+            parameter.value(model) - parameter.value(&base.model)
+        };
+        Direction::BOTH.map(one).iter().map(|x| x.abs()).sum()
+    };
+    // Over speeds up to the fastest a slope counts half as much as at its end.
+    let is_level = change(Term::Coulomb) > change(Term::Viscous) * speed_rad_s / 2.0;
+    if is_level { groups::COULOMB.name } else { groups::VISCOUS.name }
 }
 
 /// An effect at the starts from which it is to be fitted, the most promising first; never empty.

@@ -75,7 +75,8 @@ pub fn choose<'d>(mask: &Arc<Mask<'d>>, model: &Model, listener: Listener<'_>) -
     let first = BaseModel::new(mask, model, within_confidence(model));
     let rest = first.alone();
     let start = rest.score();
-    let search = Search { first, again: OnceCell::new(), start, rounds: Rounds::default(), listener };
+    let search =
+        Search { first, rest: rest.clone(), again: OnceCell::new(), start, rounds: Rounds::default(), listener };
     let Forward { chosen, fit, opening, refused } = search.forward(&rest);
     // Causes that were not promising enough alone to be fitted count as explaining nothing alone.
     let scores: Vec<(Cause, f64)> = opening.tried.iter().map(|tried| (tried.cause, tried.score())).collect();
@@ -118,7 +119,9 @@ pub(super) struct Search<'d, 's> {
     pub(super) first: BaseModel<'d>,
     /// The same over the motions as the encoder would have read them once more, of a joint like the model: made when it is first asked for.
     again: OnceCell<Option<BaseModel<'d>>>,
-    /// What the base alone leaves, (N m)^2.
+    /// The base alone.
+    rest: Fit<'d>,
+    /// What it leaves, (N m)^2.
     pub(super) start: f64,
     pub(super) rounds: Rounds<'d>,
     pub(super) listener: Listener<'s>,
@@ -232,8 +235,13 @@ impl<'d> Search<'d, '_> {
                 let base = &self.first;
                 base.mask.again().map(|mask| BaseModel::new(&mask, &base.model, base.moves.clone()))
             });
-            let left = |fit: &Fit<'_>| again.as_ref().map_or(0.0, |base| base.square_left(&fit.model, &fit.moves));
-            left(without) - left(with)
+            let left = |base: &BaseModel<'_>, fit: &Fit<'_>| base.square_left(&fit.model, &fit.moves);
+            let gain = |base: &BaseModel<'d>| {
+                let gain = left(base, without) - left(base, with);
+                // A simulation that leaves more than the recordings do has too much of it.
+                gain * (without.held_out_square() / left(base, &self.rest).max(f64::MIN_POSITIVE)).min(1.0)
+            };
+            again.as_ref().map_or(0.0, gain)
         };
         requirements(with, without, self.start, share, of_encoder)
     }

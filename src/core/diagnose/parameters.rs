@@ -6,7 +6,7 @@ use super::choose::Choice;
 use super::fit::Fit;
 use super::parameter_ref::{ParameterRef, group_of};
 use super::stale::WHOLE_LINE;
-use crate::model::{Model, Term, groups};
+use crate::model::{Model, Term};
 
 /// Resamplings for a parameter's error.
 const DRAWS: usize = 100;
@@ -49,8 +49,9 @@ pub fn of_cause(resamples: &Resamples, fit: &Fit<'_>, (cause, how): (Cause, &str
             let belongs = match (parameter, cause) {
                 (ParameterRef::Effect(at, _), Cause::Effect(id)) => fit.model.effects[at].id() == id,
                 (ParameterRef::Effect(..), Cause::Stale(_)) | (_, Cause::Effect(_)) => false,
-                (_, Cause::Stale(name)) => group_of(parameter)
-                    .is_some_and(|group| group.name == name || how == WHOLE_LINE && group.name == groups::COULOMB.name),
+                (_, Cause::Stale(name)) => {
+                    group_of(parameter).is_some_and(|group| group.name == name || how == WHOLE_LINE)
+                }
             };
             if belongs && deviation.is_finite() {
                 let at = |x: f64| {

@@ -141,8 +141,16 @@ pub(super) fn matters(model: &Model, parameter: ParameterRef) -> bool {
 
 /// Standard deviation of a base parameter. Where only a combination with others is known, its own wide interval would leave it nearly free
 /// while the others are held: the default for a parameter without an interval is used instead.
+/// Terms of a branch may cancel each other, so none of them moves by more than that share of friction where the joint sets out.
 fn deviation(model: &Model, parameter: ParameterRef) -> f64 {
-    let unknown = UNKNOWN_SHARE * parameter.value(model).abs() / HALF_WIDTH;
+    let size = match parameter {
+        ParameterRef::Friction(direction, Term::Coulomb | Term::CableStribeck | Term::JointStribeck) => {
+            let friction = model.friction.of(direction);
+            parameter.value(model).abs().min((friction.a_j + friction.b_c + friction.b_j).abs())
+        }
+        _ => parameter.value(model).abs(),
+    };
+    let unknown = UNKNOWN_SHARE * size / HALF_WIDTH;
     match model.confidence.get(&parameter.name(model)) {
         Some(c) if c.low.is_finite() && c.high.is_finite() => {
             let own = (c.high - c.low) / (2.0 * HALF_WIDTH);

@@ -1,6 +1,6 @@
 //! Elastic displacement before sliding, without a clearance.
 
-use super::{About, ActsOn, Effect, Excitation, Extent, Family, Hooks, Parameter, Presliding, Region, spaced};
+use super::{About, ActsOn, Curve, Effect, Excitation, Extent, Family, Hooks, Parameter, Presliding, Region, spaced};
 use crate::numerics::scalar::Scalar;
 
 /// Travels tried, as shares of the range moved through.
@@ -14,13 +14,18 @@ static ABOUT: About = About {
     family: Family::Physics,
     acts_on: ActsOn::Friction,
     means: "elastic displacement before sliding",
-    formula: "dk = sgn(K~ - k) |K~ - k|^exponent |dx| / travel_rad: friction k follows its branch over the travel",
+    formula: "dk = sgn(K~ - k) |K~ - k|^exponent |dx| / travel_rad: friction k follows its branch over the travel; if in_place: K~ jumps as \
+              without a clearance",
     source: "Dahl 1968; Canudas de Wit, Olsson, Astrom and Lischinsky 1995",
     signature: Region::AfterReversal,
     trades_with: &["reversal_transition", "backlash_width", "time_delay"],
     alike: &["reversal_transition"],
     example: "travel_rad=0.01,exponent=1.2",
-    parameters: &[Parameter::shape("travel_rad", 1e-9, 10.0), Parameter::shape("exponent", EXPONENT_MIN, 4.0)],
+    parameters: &[
+        Parameter::shape("travel_rad", 1e-9, 10.0),
+        Parameter::shape("exponent", EXPONENT_MIN, 4.0),
+        Parameter::form("in_place", 1.0),
+    ],
     needs: &[Excitation::Reversals],
     ..About::PLAIN
 };
@@ -35,7 +40,13 @@ impl Effect for Bristles {
 
     fn starts(&self, extent: &Extent) -> Vec<Vec<f64>> {
         let range_rad = extent.position_rad.1 - extent.position_rad.0;
-        spaced(TRAVELS.0 * range_rad, TRAVELS.1 * range_rad, 7).map(|travel| vec![travel, 1.0]).collect()
+        // In the place of the model's own transition, too, where it has one.
+        let forms = if extent.has_curve { &[0.0, 1.0][..] } else { &[0.0] };
+        let of_form = |in_place: &f64| {
+            let in_place = *in_place;
+            spaced(TRAVELS.0 * range_rad, TRAVELS.1 * range_rad, 7).map(move |travel| vec![travel, 1.0, in_place])
+        };
+        forms.iter().flat_map(of_form).collect()
     }
 
     /// Where friction arrives as abruptly as an exponent at its bound says, no bristle bends.
@@ -45,6 +56,11 @@ impl Effect for Bristles {
 }
 
 impl<S: Scalar> Hooks<S> for Bristles {
+    fn curve(&self, p: &[S]) -> Option<Curve<S>> {
+        let [none, plain] = [0.0, 1.0].map(S::from);
+        (p[2].value() > 0.5).then_some(Curve { backlash_m: none, p: plain, n: plain })
+    }
+
     fn presliding(&self, p: &[S]) -> Option<Presliding<S>> {
         Some(Presliding { travel_rad: p[0], exponent: p[1] })
     }

@@ -2,6 +2,7 @@
 
 use super::{About, ActsOn, Effect, Excitation, Extent, Family, Hooks, Parameter, Region, Sample, Starts, clock_s};
 use crate::numerics::scalar::Scalar;
+use crate::numerics::statistics;
 use std::f64::consts::PI;
 
 /// Where what settles, and where the waves stand among the parameters.
@@ -10,6 +11,11 @@ const FIRST_WAVE: usize = 6;
 /// Most waves; without waves the drift settles and goes on linearly, with them it varies slowly. Both together are not identifiable on a
 /// held-out trial: only the first trial shows what settles.
 const WAVES: usize = 4;
+/// Where the constant stands: what drifts has no reason to begin at zero.
+const OFFSET: usize = FIRST_WAVE + WAVES;
+
+/// What varies by less than this share of its mean is constant.
+const MOVES: f64 = 0.1;
 
 /// Times at which its size is looked at: each wave's crests are met within 1 %.
 const SCANNED: usize = 64;
@@ -19,7 +25,7 @@ static ABOUT: About = About {
     family: Family::Fault,
     acts_on: ActsOn::Sensor,
     means: "the torque sensor's offset moves with time",
-    formula: "reading = y + line_nm t/horizon_s + settle_nm exp(-t/settle_s) + sum over k of wave_k_nm cos(pi k t/horizon_s), k to \
+    formula: "reading = y + offset_nm + line_nm t/horizon_s + settle_nm exp(-t/settle_s) + sum over k of wave_k_nm cos(pi k t/horizon_s), k to \
               waves",
     source: "temperature drift of strain gauges; a smooth function of time",
     signature: Region::Time,
@@ -36,6 +42,7 @@ static ABOUT: About = About {
         Parameter::wave("wave_2_nm", 0.0125),
         Parameter::wave("wave_3_nm", 0.0056),
         Parameter::wave("wave_4_nm", 0.0031),
+        Parameter::strength("offset_nm"),
     ],
     needs: &[Excitation::Time],
     by_hand: Some("leave the joint at rest without load for as long as the campaign took and log the sensor"),
@@ -61,7 +68,7 @@ impl Effect for SensorDrift {
         let of = |waves: f64| {
             extent.clocks().map(move |(restarts, horizon_s)| {
                 let shapes = [restarts, horizon_s, waves, horizon_s / 8.0];
-                shapes.into_iter().chain([0.0; 2 + WAVES]).collect()
+                shapes.into_iter().chain([0.0; 2 + WAVES + 1]).collect()
             })
         };
         of(0.0).chain(of(WAVES as f64)).collect()
@@ -71,15 +78,16 @@ impl Effect for SensorDrift {
         let wanders = p[2] > 0.0;
         match at {
             _ if SETTLES.contains(&at) => !wanders,
-            _ => at < FIRST_WAVE || ((at - FIRST_WAVE) as f64) < p[2],
+            _ => at < FIRST_WAVE || at == OFFSET || ((at - FIRST_WAVE) as f64) < p[2],
         }
     }
 
-    /// A zero that moves by more than all that the sensor read is no drift.
+    /// A zero that moves by more than all that the sensor read is no drift, and one that hardly moves is an offset.
     fn is_itself(&self, p: &[f64], extent: &Extent) -> bool {
         let drift: Vec<f64> = (0..=SCANNED).map(|i| offset_nm(p, p[1] * i as f64 / SCANNED as f64)).collect();
-        let (low, high) = drift.iter().fold((f64::MAX, f64::MIN), |(low, high), x| (low.min(*x), high.max(*x)));
+        let (low, high) = statistics::extent(&drift);
         high - low <= extent.torque_nm.1 - extent.torque_nm.0
+            && statistics::standard_deviation(&drift) >= MOVES * statistics::mean(&drift).abs()
     }
 }
 
@@ -94,8 +102,8 @@ fn offset_nm<S: Scalar>(p: &[S], t_s: S) -> S {
     let share = t_s / p[1];
     // cos(k x) from the two before: a smooth drift needs no more.
     let first = (share * PI).cos();
-    let (mut before, mut now, mut sum) = (S::from(1.0), first, S::from(0.0));
-    for wave_nm in &p[FIRST_WAVE..] {
+    let (mut before, mut now, mut sum) = (S::from(1.0), first, p[OFFSET]);
+    for wave_nm in &p[FIRST_WAVE..OFFSET] {
         sum += *wave_nm * now;
         (before, now) = (now, first * 2.0 * now - before);
     }

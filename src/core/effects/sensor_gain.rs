@@ -3,6 +3,9 @@
 use super::{About, ActsOn, Effect, Excitation, Extent, Family, Hooks, Parameter, Region, Sample};
 use crate::numerics::scalar::Scalar;
 
+/// Largest factor by which a scale is off.
+const OFF_BY: f64 = 2.0;
+
 static ABOUT: About = About {
     id: "sensor_gain",
     family: Family::Fault,
@@ -48,6 +51,11 @@ impl Effect for SensorGain {
 
     fn starts(&self, _extent: &Extent) -> Vec<Vec<f64>> {
         vec![vec![0.0]]
+    }
+
+    /// A sensor that reads more than twice as much as there is, or less than half, is not out of calibration but another one.
+    fn is_itself(&self, p: &[f64], _extent: &Extent) -> bool {
+        (1.0 / OFF_BY..=OFF_BY).contains(&(1.0 + p[0]))
     }
 }
 

@@ -40,12 +40,16 @@ impl Effect for Stribeck {
         &ABOUT
     }
 
-    /// Friction that is missing far below the slowest motion only is that of a joint at rest, where it may be anything.
+    /// Friction that is missing far below the slowest motion only is that of a joint at rest, where it may be anything; friction that
+    /// even the fastest motion hardly lowers is Coulomb friction.
     fn is_itself(&self, p: &[f64], extent: &Extent) -> bool {
         /// A curve that has fallen to less than this share at the slowest motion does not show in it.
         const SHOWN: f64 = 0.05;
-        let share = (-(Self::slowest_rad_s(extent) / p[2]).powf(p[3])).exp();
-        p[0].max(p[1]) > 0.0 || share >= SHOWN
+        /// At the fastest motion it has fallen to this share at least.
+        const FALLEN: f64 = 0.5;
+        let share = |speed_rad_s: f64| (-(speed_rad_s / p[2]).powf(p[3])).exp();
+        let shows = p[0].max(p[1]) > 0.0 || share(Self::slowest_rad_s(extent)) >= SHOWN;
+        shows && share(extent.speed_rad_s.1) <= FALLEN
     }
 
     fn starts(&self, extent: &Extent) -> Vec<Vec<f64>> {

@@ -269,7 +269,11 @@ mod tests {
         let (n, p) = (1.7, 3.0);
         let curves = [Combination::Sign, Combination::Linear, Combination::arctan(p), Combination::Power { n }];
         let effects = ["", "reversal_transition:backlash_m=0.002,p=0.4,n=0.6", "presliding:travel_rad=0.02,exponent=1"];
-        let more = ["presliding:travel_rad=0.02,exponent=0.8", "presliding:travel_rad=0.02,exponent=1.4"];
+        let more = [
+            "presliding:travel_rad=0.02,exponent=0.8",
+            "presliding:travel_rad=0.02,exponent=1.4",
+            "presliding:travel_rad=0.02,exponent=1,in_place=1",
+        ];
         let file = concat!(env!("CARGO_MANIFEST_DIR"), "/../../data/davinci_l4/base_model.json");
         for curve in curves {
             for effect in effects.into_iter().chain(more) {
