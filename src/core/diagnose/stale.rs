@@ -6,8 +6,8 @@ use crate::dynamics::Direction;
 use crate::effects::Extent;
 use crate::model::{Group, Model, Term, groups};
 
-/// How viscous friction moves where it takes Coulomb friction along: a line per direction.
-pub const WHOLE_LINE: &str = "each direction separately, with its Coulomb term";
+/// How Coulomb and viscous friction move together: a line per direction.
+pub const WHOLE_LINE: &str = "each direction separately, level and slope";
 
 /// How Coulomb friction moves where one direction gains what the other loses: as by a bias of the sensor.
 pub const SAME_TORQUE: &str = "up and down by the same torque";
