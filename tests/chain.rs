@@ -2,7 +2,8 @@
 
 use crate::campaigns::{plan, truth};
 use std::path::Path;
-use tautline::dynamics::Chain;
+use tautline::diagnose::{self, Cause, Kind};
+use tautline::dynamics::{Chain, Dynamics, Motion, Payload};
 use tautline::evaluate::{Settings, run};
 use tautline::log::Campaign;
 use tautline::model::{ChainName, Model};
@@ -130,4 +131,80 @@ fn columns_are_matched_by_name_and_a_guess_is_told() {
     assert!(
         guessed.warnings.iter().any(|w| w.to_string().contains("column `q2` is taken for joint `shoulder_flexion`"))
     );
+}
+
+/// A load on the handle, of which the URDF says nothing: in the frame of the forearm, the last link that moves, it hangs at 0.02, 0, -0.24 m.
+const LOAD_KG: f64 = 0.3;
+const LOAD: Payload =
+    Payload { mass_kg: LOAD_KG, moment_kg_m: [LOAD_KG * 0.02, 0.0, LOAD_KG * -0.24], inertia_kg_m2: LOAD_KG * 0.058 };
+
+fn elbow(urdf: &str) -> Chain {
+    let folder = TempDir::new().unwrap();
+    let file = folder.path().join("arm.urdf");
+    std::fs::write(&file, urdf).unwrap();
+    Chain::read(&file, "elbow_flexion").unwrap()
+}
+
+fn of_elbow(payload: Payload) -> Model {
+    let chain = ChainName { urdf: "arm.urdf".to_string(), joint: "elbow_flexion".to_string() };
+    Model { chain: Some(chain), dynamics: Dynamics { payload, ..Dynamics::default() }, ..truth() }
+}
+
+#[test]
+fn a_payload_is_a_mass_on_the_last_link() {
+    let text = std::fs::read_to_string(URDF).unwrap();
+    let handle = "<mass value=\"0.0\"/>";
+    assert!(text.contains(handle));
+    let loaded = elbow(&text.replace(handle, &format!("<mass value=\"{LOAD_KG}\"/>")));
+    let carrying = elbow(&text).carrying(&LOAD);
+    let own = Motion { position: 1.1, velocity: 1.3, acceleration: 4.0 };
+    let others = [Motion { position: -0.4, velocity: 0.6, acceleration: 2.0 }; 2];
+    let (a, b) = (loaded.torque(own, &others), carrying.torque(own, &others));
+    // A point mass has no inertia about the line to it, on which the forearm hardly turns.
+    let most_nm = 2e-2 * a.total_nm().abs();
+    assert!((a.gravity_nm - b.gravity_nm).abs() < 1e-9, "{} and {} N m", a.gravity_nm, b.gravity_nm);
+    for (a, b) in [(a.inertia_nm, b.inertia_nm), (a.coriolis_nm, b.coriolis_nm)] {
+        assert!((a - b).abs() < most_nm, "{a} and {b} N m");
+    }
+    let bare = elbow(&text).torque(own, &others);
+    assert!((a.gravity_nm - bare.gravity_nm).abs() > 0.1);
+    assert!((a.inertia_nm - bare.inertia_nm).abs() > 0.02);
+}
+
+/// The arm carries a load, recorded with the shoulder moving, that the model's URDF does not know.
+#[test]
+fn a_payload_that_the_urdf_lacks_is_diagnosed_and_predicted() {
+    let chain = Chain::read(Path::new(URDF), "elbow_flexion").unwrap().carrying(&LOAD);
+    let arm = SimulatedArm { urdf: "arm.urdf".to_string(), chain, multi_joint: 4 };
+    let sensors = Sensors { torque_noise_nm: 0.01, encoder_counts: 524_288.0 };
+    let plan = Plan { speeds: 3, cosines: 2, arm: Some(arm), sensors, rate_hz: 100.0, ..plan() };
+    let folder = crate::campaigns::record(&truth(), &plan);
+    std::fs::copy(URDF, folder.path().join("arm.urdf")).unwrap();
+    let campaign = Campaign::read(folder.path()).unwrap();
+    let found = diagnose::run(&campaign, &of_elbow(Payload::default()), &|_| ()).unwrap();
+    assert_eq!((found.verdict.kind, &found.verdict.effects[..]), (Kind::Stale, &[Cause::Stale("gravity")][..]));
+    assert!(found.verdict.shrink.value > 0.95, "{:?}", found.verdict.shrink);
+    // What was found is written, read, and predicts what the arm does with it.
+    let written = found.after.to_json().to_string();
+    let read = Model::parse(Path::new("model.json"), &written).unwrap();
+    let weigh = |model: &Model| {
+        let payload = model.dynamics.payload;
+        (payload.mass_kg, payload.moment_kg_m)
+    };
+    assert_eq!(weigh(&read), weigh(&found.after));
+    let with = run(&campaign, &read, &Settings::default(), &|| ()).unwrap();
+    let without = run(&campaign, &of_elbow(Payload::default()), &Settings::default(), &|| ()).unwrap();
+    for (with, without) in with.trials.iter().zip(&without.trials) {
+        let (with, without) = (with.filtered.all.rmse_nm, without.filtered.all.rmse_nm);
+        assert!(with < 0.2 * without, "{with} of {without} N m");
+    }
+    let again = diagnose::run(&campaign, &read, &|_| ()).unwrap();
+    assert_eq!(again.verdict.kind, Kind::None);
+}
+
+#[test]
+fn a_payload_on_a_joint_that_moves_alone_is_refused() {
+    let alone = Model { chain: None, ..of_elbow(LOAD) };
+    let refused = Model::parse(Path::new("model.json"), &alone.to_json().to_string()).unwrap_err().to_string();
+    assert!(refused.contains("is a payload on a joint that moves alone"), "{refused}");
 }

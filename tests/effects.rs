@@ -287,6 +287,8 @@ fn extent() -> Extent {
         torque_nm: (-0.1, 1.0),
         others: 1,
         gravity_nm: 1.0,
+        payload: None,
+        payload_weighs: false,
         has_inertia: false,
         has_curve: false,
         backlash_m: 0.002,

@@ -36,6 +36,6 @@ impl ArmArguments {
             let what = format!("`{name}` is {}, the model's joint {}", chain.kind().name(), joint.kind.name());
             return Problem::error(urdf, what, "name the joint that the model is of").alone();
         }
-        Ok(Some(chain))
+        Ok(Some(chain.carrying(&model.dynamics.payload)))
     }
 }

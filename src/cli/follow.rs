@@ -24,7 +24,8 @@ pub fn run(
     rate_hz: Option<f64>,
     talk: &Talk,
 ) -> Result<ExitCode> {
-    let (model, warnings) = fitted(campaign, model)?;
+    let (campaign, model, warnings) = fitted(campaign, model)?;
+    let campaign = campaign.as_ref();
     let bar = progress::bar(talk, "reading quiet trials", campaign.trials.len());
     let stream = interaction::stream_of(campaign, &model, settings, rate_hz, &|| bar.inc(1));
     bar.finish_and_clear();

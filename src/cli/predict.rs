@@ -36,7 +36,7 @@ pub struct Arguments {
 
 pub fn run(arguments: &Arguments, talk: &Talk) -> Result<ExitCode> {
     let (campaign, model) = arguments.judged.read()?;
-    let (model, mut warnings) = fitted(&campaign, &model)?;
+    let (campaign, model, mut warnings) = fitted(&campaign, &model)?;
     let names = csv_names(&campaign, campaign.trials.iter())?;
     let output = interrupt::output(&arguments.output, arguments.force, "predict")?;
     let bar = progress::bar(talk, "predicting", names.len());

@@ -12,7 +12,7 @@ pub use cause::{Cause, CauseKind, Measure};
 pub use effect::{Effect, Level};
 pub use functions::{FunctionChange, FunctionKind, change_over_m};
 
-use crate::dynamics::JointKind;
+use crate::dynamics::{JointKind, Payload};
 use crate::model::{Combination, Confidence, Direction, Friction, Model, Status, Term};
 use crate::problem::{Problem, Problems, Result};
 
@@ -181,6 +181,12 @@ fn parameters(before: &Model, after: &Model) -> Vec<Row> {
     let is_off = |m: &Model| m.dynamics.position_zero_rad != 0.0;
     if is_off(before) || is_off(after) {
         add("dynamics.position_zero_rad", "rad", &|m| Some(m.dynamics.position_zero_rad));
+    }
+    if [before, after].into_iter().any(|m| !m.dynamics.payload.is_none()) {
+        let units = ["kg", "kg m", "kg m", "kg m", "kg m^2"];
+        for (at, (name, unit)) in Payload::<f64>::NAMES.into_iter().zip(units).enumerate() {
+            add(&format!("dynamics.payload.{name}"), unit, &|m| Some(m.dynamics.payload.numbers()[at]));
+        }
     }
     for direction in Direction::BOTH {
         for term in Term::ALL {

@@ -6,7 +6,7 @@
 pub use super::code::Language;
 use super::code::{inline, lines, number};
 use super::plain_name;
-use crate::dynamics::{JointKind, Motion};
+use crate::dynamics::{JointKind, Motion, Payload};
 use crate::effects::{Added, Presliding, Sample};
 use crate::model::{AT_REST_RAD_S, Asked, Combination, Model, moved, on_the_way};
 use crate::numerics::causal::Lag;
@@ -102,7 +102,16 @@ fn parts(model: &Model, language: Language, settings: &Settings) -> Result<Parts
         version: env!("CARGO_PKG_VERSION"),
         rate_hz: number(settings.rate_hz),
         prismatic: model.joint.kind == JointKind::Prismatic,
-        chain: model.chain.as_ref().map(|chain| commented(&format!("{} of {}", chain.joint, chain.urdf))),
+        chain: model.chain.as_ref().map(|chain| {
+            let payload = match model.dynamics.payload {
+                none if none.is_none() => String::new(),
+                Payload { mass_kg, moment_kg_m: [x, y, z], inertia_kg_m2 } => format!(
+                    ", whose last link carries {mass_kg:.6} kg with a first moment of {x:.6}, {y:.6}, {z:.6} kg m and an inertia of \
+                     {inertia_kg_m2:.6} kg m^2 more"
+                ),
+            };
+            commented(&format!("{} of {}{payload}", chain.joint, chain.urdf))
+        }),
         needs_slope,
         others,
         passage: passage(model, language),

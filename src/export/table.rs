@@ -1,5 +1,6 @@
 //! A model's parameters with their confidence as tables: CSV for programs, LaTeX and Markdown for papers and notes.
 
+use crate::dynamics::Payload;
 use crate::model::{Confidence, Model, Status};
 use crate::problem::visible;
 use crate::report::diagnosis::unit_of;
@@ -47,6 +48,12 @@ fn rows(model: &Model) -> Vec<Row> {
         let inertia_unit = if units.load == "N" { "kg" } else { "kg m^2" };
         rows.push(of("dynamics.gravity_nm", "gravity torque at 90 deg", units.load, model.dynamics.gravity_nm));
         rows.push(of("dynamics.inertia_kg_m2", "inertia", inertia_unit, model.dynamics.inertia_kg_m2));
+    }
+    if !model.dynamics.payload.is_none() {
+        let numbers = Payload::<f64>::NAMES.into_iter().zip(model.dynamics.payload.numbers());
+        rows.extend(numbers.map(|(name, value)| {
+            of(&format!("dynamics.payload.{name}"), "what the last link carries", unit_of(name), value)
+        }));
     }
     rows.extend(parameters(model).into_iter().filter(|p| !p.left_out).map(|p| Row {
         name: match p.direction {

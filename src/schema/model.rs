@@ -88,6 +88,24 @@ pub struct Dynamics {
     pub urdf: Option<String>,
     /// The joint in it.
     pub joint: Option<String>,
+    /// What the chain's last link carries beyond the URDF.
+    pub payload: Option<Payload>,
+}
+
+/// A mass on the last link of a chain, in that link's frame.
+#[derive(Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Payload {
+    /// kg; negative where the URDF's link is too heavy.
+    pub mass_kg: f64,
+    /// The mass times the place of its centre along x, kg m.
+    pub moment_x_kg_m: f64,
+    /// Along y.
+    pub moment_y_kg_m: f64,
+    /// Along z.
+    pub moment_z_kg_m: f64,
+    /// Inertia about the frame's origin, alike about each axis, kg m^2.
+    pub inertia_kg_m2: f64,
 }
 
 /// One of each direction.

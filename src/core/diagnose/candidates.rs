@@ -8,10 +8,9 @@ use super::parameter_ref::ParameterRef;
 use super::perturbation::{Perturbation, of_effect};
 use super::progress::{Listener, Progress};
 use super::ripple;
-use super::stale::{Stale, WHOLE_LINE, stale};
-use crate::dynamics::Direction;
+use super::stale::{Stale, named, stale};
 use crate::effects::{Added, Effect, Extent, LIBRARY, Role, Starts, find};
-use crate::model::{Combination, Model, Term, groups};
+use crate::model::{Combination, Model};
 use rayon::prelude::*;
 
 /// Starts of one effect that are fitted in full, the most promising first.
@@ -207,24 +206,9 @@ pub fn try_one<'d>(base: &BaseModel<'d>, cause: Cause) -> Option<FittedCause<'d>
 }
 
 fn of_group<'d>(base: &BaseModel<'d>, group: Stale) -> FittedCause<'d> {
-    let fit = base.fit(base.model.clone(), group.moves);
-    let name = if group.how == WHOLE_LINE { of_line(base, &fit.model) } else { group.name };
+    let fit = base.fit(base.model.clone(), group.moves.clone());
+    let name = named(&group, (&base.model, &fit.model), &base.data().extent);
     FittedCause { cause: Cause::Stale(name), how: group.how, fit }
-}
-
-/// The group to which most of the change from `base` to `model` belongs, of which lines of friction differ: its level, or its slope.
-fn of_line(base: &BaseModel<'_>, model: &Model) -> &'static str {
-    let speed_rad_s = base.data().extent.speed_rad_s.1;
-    let change = |term: Term| -> f64 {
-        let one = |direction: Direction| {
-            let parameter = ParameterRef::Friction(direction, term);
-            parameter.value(model) - parameter.value(&base.model)
-        };
-        Direction::BOTH.map(one).iter().map(|x| x.abs()).sum()
-    };
-    // Over speeds up to the fastest a slope counts half as much as at its end.
-    let is_level = change(Term::Coulomb) > change(Term::Viscous) * speed_rad_s / 2.0;
-    if is_level { groups::COULOMB.name } else { groups::VISCOUS.name }
 }
 
 /// An effect at the starts from which it is to be fitted, the most promising first; never empty.

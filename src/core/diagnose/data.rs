@@ -30,7 +30,8 @@ impl DataSet {
     /// Errors: as [`Records::read`].
     pub fn read(campaign: &Campaign, model: &Model, listener: Listener<'_>) -> Result<Self> {
         let (records, beside) = Records::read(campaign, model, listener)?;
-        let (measured_nm, folds, extent) = (records.measured_nm(), Folds::new(&records), extent::of(&records, model));
+        let (measured_nm, folds) = (records.measured_nm(), Folds::new(&records));
+        let extent = extent::of(&records, campaign, model);
         let again = beside.map(|(smooth, records)| {
             let (folds, extent) = (folds.clone(), extent.clone());
             let measured_nm = smooth.predicted_by(model);

@@ -3,14 +3,15 @@
 use super::records::Records;
 use crate::dynamics::JointKind;
 use crate::effects::Extent;
+use crate::log::Campaign;
 use crate::model::{Combination, Model};
 use crate::numerics::statistics::{extent, quantile};
 
 /// Slower than this share of the fastest, the joint does not move.
 const MOVING: f64 = 1e-3;
 
-/// Of `records`, for a joint like `model`'s.
-pub fn of(records: &Records, model: &Model) -> Extent {
+/// Of `records`, of `campaign`, for a joint like `model`'s.
+pub fn of(records: &Records, campaign: &Campaign, model: &Model) -> Extent {
     let mut speeds: Vec<f64> = records.rows(|record, i| record.own[i].velocity.abs());
     let fastest = quantile(&mut speeds, 0.999);
     let mut moving: Vec<f64> = speeds.into_iter().filter(|v| *v > MOVING * fastest).collect();
@@ -20,6 +21,9 @@ pub fn of(records: &Records, model: &Model) -> Extent {
         records.all.iter().map(last).fold(0.0, f64::max)
     };
     let stroke = |record: &super::record::Record| record.travel_rad().into_iter().fold(0.0, f64::max);
+    let payload = campaign.arm.as_ref().map(|arm| arm.chain.size_of_payload());
+    let of_payload = records.all.iter().filter_map(|record| Some(record.chain.as_ref()?.squares(payload.as_ref()?)));
+    let (weight, inertia) = of_payload.fold((0.0, 0.0), |(a, b), (x, y)| (a + x, b + y));
     Extent {
         stroke_rad: records.all.iter().map(stroke).filter(|stroke| *stroke > 0.0).fold(f64::INFINITY, f64::min),
         position_rad: extent(&records.rows(|record, i| record.own[i].position)),
@@ -30,6 +34,8 @@ pub fn of(records: &Records, model: &Model) -> Extent {
         torque_nm: extent(&records.measured_nm()),
         others: records.others(),
         gravity_nm: model.dynamics.gravity_nm,
+        payload,
+        payload_weighs: weight > inertia,
         has_inertia: model.chain.is_some() || model.dynamics.inertia_kg_m2 != 0.0,
         has_curve: matches!(model.combination, Combination::Arctan { .. } | Combination::Power { .. }),
         backlash_m: model.joint.backlash_m,

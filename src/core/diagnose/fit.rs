@@ -76,7 +76,13 @@ impl Fit<'_> {
     pub fn numbers(&self) -> Numbers {
         let seen = self.mask.rows().max(1) as f64 * (FOLDS - 1) as f64 / FOLDS as f64;
         let each_square = self.mask.floor_square() * self.mask.data.records.rows_per_independent / seen;
-        Numbers { effective_dof: self.gram.effective_dof(self.mask.prior(&self.deviations)), each_square }
+        let effective_dof = self.gram.resolution(self.mask.prior(&self.deviations)).iter().sum();
+        Numbers { effective_dof, each_square }
+    }
+
+    /// How far the data, rather than a prior, decide each of its moves: from 0 to 1.
+    pub fn resolution(&self) -> Vec<f64> {
+        self.gram.resolution(self.mask.prior(&self.deviations)).split_off(self.base_x.len())
     }
 
     /// Standard deviation of each of its moves over the first `count` of `resamples`.

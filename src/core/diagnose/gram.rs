@@ -88,8 +88,9 @@ impl Gram {
         solve(&self.total(|_| true), prior.rows.iter().sum(), prior)
     }
 
-    /// How many coefficients the data decide: 1 for each that has no prior, next to 0 where the prior holds it.
-    pub fn effective_dof(&self, prior: Prior<'_>) -> f64 {
+    /// How far the data decide each coefficient (the diagonal of the resolution matrix: Menke 2012, section 4.5): 1 where it has no prior,
+    /// next to 0 where the prior holds it.
+    pub fn resolution(&self, prior: Prior<'_>) -> Vec<f64> {
         let sum = self.total(|_| true);
         let noise_square = prior.floor_square.max(f64::MIN_POSITIVE) * prior.rows_per_independent;
         let square = |a: usize| if sum[(a, a)] > 0.0 { sum[(a, a)] } else { 1.0 };
@@ -97,7 +98,8 @@ impl Gram {
         let mut held = scaled.clone();
         (0..self.columns)
             .for_each(|a| held[(a, a)] += RIDGE + noise_square / (prior.deviations[a].powi(2) * square(a)));
-        held.cholesky().map_or(self.columns as f64, |cholesky| cholesky.solve(&scaled).trace())
+        let all = vec![1.0; self.columns];
+        held.cholesky().map_or(all, |cholesky| cholesky.solve(&scaled).diagonal().iter().copied().collect())
     }
 
     /// Sum of squares left in each unit by coefficients that were fitted without its fold.

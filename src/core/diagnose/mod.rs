@@ -26,6 +26,7 @@ mod mask;
 mod measures;
 mod motion;
 mod next;
+mod on_chain;
 mod pairs;
 mod parameter_ref;
 mod parameters;
@@ -199,7 +200,8 @@ const UNFORESEEN: &str = "what is left exceeds the torque's noise beyond the low
 pub fn run(campaign: &Campaign, model: &Model, listener: Listener<'_>) -> Result<Diagnosis> {
     let begins = |phase| listener(Progress::Begins(phase));
     begins(Phase::Reading);
-    let (model, mut warnings) = fitted(campaign, model)?;
+    let (campaign, model, mut warnings) = fitted(campaign, model)?;
+    let campaign = campaign.as_ref();
     let data = DataSet::read(campaign, &model, listener)?;
     warnings.extend(data.records.all.iter().flat_map(|record| record.warnings.iter().cloned()));
     if data.again().is_none() {

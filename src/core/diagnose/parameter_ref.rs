@@ -1,13 +1,15 @@
 //! One number of a model: where it stands, what it is called, what it may be.
 
-use crate::dynamics::Direction;
-use crate::model::{Combination, Group, Model, Term, groups};
+use crate::dynamics::{Direction, Payload};
+use crate::model::{Combination, Model, Term};
 
 /// One number of a model.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum ParameterRef {
     Gravity,
     Inertia,
+    /// A number of what a chain's last link carries.
+    Payload(usize),
     Backlash,
     Curve,
     Friction(Direction, Term),
@@ -20,6 +22,7 @@ impl ParameterRef {
         match self {
             Self::Gravity => Some(&mut model.dynamics.gravity_nm),
             Self::Inertia => Some(&mut model.dynamics.inertia_kg_m2),
+            Self::Payload(at) => model.dynamics.payload.number_mut(at),
             Self::Backlash => Some(&mut model.joint.backlash_m),
             Self::Curve => match &mut model.combination {
                 Combination::Arctan { p, .. } => Some(p),
@@ -48,6 +51,7 @@ impl ParameterRef {
         match self {
             Self::Gravity => "dynamics.gravity_nm".to_string(),
             Self::Inertia => "dynamics.inertia_kg_m2".to_string(),
+            Self::Payload(at) => format!("dynamics.payload.{}", Payload::<f64>::NAMES[at]),
             Self::Backlash => "joint.backlash_m".to_string(),
             Self::Curve if matches!(model.combination, Combination::Power { .. }) => "combination.n".to_string(),
             Self::Curve => "combination.p".to_string(),
@@ -78,16 +82,5 @@ impl ParameterRef {
             Self::Effect(effect, at) => model.effects[effect].effect.about().parameters[at].bounds,
             _ => (f64::NEG_INFINITY, f64::INFINITY),
         }
-    }
-}
-
-/// The group that a base parameter goes stale with.
-pub fn group_of(parameter: ParameterRef) -> Option<&'static Group> {
-    match parameter {
-        ParameterRef::Gravity => Some(&groups::GRAVITY),
-        ParameterRef::Inertia => Some(&groups::INERTIA),
-        ParameterRef::Backlash => Some(&groups::BACKLASH_WIDTH),
-        ParameterRef::Friction(_, term) => Some(Group::of_term(term)),
-        ParameterRef::Curve | ParameterRef::Effect(..) => None,
     }
 }

@@ -4,8 +4,8 @@ use super::bootstrap::Resamples;
 use super::candidates::Cause;
 use super::choose::Choice;
 use super::fit::Fit;
-use super::parameter_ref::{ParameterRef, group_of};
-use super::stale::WHOLE_LINE;
+use super::parameter_ref::ParameterRef;
+use super::stale::holds;
 use crate::model::{Model, Term};
 
 /// Resamplings for a parameter's error.
@@ -14,6 +14,11 @@ const DRAWS: usize = 100;
 const HALF_WIDTH: f64 = 1.96;
 /// A value within this share of its range from a bound is at it.
 const AT_BOUND: f64 = 1e-4;
+
+/// Below this resolution a number is decided by what was assumed of its size: its interval by resampling says too little.
+const RESOLVED: f64 = 0.9;
+/// The warning about it.
+const UNRESOLVED: &str = "these data do not tell it from others";
 
 /// The warning about friction that comes out negative, and about an effect of the opposite sign.
 pub const BELOW_ZERO: &str = "negative: it compensates for an unmodelled effect";
@@ -27,7 +32,7 @@ pub struct Fitted {
     pub value: f64,
     /// The 95 % interval; nothing for what was chosen rather than fitted.
     pub interval: Option<(f64, f64)>,
-    /// What is wrong with it: "at its bound".
+    /// What is wrong with it: "at its bound", ...
     pub doubt: Option<&'static str>,
 }
 
@@ -44,14 +49,12 @@ pub fn settled(choice: &Choice<'_>) -> Model {
 pub fn of_cause(resamples: &Resamples, fit: &Fit<'_>, (cause, how): (Cause, &str)) -> Vec<Fitted> {
     let deviations = fit.deviations(resamples, DRAWS);
     let mut found = Vec::new();
-    for (way, deviation) in fit.moves.iter().zip(&deviations) {
+    for ((way, deviation), resolution) in fit.moves.iter().zip(&deviations).zip(fit.resolution()) {
         for parameter in way.parameters() {
             let belongs = match (parameter, cause) {
                 (ParameterRef::Effect(at, _), Cause::Effect(id)) => fit.model.effects[at].id() == id,
                 (ParameterRef::Effect(..), Cause::Stale(_)) | (_, Cause::Effect(_)) => false,
-                (_, Cause::Stale(name)) => {
-                    group_of(parameter).is_some_and(|group| group.name == name || how == WHOLE_LINE)
-                }
+                (_, Cause::Stale(name)) => holds((name, how), parameter),
             };
             if belongs && deviation.is_finite() {
                 let at = |x: f64| {
@@ -65,7 +68,7 @@ pub fn of_cause(resamples: &Resamples, fit: &Fit<'_>, (cause, how): (Cause, &str
                     name: parameter.own_name(&fit.model),
                     value,
                     interval: Some((a.min(b), a.max(b))),
-                    doubt: doubt(parameter, &fit.model, way.most),
+                    doubt: doubt(parameter, &fit.model, way.most).or((resolution < RESOLVED).then_some(UNRESOLVED)),
                 });
             }
         }

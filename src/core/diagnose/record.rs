@@ -1,7 +1,8 @@
 //! A trial thinned to the bandwidth of its low-pass, and any model's prediction of it.
 
+use super::on_chain::OnChain;
 use super::spectrum::{SpectralFloor, spectral};
-use crate::dynamics::{Both, Motion, RigidTorque};
+use crate::dynamics::{Both, Motion};
 use crate::effects::{Added, Carried, Evaluated, Family, Sample};
 use crate::log::{Campaign, Log};
 use crate::model::{Asked, Model, Strokes, combined, settle};
@@ -54,7 +55,8 @@ pub struct Record {
     /// Gravity at each thinned sample as a share of the largest, and its slope, 1/rad: the position stays what it is, whatever
     /// the model.
     gravity_shares: Vec<(f64, f64)>,
-    chain: Option<Vec<(RigidTorque, f64)>>,
+    /// What a chain's mass asks of the joint.
+    pub chain: Option<OnChain>,
     step: usize,
     /// The motion at the log's full rate.
     strokes: Strokes,
@@ -127,7 +129,7 @@ impl Record {
             others: trial.others.iter().map(|other| at.iter().map(|i| other[*i]).collect()).collect(),
             load_nm: at.iter().map(|i| trial.load_nm(*i)).collect(),
             gravity_shares: at.iter().map(|i| model.joint.kind.gravity_share(trial.position_rad[*i])).collect(),
-            chain: trial.chain.as_ref().map(|chain| at.iter().map(|i| chain[*i]).collect()),
+            chain: OnChain::of(campaign, model, trial, &at),
             step,
             strokes: Strokes::new(trial.followed_rad(), (0..n).map(|i| trial.velocity_rad_s(i)), trial.deadband_rad),
             deadband_rad: trial.deadband_rad,
@@ -154,11 +156,7 @@ impl Record {
     pub fn asked<S: Scalar>(&self, i: usize, model: &Model<S>) -> Asked<S> {
         let dynamics = &model.dynamics;
         let (gravity_nm, slope_nm_rad, beside_nm) = match &self.chain {
-            Some(chain) => {
-                let (rigid, slope_nm_rad) = chain[i];
-                let beside_nm = rigid.total_nm() - rigid.gravity_nm;
-                (S::from(rigid.gravity_nm), S::from(slope_nm_rad), S::from(beside_nm))
-            }
+            Some(chain) => chain.asked(i, &dynamics.payload),
             None => {
                 let (share, slope) = self.gravity_shares[i];
                 let inertia_nm = dynamics.inertia_kg_m2 * self.own[i].acceleration;

@@ -9,6 +9,9 @@ use crate::model::{Group, Model, Term, groups};
 /// How Coulomb and viscous friction move together: a line per direction.
 pub const WHOLE_LINE: &str = "each direction separately, level and slope";
 
+/// How gravity and inertia of a chain move.
+pub const PAYLOAD: &str = "payload on the last link";
+
 /// How Coulomb friction moves where one direction gains what the other loses: as by a bias of the sensor.
 pub const SAME_TORQUE: &str = "up and down by the same torque";
 
@@ -83,7 +86,36 @@ pub fn stale(model: &Model, extent: &Extent) -> Vec<Stale> {
         .chain([Term::Coulomb, Term::Viscous, Term::Load].into_iter().flat_map(|term| of_term(model, term, extent)))
         .chain(whole_line(model, extent))
         .chain(of_stribeck(model))
+        .chain(payload(model, extent))
         .collect()
+}
+
+/// Whether `parameter` belongs to the group `name` where that moves as `how` says.
+pub fn holds((name, how): (&str, &str), parameter: ParameterRef) -> bool {
+    let group = match parameter {
+        ParameterRef::Payload(_) => return how == PAYLOAD,
+        ParameterRef::Friction(_, Term::Coulomb | Term::Viscous) if how == WHOLE_LINE => return true,
+        ParameterRef::Gravity => &groups::GRAVITY,
+        ParameterRef::Inertia => &groups::INERTIA,
+        ParameterRef::Backlash => &groups::BACKLASH_WIDTH,
+        ParameterRef::Friction(_, term) => Group::of_term(term),
+        ParameterRef::Curve | ParameterRef::Effect(..) => return false,
+    };
+    group.name == name && how != PAYLOAD
+}
+
+/// The name of `group` where it made `after` of `before`, over `extent`: of a whole line of friction the one to which most of the change
+/// belongs, its level or its slope.
+pub fn named(group: &Stale, (before, after): (&Model, &Model), extent: &Extent) -> &'static str {
+    if group.how != WHOLE_LINE {
+        return group.name;
+    }
+    let change = |term: Term| -> f64 {
+        both(term).iter().map(|parameter| (parameter.value(after) - parameter.value(before)).abs()).sum()
+    };
+    // Over speeds up to the fastest a slope counts half as much as at its end.
+    let is_level = change(Term::Coulomb) > change(Term::Viscous) * extent.speed_rad_s.1 / 2.0;
+    if is_level { groups::COULOMB.name } else { groups::VISCOUS.name }
 }
 
 /// The ways in which `term` of both directions moves.
@@ -127,6 +159,15 @@ fn whole_line(model: &Model, extent: &Extent) -> Option<Stale> {
         how: WHOLE_LINE,
         moves: [of(Term::Viscous), of(Term::Coulomb)].concat(),
     })
+}
+
+/// What the last link of a chain carries beyond its URDF: in units of what hangs on the joint, so that what the motion does not show stays
+/// near nothing.
+fn payload(model: &Model, extent: &Extent) -> Option<Stale> {
+    let units = extent.payload.filter(|_| model.chain.is_some())?.numbers();
+    let of = |(at, unit)| Perturbation { stride: 1.0, ..free(vec![(ParameterRef::Payload(at), Mode::Add(unit))]) };
+    let name = if extent.payload_weighs { groups::GRAVITY.name } else { groups::INERTIA.name };
+    Some(Stale { name, how: PAYLOAD, moves: units.into_iter().enumerate().map(of).collect() })
 }
 
 /// The ways in which the size of the Stribeck terms moves.

@@ -4,7 +4,7 @@
 //! each body, inwards the force and moment that each joint must carry. Gravity enters as an upward acceleration of the base.
 //! Bodies are rigid and joints ideal; rotors' inertia is not in a URDF and so not here.
 
-use super::JointKind;
+use super::{JointKind, NUMBERS, Payload};
 use crate::numerics::scalar::Scalar;
 use nalgebra::{Matrix3, Rotation3, Unit, Vector3};
 
@@ -37,9 +37,9 @@ pub(super) struct Body {
     /// The joint's origin in the parent's frame, m.
     pub origin_m: Vector3<f64>,
     pub mass_kg: f64,
-    /// Centre of mass, m.
-    pub centre_m: Vector3<f64>,
-    /// About the centre of mass, kg m^2.
+    /// First moment of mass about the frame's origin, kg m.
+    pub moment_kg_m: Vector3<f64>,
+    /// About the frame's origin, kg m^2.
     pub inertia_kg_m2: Matrix3<f64>,
 }
 
@@ -161,6 +161,55 @@ impl Chain {
         (gravity_nm(position + SLOPE_STEP_RAD) - gravity_nm(position - SLOPE_STEP_RAD)) / (2.0 * SLOPE_STEP_RAD)
     }
 
+    /// The same chain whose last link carries `payload` beyond its own mass.
+    pub fn carrying(&self, payload: &Payload) -> Self {
+        let mut chain = self.clone();
+        if let Some(last) = chain.bodies.get_mut(self.last()) {
+            last.mass_kg += payload.mass_kg;
+            last.moment_kg_m += Vector3::from(payload.moment_kg_m);
+            last.inertia_kg_m2 += Matrix3::from_diagonal_element(payload.inertia_kg_m2);
+        }
+        chain
+    }
+
+    /// Chains without any mass but one unit of each number of a payload in turn: the torque is in proportion to them.
+    pub fn units_of_payload(&self) -> [Self; NUMBERS] {
+        std::array::from_fn(|at| {
+            let mut chain = self.clone();
+            for body in &mut chain.bodies {
+                (body.mass_kg, body.moment_kg_m, body.inertia_kg_m2) = (0.0, Vector3::zeros(), Matrix3::zeros());
+            }
+            chain.carrying(&Payload::of(std::array::from_fn(|other| if other == at { 1.0 } else { 0.0 })))
+        })
+    }
+
+    /// How large each number of a payload may well be: what hangs on the joint, all as far from the last link as the joint is.
+    pub fn size_of_payload(&self) -> Payload {
+        let beyond = &self.bodies[self.joint.min(self.bodies.len())..];
+        let mass_kg: f64 = beyond.iter().map(|body| body.mass_kg).sum();
+        let ways = self.path(self.last()).into_iter().filter(|at| *at > self.joint);
+        let between_m: f64 = ways.map(|at| self.bodies[at].origin_m.norm()).sum();
+        let own_m = |body: &Body| if body.mass_kg > 0.0 { body.moment_kg_m.norm() / body.mass_kg } else { 0.0 };
+        let reach_m = between_m + beyond.iter().map(own_m).fold(0.0, f64::max);
+        Payload { mass_kg, moment_kg_m: [mass_kg * reach_m; 3], inertia_kg_m2: mass_kg * reach_m.powi(2) }
+    }
+
+    /// The body that carries a payload: of those on the joint the one that most joints move.
+    fn last(&self) -> usize {
+        let moving = |at: usize| {
+            let path = self.path(at);
+            let moves = path.iter().filter(|at| self.bodies[**at].freedom != Freedom::Fixed).count();
+            (path.contains(&self.joint), moves)
+        };
+        // The first of equals.
+        (0..self.bodies.len()).rev().max_by_key(|at| moving(*at)).unwrap_or(0)
+    }
+
+    /// A body and all that carry it.
+    fn path(&self, at: usize) -> Vec<usize> {
+        std::iter::successors(Some(at), |at| self.bodies.get(*at)?.parent).collect()
+    }
+
     /// The motion of each body's joint; fixed ones rest.
     fn motions(&self, own: Motion, others: &[Motion]) -> Vec<Motion> {
         let mut others = others.iter();
@@ -217,8 +266,9 @@ fn outwards(body: &Body, motion: Motion, carrier: Option<State>, gravity_m_s2: f
     let a = back * (a0 + dw0.cross(&origin_m) + w0.cross(&w0.cross(&origin_m)))
         + 2.0 * w.cross(&(axis * slide.velocity))
         + axis * slide.acceleration;
-    let centre = a + dw.cross(&body.centre_m) + w.cross(&w.cross(&body.centre_m));
-    let force_n = body.mass_kg * centre;
-    let moment_nm = body.inertia_kg_m2 * dw + w.cross(&(body.inertia_kg_m2 * w)) + body.centre_m.cross(&force_n);
+    // In proportion to the mass, its first and its second moment, all about the frame's origin (Khalil and Dombre 2002, section 9.3).
+    let (first, second) = (body.moment_kg_m, body.inertia_kg_m2);
+    let force_n = body.mass_kg * a + dw.cross(&first) + w.cross(&w.cross(&first));
+    let moment_nm = second * dw + w.cross(&(second * w)) + first.cross(&a);
     State { to_parent, origin_m, velocity_rad_s: w, acceleration_rad_s2: dw, acceleration_m_s2: a, force_n, moment_nm }
 }

@@ -2,11 +2,13 @@
 
 mod chain;
 mod direction;
+mod payload;
 mod urdf;
 
 use crate::numerics::scalar::Scalar;
 pub use chain::{Chain, GRAVITY_M_S2, Motion, RigidTorque};
 pub use direction::{Both, Direction};
+pub use payload::{NUMBERS, Payload};
 
 /// How the joint moves. For a prismatic joint the `_rad` quantities hold metres and the `_nm` quantities newtons.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -61,6 +63,8 @@ pub struct Dynamics<S = f64> {
     pub inertia_kg_m2: S,
     /// Error of the position's zero, rad: a revolute joint is at its reading plus this. Always 0 for a prismatic joint.
     pub position_zero_rad: S,
+    /// What the last link of a chain carries beyond what the URDF says; nothing where the joint moves alone.
+    pub payload: Payload<S>,
 }
 
 impl<S: Scalar> Dynamics<S> {

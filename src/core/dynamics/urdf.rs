@@ -161,7 +161,7 @@ impl Tree<'_> {
             return fault(format!("its child link `{}` is missing", joint.child.link), "add the link");
         };
         let (rotation, origin_m) = placed(&joint.origin);
-        let (mass_kg, centre_m, inertia_kg_m2) = self.inertia(link)?;
+        let (mass_kg, moment_kg_m, inertia_kg_m2) = self.inertia(link)?;
         Ok(Body {
             name: joint.name.clone(),
             parent,
@@ -170,12 +170,12 @@ impl Tree<'_> {
             rotation,
             origin_m,
             mass_kg,
-            centre_m,
+            moment_kg_m,
             inertia_kg_m2,
         })
     }
 
-    /// Mass, centre of mass and inertia about it, in the link's frame.
+    /// Mass, its first moment and its inertia about the origin of the link's frame.
     fn inertia(&self, link: &Link) -> Result<(f64, Vector3<f64>, Matrix3<f64>)> {
         let (rotation, centre_m) = placed(&link.inertial.origin);
         let i = &link.inertial.inertia;
@@ -188,7 +188,9 @@ impl Tree<'_> {
             let cure = "a mass is 0 or more, and no principal moment of inertia is negative";
             return Problem::error(self.file, what, cure).in_column(&link.name).alone();
         }
-        Ok((mass_kg, centre_m, inertia_kg_m2))
+        // Parallel axes.
+        let about_origin = Matrix3::from_diagonal_element(centre_m.norm_squared()) - centre_m * centre_m.transpose();
+        Ok((mass_kg, mass_kg * centre_m, inertia_kg_m2 + mass_kg * about_origin))
     }
 }
 

@@ -1,6 +1,6 @@
 //! What effects see: one sample of the motion, what the cable carries there, and the range of a campaign.
 
-use crate::dynamics::{Both, Motion};
+use crate::dynamics::{Both, Motion, Payload};
 
 /// What the joint does at one sample, as effects see it.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -46,6 +46,10 @@ pub struct Extent {
     pub others: usize,
     /// Gravity of the model, N m at the joint: 0 where a chain says it.
     pub gravity_nm: f64,
+    /// What the last link of a chain may well carry; nothing without a chain.
+    pub payload: Option<Payload>,
+    /// Whether of a payload the gravity shows more than the inertia.
+    pub payload_weighs: bool,
     /// Whether the model has inertia, its own or a chain's.
     pub has_inertia: bool,
     /// Whether the model's friction changes over along a fitted curve.

@@ -1,18 +1,20 @@
 //! Whether a model is of the joint that a campaign recorded.
 
-use crate::log::Campaign;
+use crate::log::{Arm, Campaign};
 use crate::model::Model;
 use crate::problem::{Problem, Problems, Result};
+use std::borrow::Cow;
 
 /// Radii that differ by less than this share are the same, written with fewer digits.
 const SAME: f64 = 1e-3;
 /// Gravity torques that differ by more than this share of the larger one deserve a word.
 const GRAVITY_DIFFERS: f64 = 0.02;
 
-/// `model` as it is used on `campaign`, if it is of its joint; what differs without harm comes back as warnings.
+/// `campaign` and `model` as they are used together, if they are of one joint: a chain carries what the model says, a model has the kind
+/// of the campaign's joint. What differs without harm comes back as warnings.
 ///
 /// Errors: another joint's name, kind or radii.
-pub fn fitted(campaign: &Campaign, model: &Model) -> Result<(Model, Vec<String>)> {
+pub fn fitted<'c>(campaign: &'c Campaign, model: &Model) -> Result<(Cow<'c, Campaign>, Model, Vec<String>)> {
     let mut model = model.clone();
     // A model's file need not declare the kind of its joint; with both radii 1 no winch is known.
     if (model.joint.winch_radius_m, model.joint.pulley_radius_m) == (1.0, 1.0) {
@@ -60,5 +62,9 @@ pub fn fitted(campaign: &Campaign, model: &Model) -> Result<(Model, Vec<String>)
              and load cannot be told apart"
         ));
     }
-    Problems(problems).unless_errors((model, warnings))
+    let mut carrying = Cow::Borrowed(campaign);
+    if let (Some(arm), false) = (&campaign.arm, model.dynamics.payload.is_none()) {
+        carrying.to_mut().arm = Some(Arm { chain: arm.chain.carrying(&model.dynamics.payload), ..arm.clone() });
+    }
+    Problems(problems).unless_errors((carrying, model, warnings))
 }

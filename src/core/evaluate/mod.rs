@@ -101,8 +101,8 @@ pub fn run(
     settings: &Settings,
     progress: &(dyn Fn() + Sync),
 ) -> Result<Evaluation> {
-    let (model, mut warnings) = fitted(campaign, model)?;
-    let model = &model;
+    let (campaign, model, mut warnings) = fitted(campaign, model)?;
+    let (campaign, model) = (campaign.as_ref(), &model);
     let chosen = chosen(campaign, settings.sweeps)?;
     let rivals = rivals(model, &settings.recorded_curves);
     let evaluate = |index: &usize| {

@@ -75,7 +75,8 @@ pub fn run(
     settings: Settings,
     progress: &(dyn Fn() + Sync),
 ) -> Result<Interaction> {
-    let (model, mut warnings) = fitted(campaign, model)?;
+    let (campaign, model, mut warnings) = fitted(campaign, model)?;
+    let campaign = campaign.as_ref();
     let touched = trials(campaign, true);
     if touched.is_empty() {
         let cure = "mark the trials in which somebody touches the joint with protocol = \"interaction\"";

@@ -4,7 +4,7 @@ use super::{
     Both, ChainName, Combination, Confidence, Direction, Drive, Friction, Functions, Joint, Model, Status, Term,
 };
 use crate::document::{Document, Section};
-use crate::dynamics::{Dynamics, JointKind};
+use crate::dynamics::{Dynamics, JointKind, Payload};
 use crate::effects::{Added, LIBRARY, Parameter};
 use crate::problem::Result;
 use serde_json::{Map, Value, json};
@@ -45,7 +45,9 @@ impl Model {
             let (urdf, joint) = (s.may("urdf").text(), s.may("joint").text());
             let chain = urdf.zip(joint).map(|(urdf, joint)| ChainName { urdf, joint });
             let position_zero_rad = s.may("position_zero_rad").number().unwrap_or(0.0);
-            Some((Dynamics { gravity_nm: gravity_nm?, inertia_kg_m2: inertia_kg_m2?, position_zero_rad }, chain))
+            let payload = s.may("payload").section(|s| read_payload(s, chain.is_some())).unwrap_or_default();
+            let (gravity_nm, inertia_kg_m2) = (gravity_nm?, inertia_kg_m2?);
+            Some((Dynamics { gravity_nm, inertia_kg_m2, position_zero_rad, payload }, chain))
         });
         let friction = root.need("friction").section(|s| {
             let up = s.need("up").section(|s| read_friction(s, Direction::Up));
@@ -98,6 +100,11 @@ impl Model {
         });
         if self.dynamics.position_zero_rad != 0.0 {
             dynamics["position_zero_rad"] = json!(self.dynamics.position_zero_rad);
+        }
+        if !self.dynamics.payload.is_none() {
+            let numbers = Payload::<f64>::NAMES.into_iter().zip(self.dynamics.payload.numbers());
+            dynamics["payload"] =
+                numbers.map(|(name, value)| (name.to_string(), json!(value))).collect::<Map<_, _>>().into();
         }
         if let Some(ChainName { urdf, joint }) = &self.chain {
             (dynamics["urdf"], dynamics["joint"]) = (json!(urdf), json!(joint));
@@ -164,6 +171,16 @@ impl Confidence {
 }
 
 /// A branch; its rates must make the exponentials decay with speed in its own direction.
+fn read_payload(s: &Section, has_chain: bool) -> Option<Payload> {
+    let [mass_kg, x, y, z, inertia_kg_m2] = Payload::<f64>::NAMES.map(|name| s.need(name).number());
+    if !has_chain {
+        let cure =
+            "delete it and give gravity_nm and inertia_kg_m2 with the payload on, or name the URDF and the joint in it";
+        s.reject("mass_kg", "is a payload on a joint that moves alone", cure);
+    }
+    Some(Payload::of([mass_kg?, x?, y?, z?, inertia_kg_m2?]))
+}
+
 fn read_friction(s: &Section, direction: Direction) -> Option<Friction> {
     let values = Term::ALL.map(|term| (term, s.need(term.name()).number()));
     let mut friction = Friction::default();

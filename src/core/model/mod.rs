@@ -22,7 +22,7 @@ pub use passage::{AT_REST_RAD_S, Passage};
 pub use predict::{Asked, Components};
 pub use strokes::Strokes;
 
-use crate::dynamics::Dynamics;
+use crate::dynamics::{Dynamics, Payload};
 use crate::effects::Added;
 use crate::numerics::scalar::Scalar;
 use std::collections::BTreeMap;
@@ -76,6 +76,7 @@ impl Model {
                 gravity_nm: of(self.dynamics.gravity_nm),
                 inertia_kg_m2: of(self.dynamics.inertia_kg_m2),
                 position_zero_rad: of(self.dynamics.position_zero_rad),
+                payload: Payload::of(self.dynamics.payload.numbers().map(of)),
             },
             chain: self.chain.clone(),
             friction: Both::make(branch),

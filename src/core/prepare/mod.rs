@@ -10,6 +10,7 @@ mod stumps;
 
 pub use legs::{Leg, find_legs, sweep_speeds};
 pub use rest::{REST_RAD, REST_S, rests};
+pub use rigid::along;
 pub use series::Series;
 pub use stumps::{left_out, read_campaign};
 
@@ -201,7 +202,8 @@ pub fn prepare(campaign: &Campaign, index: usize, mut log: Log) -> Result<Trial>
         legs,
         log,
     };
-    trial.chain = campaign.arm.as_ref().map(|arm| rigid::along(arm, &trial));
+    let all = 0..trial.position_rad.len();
+    trial.chain = campaign.arm.as_ref().map(|arm| along(&arm.chain, &arm.others, &trial, all).collect());
     Ok(trial)
 }
 

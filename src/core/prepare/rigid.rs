@@ -1,25 +1,29 @@
 //! The torque that a chain's own mass asks of the joint, along a recorded motion.
 
 use super::Trial;
-use crate::dynamics::{Motion, RigidTorque};
-use crate::log::{Arm, Place};
+use crate::dynamics::{Chain, Motion, RigidTorque};
+use crate::log::Place;
 use crate::numerics::difference::{acceleration_at, velocity_at};
 use crate::numerics::filter::LowPass;
 
-/// M a + C v + G of `arm`'s joint and the slope of G over its position, N m/rad, at each sample of `trial`.
-pub(super) fn along(arm: &Arm, trial: &Trial) -> Vec<(RigidTorque, f64)> {
+/// M a + C v + G of `chain`'s joint and the slope of G over its position, N m/rad, at the samples `at` of `trial`; `places` says where
+/// each of its other joints stands.
+pub fn along<'a>(
+    chain: &'a Chain,
+    places: &'a [Place],
+    trial: &'a Trial,
+    at: impl Iterator<Item = usize> + 'a,
+) -> impl Iterator<Item = (RigidTorque, f64)> + 'a {
     let place = |place: &Place, i: usize| match place {
         Place::Held(position) => Motion { position: *position, ..Motion::default() },
         Place::Column(column) => trial.others[*column][i],
     };
-    let mut moved = vec![Motion::default(); arm.others.len()];
-    (0..trial.position_rad.len())
-        .map(|i| {
-            moved.iter_mut().zip(&arm.others).for_each(|(slot, other)| *slot = place(other, i));
-            let joint = trial.motion(i);
-            (arm.chain.torque(joint, &moved), arm.chain.gravity_slope_nm_rad(joint.position, &moved))
-        })
-        .collect()
+    let mut moved = vec![Motion::default(); places.len()];
+    at.map(move |i| {
+        moved.iter_mut().zip(places).for_each(|(slot, other)| *slot = place(other, i));
+        let joint = trial.motion(i);
+        (chain.torque(joint, &moved), chain.gravity_slope_nm_rad(joint.position, &moved))
+    })
 }
 
 /// Another joint's motion: its `recorded` positions through the same `filter`, differentiated.

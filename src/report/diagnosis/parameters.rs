@@ -1,19 +1,21 @@
 //! Fitted parameters as a reader wants them: their units read off their names, before and after, ripples by their amplitudes.
 
 use crate::diagnose::{Candidate, Cause, Diagnosis, Fitted};
-use crate::dynamics::JointKind;
+use crate::dynamics::{JointKind, Payload};
 use crate::model::{Combination, Direction, Model, Term};
 use crate::report::number::{as_precise_as, interval, significant};
 use crate::report::wording::Units;
 
 /// Endings of names and the units that they stand for, longer ones first.
-const ENDINGS: [(&str, &str); 14] = [
+const ENDINGS: [(&str, &str); 16] = [
     ("_nm_s2_rad2", "N m s²/rad²"),
     ("_nm_s_rad", "N m s/rad"),
     ("_nm_rad2", "N m/rad²"),
     ("_nm_rad", "N m/rad"),
     ("_rad_nm", "rad/(N m)"),
     ("_kg_m2", "kg m²"),
+    ("_kg_m", "kg m"),
+    ("_kg", "kg"),
     ("_per_rad", "1/rad"),
     ("_rad_s", "rad/s"),
     ("_nm", "N m"),
@@ -164,6 +166,10 @@ pub fn of_model(model: &Model, name: &str) -> Option<f64> {
             Combination::Sign | Combination::Linear => None,
         },
         _ => {
+            if let Some(name) = name.strip_prefix("dynamics.payload.") {
+                let at = Payload::<f64>::NAMES.iter().position(|known| *known == name)?;
+                return Some(model.dynamics.payload.numbers()[at]);
+            }
             let (direction, last) = name.strip_prefix("friction.")?.split_once('.')?;
             let direction = Direction::BOTH.into_iter().find(|d| d.name() == direction)?;
             Some(model.friction.of(direction)[Term::find(last)?])
