@@ -32,6 +32,7 @@ mod torque_ripple;
 mod warm_up;
 
 mod about;
+mod clock;
 mod effect;
 mod library;
 mod parameter;
@@ -50,7 +51,7 @@ pub use ripple::{HARMONICS, NUMBERS as RIPPLE_NUMBERS};
 pub use sample::{Carried, Extent, Sample};
 pub use transition::{Curve, Presliding};
 
-use crate::numerics::scalar::Scalar;
+use clock::{clock_s, scanned, varies};
 
 /// Every effect, in the order of the format's list.
 pub const LIBRARY: [&dyn Effect; 20] = [
@@ -92,11 +93,6 @@ fn spaced(low: f64, high: f64, count: usize) -> impl Iterator<Item = f64> {
 
 /// Speed over which Coulomb friction of an effect changes sign, rad/s: below it encoders tell no direction.
 pub const RESTING_RAD_S: f64 = 0.01;
-
-/// `time_s` or `elapsed_s` of `sample`: a clock that starts anew with each trial, or runs through the campaign.
-fn clock_s<S: Scalar>(restarts: S, sample: &Sample<'_, S>) -> S {
-    if restarts.value() > 0.5 { sample.time_s } else { sample.elapsed_s }
-}
 
 #[cfg(test)]
 mod tests {

@@ -48,11 +48,6 @@ impl Effect for Bristles {
         };
         forms.iter().flat_map(of_form).collect()
     }
-
-    /// Where friction arrives as abruptly as an exponent at its bound says, no bristle bends.
-    fn is_itself(&self, p: &[f64], _extent: &Extent) -> bool {
-        p[1] > EXPONENT_MIN + 0.01
-    }
 }
 
 impl<S: Scalar> Hooks<S> for Bristles {

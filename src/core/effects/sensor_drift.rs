@@ -1,6 +1,9 @@
 //! The torque sensor's zero moves with time.
 
-use super::{About, ActsOn, Effect, Excitation, Extent, Family, Hooks, Parameter, Region, Sample, Starts, clock_s};
+use super::{
+    About, ActsOn, Effect, Excitation, Extent, Family, Hooks, Parameter, Region, Sample, Starts, clock_s, scanned,
+    varies,
+};
 use crate::numerics::scalar::Scalar;
 use crate::numerics::statistics;
 use std::f64::consts::PI;
@@ -13,12 +16,6 @@ const FIRST_WAVE: usize = 6;
 const WAVES: usize = 4;
 /// Where the constant stands: what drifts has no reason to begin at zero.
 const OFFSET: usize = FIRST_WAVE + WAVES;
-
-/// What varies by less than this share of its mean is constant.
-const MOVES: f64 = 0.1;
-
-/// Times at which its size is looked at: each wave's crests are met within 1 %.
-const SCANNED: usize = 64;
 
 static ABOUT: About = About {
     id: "sensor_drift",
@@ -84,10 +81,9 @@ impl Effect for SensorDrift {
 
     /// A zero that moves by more than all that the sensor read is no drift, and one that hardly moves is an offset.
     fn is_itself(&self, p: &[f64], extent: &Extent) -> bool {
-        let drift: Vec<f64> = (0..=SCANNED).map(|i| offset_nm(p, p[1] * i as f64 / SCANNED as f64)).collect();
-        let (low, high) = statistics::extent(&drift);
-        high - low <= extent.torque_nm.1 - extent.torque_nm.0
-            && statistics::standard_deviation(&drift) >= MOVES * statistics::mean(&drift).abs()
+        let drift_nm = |t_s| offset_nm(p, t_s);
+        let (low, high) = statistics::extent(&scanned(drift_nm, p[1]));
+        high - low <= extent.torque_nm.1 - extent.torque_nm.0 && varies(drift_nm, p[1])
     }
 }
 

@@ -2,13 +2,14 @@
 
 use super::{
     About, ActsOn, Carried, Effect, Excitation, Extent, Family, Hooks, Parameter, Region, Sample, clock_s, spaced,
+    varies,
 };
 use crate::dynamics::Both;
 use crate::numerics::scalar::Scalar;
 
-/// How cold the joint still is, 1 at first.
-fn cold<S: Scalar>(p: &[S], sample: &Sample<'_, S>) -> S {
-    let share = clock_s(p[0], sample).max(S::from(0.0)) / p[4];
+/// How cold the joint still is `t_s` on its clock, 1 at first.
+fn cold<S: Scalar>(p: &[S], t_s: S) -> S {
+    let share = t_s.max(S::from(0.0)) / p[4];
     if p[6].value() > 0.5 { (share + 1.0).powf(-p[5]) } else { (-share.powf(p[5])).exp() }
 }
 
@@ -68,21 +69,23 @@ impl Effect for WarmUp {
     }
 
     /// Friction that is lower when cold is not this effect; where only a part of it warms up, the share may come out slightly negative.
-    fn is_itself(&self, p: &[f64], _extent: &Extent) -> bool {
-        p[1] >= -LESS_MAX
+    /// Nor is friction that is as high at the end as at the start.
+    fn is_itself(&self, p: &[f64], extent: &Extent) -> bool {
+        let horizon_s = if p[0] > 0.5 { extent.trial_s } else { extent.campaign_s };
+        p[1] >= -LESS_MAX && varies(|t_s| cold(p, t_s), horizon_s)
     }
 }
 
 impl<S: Scalar> Hooks<S> for WarmUp {
     fn friction_factor(&self, p: &[S], sample: &Sample<'_, S>) -> S {
-        if p[1].is_zero() { S::from(1.0) } else { p[1] * cold(p, sample) + 1.0 }
+        if p[1].is_zero() { S::from(1.0) } else { p[1] * cold(p, clock_s(p[0], sample)) + 1.0 }
     }
 
     fn friction_nm(&self, p: &[S], sample: &Sample<'_, S>, _carried: Carried<S>) -> Both<S> {
         if p[2].is_zero() && p[3].is_zero() {
             return Both { up: S::from(0.0), down: S::from(0.0) };
         }
-        let more_nm = (p[2] + p[3] * sample.own.velocity.abs()) * cold(p, sample);
+        let more_nm = (p[2] + p[3] * sample.own.velocity.abs()) * cold(p, clock_s(p[0], sample));
         Both { up: more_nm, down: -more_nm }
     }
 }
