@@ -328,6 +328,7 @@ fn numbers_that_contradict_the_name_are_told() {
         "elastic_spring:stiffness_nm_rad=0.3,stiffens=1,cubic_nm_rad3=-0.2",
         "quadratic_viscous:up_nm_s2_rad2=-0.3",
         "presliding:travel_rad=0.01,exponent=0.65",
+        "cable_elasticity:with_friction=1,compliance_rad_nm=-0.01",
         "warm_up:restarts=0,cold_nm=0.1,time_constant_s=2000,exponent=0.3",
         "end_stop:side=1,stiffness_nm=4,position_rad=0.5,exponent=1.5",
         "end_stop:side=-1,stiffness_nm=4,position_rad=0.9,exponent=1.5",

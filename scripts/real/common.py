@@ -4,6 +4,8 @@
     CASE/held_out/     further recordings with the same intervention, that nothing is fitted to
     CASE/model.json    identified from a reference recording without the intervention
     CASE/answer.json   what was done to the joint, the causes that name it, figures to compare with, source and licence
+
+A recording is its name, the name of its trajectory, and a table: time_s, position, torque, then load or other joints' positions.
 """
 import json
 import os
@@ -104,6 +106,45 @@ def case(folder, joint, model, recordings, held_out, answer):
     print(f"{folder}: {answer['done']}")
 
 
+def predicted(joint, model, recordings):
+    """What `tautline predict` writes, by the recordings' names: columns by name, nan where a sample has no prediction."""
+    with tempfile.TemporaryDirectory() as scratch:
+        scratch = pathlib.Path(scratch)
+        campaign(scratch / "campaign", joint, recordings)
+        (scratch / "model.json").write_text(json.dumps(model))
+        run("predict", scratch / "campaign", "--model", scratch / "model.json", "-o", scratch / "out", "--quiet")
+        return {name: np.genfromtxt(scratch / "out" / f"{name}.csv", delimiter=",", names=True) for name, _, _ in recordings}
+
+
+def residual_rms(joint, model, recordings):
+    """RMS of what a model leaves of recordings, N m (N of a slide), as read: not low-passed."""
+    left = np.concatenate([columns["residual_nm"] for columns in predicted(joint, model, recordings).values()])
+    return rms(left[np.isfinite(left)])
+
+
+def case_with_residual(folder, joint, model, recordings, held_out, answer, before=None):
+    """A case whose figures also say what its model leaves of its recordings; `before`: the same recordings, nothing injected."""
+    figures = dict(answer.get("figures", {}))
+    figures["raw_residual_rms_nm"] = residual_rms(joint, model, recordings)
+    if before is not None:
+        figures["raw_residual_rms_before_injection_nm"] = residual_rms(joint, model, before)
+    case(folder, joint, model, recordings, held_out, answer | {"figures": figures})
+
+
+def with_torque(table, torque):
+    """The recording with another torque."""
+    return np.column_stack([table[:, :2], torque, table[:, 3:]])
+
+
+def changed(recordings, change):
+    """Every recording after a change of its table."""
+    return [(name, trajectory, change(table)) for name, trajectory, table in recordings]
+
+
+def rms(x):
+    return float(np.sqrt(np.mean(np.square(x))))
+
+
 def low(x, hz, rate_hz, axis=0):
     return sosfiltfilt(butter(4, hz, fs=rate_hz, output="sos"), x, axis=axis)
 
@@ -126,7 +167,7 @@ def explained(gap, q, torque):
 def left_by(gap, columns):
     """RMS that least squares on these columns leaves."""
     x = np.column_stack(columns)
-    return float(np.sqrt(np.mean((gap - x @ np.linalg.lstsq(x, gap, rcond=None)[0]) ** 2)))
+    return rms(gap - x @ np.linalg.lstsq(x, gap, rcond=None)[0])
 
 
 def cannot_be_told_from(left, right):

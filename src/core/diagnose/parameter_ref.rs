@@ -77,6 +77,7 @@ impl ParameterRef {
     pub fn bounds(self, model: &Model) -> (f64, f64) {
         match self {
             Self::Friction(_, Term::Load) => (-5.0, 0.95),
+            Self::Inertia => (0.0, f64::INFINITY),
             Self::Backlash => (1e-9, 1e3),
             Self::Curve => (0.02, 100.0),
             Self::Effect(effect, at) => model.effects[effect].effect.about().parameters[at].bounds,

@@ -34,6 +34,11 @@ impl Effect for CableElasticity {
     fn starts(&self, _extent: &Extent) -> Vec<Vec<f64>> {
         vec![vec![0.0, 0.0], vec![1.0, 0.0]]
     }
+
+    /// A cable does not shorten under load.
+    fn is_itself(&self, p: &[f64], _extent: &Extent) -> bool {
+        p[1] >= 0.0
+    }
 }
 
 impl<S: Scalar> Hooks<S> for CableElasticity {
