@@ -105,7 +105,7 @@ pub fn holds((name, how): (&str, &str), parameter: ParameterRef) -> bool {
 }
 
 /// The name of `group` where it made `after` of `before`, over `extent`: of a whole line of friction the one to which most of the change
-/// belongs, its level or its slope.
+/// belongs, its level or its slope; where there was no slope its level only makes room for one.
 pub fn named(group: &Stale, (before, after): (&Model, &Model), extent: &Extent) -> &'static str {
     if group.how != WHOLE_LINE {
         return group.name;
@@ -114,7 +114,8 @@ pub fn named(group: &Stale, (before, after): (&Model, &Model), extent: &Extent) 
         both(term).iter().map(|parameter| (parameter.value(after) - parameter.value(before)).abs()).sum()
     };
     // Over speeds up to the fastest a slope counts half as much as at its end.
-    let is_level = change(Term::Coulomb) > change(Term::Viscous) * extent.speed_rad_s.1 / 2.0;
+    let is_level =
+        size(before, Term::Viscous) > 0.0 && change(Term::Coulomb) > change(Term::Viscous) * extent.speed_rad_s.1 / 2.0;
     if is_level { groups::COULOMB.name } else { groups::VISCOUS.name }
 }
 
@@ -148,13 +149,12 @@ fn of_term(model: &Model, term: Term, extent: &Extent) -> Vec<Stale> {
     found
 }
 
-/// A model of Coulomb and viscous friction alone has a line per direction: its two numbers, fitted together, compensate for each
-/// other, so that neither is right where the other is not.
+/// A model without a Stribeck curve has a line per direction, if only a level one: its two numbers, fitted together, compensate for
+/// each other, so that neither is right where the other is not.
 fn whole_line(model: &Model, extent: &Extent) -> Option<Stale> {
     let is_line = |d: Direction| AMPLITUDES.iter().all(|term| model.friction.of(d).lacks(*term));
-    let is_whole = size(model, Term::Coulomb) > 0.0 && size(model, Term::Viscous) > 0.0;
     let of = |term: Term| both(term).map(|parameter| free(vec![(parameter, Mode::Add(unit(model, term, extent)))]));
-    (Direction::BOTH.into_iter().all(is_line) && is_whole).then(|| Stale {
+    (Direction::BOTH.into_iter().all(is_line) && size(model, Term::Coulomb) > 0.0).then(|| Stale {
         name: groups::VISCOUS.name,
         how: WHOLE_LINE,
         moves: [of(Term::Viscous), of(Term::Coulomb)].concat(),
