@@ -279,6 +279,7 @@ fn a_stop_takes_what_it_loses() {
 fn extent() -> Extent {
     Extent {
         position_rad: (0.2, 1.1),
+        resolution_rad: 1e-4,
         stroke_rad: 0.8,
         speed_rad_s: (0.02, 2.0),
         trial_s: 20.0,
@@ -327,7 +328,11 @@ fn numbers_that_contradict_the_name_are_told() {
         "end_stop:side=1,stiffness_nm=4,position_rad=0.9,exponent=1.5,loss_nm=5",
         "elastic_spring:stiffness_nm_rad=0.3,stiffens=1,cubic_nm_rad3=-0.2",
         "quadratic_viscous:up_nm_s2_rad2=-0.3",
-        "presliding:travel_rad=0.01,exponent=0.65",
+        "presliding:travel_rad=5e-5,exponent=1",
+        "presliding:travel_rad=0.01,exponent=0.65,in_place=1",
+        "stribeck:up_nm=-0.3,down_nm=0.3,speed_rad_s=0.1,exponent=1",
+        "reversal_transition:backlash_m=4e-6,p=1,n=1",
+        "quadratic_viscous:up_nm_s2_rad2=0.3,down_nm_s2_rad2=0.3,exponent=1.7",
         "cable_elasticity:with_friction=1,compliance_rad_nm=-0.01",
         "warm_up:restarts=0,cold_nm=0.1,time_constant_s=2000,exponent=0.3",
         "end_stop:side=1,stiffness_nm=4,position_rad=0.5,exponent=1.5",

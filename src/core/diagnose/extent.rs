@@ -20,12 +20,15 @@ pub fn of(records: &Records, campaign: &Campaign, model: &Model) -> Extent {
         let last = |record: &super::record::Record| record.time_s.len().checked_sub(1).map_or(0.0, |i| of(record, i));
         records.all.iter().map(last).fold(0.0, f64::max)
     };
+    // A reversal is noticed a deadband after it, and what follows it is told from a jump once as far again.
+    let resolution_rad = records.all.iter().map(|record| 2.0 * record.deadband_rad).fold(0.0, f64::max);
     let stroke = |record: &super::record::Record| record.travel_rad().into_iter().fold(0.0, f64::max);
     let payload = campaign.arm.as_ref().map(|arm| arm.chain.size_of_payload());
     let of_payload = records.all.iter().filter_map(|record| Some(record.chain.as_ref()?.squares(payload.as_ref()?)));
     let (weight, inertia) = of_payload.fold((0.0, 0.0), |(a, b), (x, y)| (a + x, b + y));
     Extent {
         stroke_rad: records.all.iter().map(stroke).filter(|stroke| *stroke > 0.0).fold(f64::INFINITY, f64::min),
+        resolution_rad,
         position_rad: extent(&records.rows(|record, i| record.own[i].position)),
         speed_rad_s: (slow, fastest),
         trial_s: end(&|record, i| record.time_s[i]),

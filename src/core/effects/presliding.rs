@@ -8,6 +8,8 @@ const TRAVELS: (f64, f64) = (0.002, 0.15);
 
 /// Below this friction arrives at its branch as at the end of a clearance.
 const EXPONENT_MIN: f64 = 0.65;
+/// This near to it an exponent is at it.
+const AT_BOUND: f64 = 0.01;
 
 static ABOUT: About = About {
     id: "presliding",
@@ -47,6 +49,12 @@ impl Effect for Bristles {
             spaced(TRAVELS.0 * range_rad, TRAVELS.1 * range_rad, 7).map(move |travel| vec![travel, 1.0, in_place])
         };
         forms.iter().flat_map(of_form).collect()
+    }
+
+    /// Over a travel that the encoder does not show friction jumps; in the place of a clearance, friction that arrives as abruptly as at the
+    /// end of one is the clearance's.
+    fn is_itself(&self, p: &[f64], extent: &Extent) -> bool {
+        p[0] >= extent.resolution_rad && (p[2] <= 0.5 || p[1] > EXPONENT_MIN + AT_BOUND)
     }
 }
 

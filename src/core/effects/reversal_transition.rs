@@ -57,6 +57,11 @@ impl Effect for ReversalTransition {
         if (p[0] - extent.backlash_m).abs() <= OWN * extent.backlash_m { OWN_COUNTS } else { 0 }
     }
 
+    /// Over a travel that the encoder does not show friction jumps.
+    fn is_itself(&self, p: &[f64], extent: &Extent) -> bool {
+        p[0] >= extent.resolution_rad * extent.pulley_radius_m
+    }
+
     /// A clearance that some trial never crosses would leave that trial without a state to begin from.
     fn most(&self, at: usize, extent: &Extent) -> f64 {
         if at == 0 { CROSSED * extent.stroke_rad * extent.pulley_radius_m } else { f64::INFINITY }

@@ -30,6 +30,8 @@ pub struct Carried<S = f64> {
 pub struct Extent {
     /// Lowest and highest position, rad.
     pub position_rad: (f64, f64),
+    /// Travel that the encoder tells from none, rad.
+    pub resolution_rad: f64,
     /// The longest way between two reversals in the trial where that is shortest, rad.
     pub stroke_rad: f64,
     /// Speeds that 5 % and all of the moving samples stay below, rad/s.

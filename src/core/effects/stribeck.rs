@@ -1,6 +1,9 @@
 //! Friction that falls as the speed grows from rest.
 
-use super::{About, ActsOn, Carried, Effect, Excitation, Extent, Family, Hooks, Parameter, Region, Sample, spaced};
+use super::{
+    About, ActsOn, Carried, Effect, Excitation, Extent, Family, Hooks, Parameter, Region, Sample, grows_both_ways,
+    spaced,
+};
 use crate::dynamics::Both;
 use crate::numerics::scalar::Scalar;
 
@@ -40,16 +43,17 @@ impl Effect for Stribeck {
         &ABOUT
     }
 
-    /// Friction that is missing far below the slowest motion only is that of a joint at rest, where it may be anything; friction that
-    /// even the fastest motion hardly lowers is Coulomb friction.
+    /// Friction that falls with speed in one direction and rises in the other is not this effect (where it rises in both, the report says so).
+    /// Nor is what changes far below the slowest motion only, at rest, where friction may be anything; friction that even the fastest motion
+    /// hardly lowers is Coulomb friction.
     fn is_itself(&self, p: &[f64], extent: &Extent) -> bool {
         /// A curve that has fallen to less than this share at the slowest motion does not show in it.
         const SHOWN: f64 = 0.05;
         /// At the fastest motion it has fallen to this share at least.
         const FALLEN: f64 = 0.5;
         let share = |speed_rad_s: f64| (-(speed_rad_s / p[2]).powf(p[3])).exp();
-        let shows = p[0].max(p[1]) > 0.0 || share(Self::slowest_rad_s(extent)) >= SHOWN;
-        shows && share(extent.speed_rad_s.1) <= FALLEN
+        let is_one = grows_both_ways(p[0], p[1]) || grows_both_ways(-p[0], -p[1]);
+        is_one && share(Self::slowest_rad_s(extent)) >= SHOWN && share(extent.speed_rad_s.1) <= FALLEN
     }
 
     fn starts(&self, extent: &Extent) -> Vec<Vec<f64>> {
