@@ -88,7 +88,8 @@ fn has_strength(effect: &Added) -> bool {
 fn the_library_is_the_format_s_list_and_the_folder() {
     let ids = LIBRARY.map(|effect| effect.about().id);
     assert!(ids.starts_with(&IDS), "files hold these names, in this order: {IDS:?}");
-    let shared = ["mod", "library", "ripple", "about", "parameter", "region", "sample", "transition", "effect"];
+    let shared =
+        ["mod", "library", "ripple", "about", "clock", "parameter", "region", "sample", "transition", "effect"];
     let names =
         std::fs::read_dir("src/core/effects").unwrap().map(|entry| entry.unwrap().file_name().into_string().unwrap());
     let files: BTreeSet<String> = names.map(|name| name.trim_end_matches(".rs").to_string()).collect();
@@ -313,8 +314,22 @@ fn no_law_of_time_restarts_within_one_recording() {
 }
 
 #[test]
+fn a_clearance_that_comes_out_as_the_joint_s_own_is_confirmed() {
+    let confirmed = |backlash_m: f64| {
+        let added = Added::parse(&format!("reversal_transition:backlash_m={backlash_m},p=1,n=1")).unwrap();
+        added.effect.confirmed(&added.parameters, &extent())
+    };
+    assert!(confirmed(0.0021) > 0);
+    assert_eq!(confirmed(0.003), 0);
+}
+
+#[test]
 fn numbers_that_contradict_the_name_are_told() {
     let extent = extent();
+    let abrupt = Added::parse("presliding:travel_rad=0.01,exponent=0.65").unwrap();
+    let is_presliding =
+        |has_curve: bool| abrupt.effect.is_itself(&abrupt.parameters, &Extent { has_curve, ..extent.clone() });
+    assert!(is_presliding(false) && !is_presliding(true));
     let is_itself = |text: &str| {
         let added = Added::parse(text).unwrap();
         added.effect.is_itself(&added.parameters, &extent)
@@ -329,7 +344,6 @@ fn numbers_that_contradict_the_name_are_told() {
         "elastic_spring:stiffness_nm_rad=0.3,stiffens=1,cubic_nm_rad3=-0.2",
         "quadratic_viscous:up_nm_s2_rad2=-0.3",
         "presliding:travel_rad=5e-5,exponent=1",
-        "presliding:travel_rad=0.01,exponent=0.65,in_place=1",
         "stribeck:up_nm=-0.3,down_nm=0.3,speed_rad_s=0.1,exponent=1",
         "reversal_transition:backlash_m=4e-6,p=1,n=1",
         "quadratic_viscous:up_nm_s2_rad2=0.3,down_nm_s2_rad2=0.3,exponent=1.7",

@@ -74,6 +74,11 @@ impl FittedCause<'_> {
         self.fit.moves.len().saturating_sub(confirmed)
     }
 
+    /// Whether the joint confirms some of its numbers.
+    pub fn is_confirmed(&self) -> bool {
+        self.count() < self.fit.moves.len()
+    }
+
     /// Mean square left on units that were held out, with what the base's moves cost, (N m)^2.
     pub fn score(&self) -> f64 {
         self.fit.score()

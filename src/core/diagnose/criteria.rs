@@ -225,7 +225,8 @@ fn sureness(folds: &Folds, before: &[f64], after: &[f64]) -> Requirement {
 }
 
 /// Causes other than `taken` that do as well with no more numbers (one that a spring over a short way is mistaken for may have one
-/// less), and other forms of it that explain as much within the accuracy of any formula, however many numbers they have.
+/// less), and, unless the joint confirms it, other forms of it that explain as much within the accuracy of any formula, however many numbers
+/// they have.
 pub fn rivals(taken: &FittedCause, tried: &[FittedCause], start: f64) -> Vec<Cause> {
     let spare = |cause: Cause| {
         usize::from(taken.cause.effect().is_some_and(|effect| effect.about().outnumbered_by.contains(&cause.name())))
@@ -233,7 +234,7 @@ pub fn rivals(taken: &FittedCause, tried: &[FittedCause], start: f64) -> Vec<Cau
     let is_rival = |other: &&FittedCause| {
         let does_as_well =
             || other.count() <= taken.count() + spare(other.cause) && is_tie(&taken.fit, &other.fit, start);
-        other.cause != taken.cause && (does_as_well() || is_other_form(taken, other, start))
+        other.cause != taken.cause && (does_as_well() || (!taken.is_confirmed() && is_other_form(taken, other, start)))
     };
     let mut found: Vec<Cause> = Vec::new();
     for other in tried.iter().filter(is_rival) {

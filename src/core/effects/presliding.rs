@@ -51,10 +51,11 @@ impl Effect for Bristles {
         forms.iter().flat_map(of_form).collect()
     }
 
-    /// Over a travel that the encoder does not show friction jumps; in the place of a clearance, friction that arrives as abruptly as at the
-    /// end of one is the clearance's.
+    /// Over a travel that the encoder does not show friction jumps. Friction that arrives as abruptly as at the end of a clearance tells of one,
+    /// unless the joint's is known and the model does not pass over it.
     fn is_itself(&self, p: &[f64], extent: &Extent) -> bool {
-        p[0] >= extent.resolution_rad && (p[2] <= 0.5 || p[1] > EXPONENT_MIN + AT_BOUND)
+        let tells_of_clearance = extent.has_curve || extent.backlash_m == 0.0;
+        p[0] >= extent.resolution_rad && (!tells_of_clearance || p[1] > EXPONENT_MIN + AT_BOUND)
     }
 }
 
