@@ -202,7 +202,7 @@ mod tests {
             .filter(|group| group.name == groups::VISCOUS.name)
             .map(|group| group.how)
             .collect();
-        assert_eq!(ways, ["both directions alike"]);
+        assert_eq!(ways, ["both directions alike", WHOLE_LINE]);
     }
 
     #[test]
