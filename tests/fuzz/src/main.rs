@@ -94,9 +94,9 @@ fn followed() -> &'static (Campaign, Stream) {
         let folder = PathBuf::from(std::env::var("FUZZ_CAMPAIGN").expect("FUZZ_CAMPAIGN names a folder"));
         let campaign = Campaign::read(&folder).expect("reads");
         let model = Model::read(&folder.join("model.json")).expect("reads");
-        let (model, _) = fitted(&campaign, &model).expect("fits");
+        let (campaign, model, _) = fitted(&campaign, &model).expect("fits");
         let stream = stream_of(&campaign, &model, Settings::default(), None, &|| ()).expect("is quiet");
-        (campaign, stream)
+        (campaign.into_owned(), stream)
     })
 }
 
