@@ -346,7 +346,6 @@ fn numbers_that_contradict_the_name_are_told() {
         "presliding:travel_rad=5e-5,exponent=1",
         "stribeck:up_nm=-0.3,down_nm=0.3,speed_rad_s=0.1,exponent=1",
         "reversal_transition:backlash_m=4e-6,p=1,n=1",
-        "quadratic_viscous:up_nm_s2_rad2=0.3,down_nm_s2_rad2=0.3,exponent=1.7",
         "cable_elasticity:with_friction=1,compliance_rad_nm=-0.01",
         "warm_up:restarts=0,cold_nm=0.1,time_constant_s=2000,exponent=0.3",
         "end_stop:side=1,stiffness_nm=4,position_rad=0.5,exponent=1.5",

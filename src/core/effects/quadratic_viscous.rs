@@ -6,9 +6,6 @@ use super::{
 use crate::dynamics::Both;
 use crate::numerics::scalar::Scalar;
 
-/// Below it drag is nearer to viscous friction than to this effect.
-const EXPONENT_MIN: f64 = 1.7;
-
 static ABOUT: About = About {
     id: "quadratic_viscous",
     family: Family::Physics,
@@ -23,7 +20,7 @@ static ABOUT: About = About {
     parameters: &[
         Parameter::strength("up_nm_s2_rad2"),
         Parameter::strength("down_nm_s2_rad2"),
-        Parameter::shape("exponent", EXPONENT_MIN, 3.0).or(2.0),
+        Parameter::shape("exponent", 1.7, 3.0).or(2.0),
         Parameter::form("by_speed", 1.0),
     ],
     needs: &[Excitation::Speeds],
@@ -42,9 +39,9 @@ impl Effect for QuadraticViscous {
         vec![vec![0.0, 0.0, 2.0, 0.0], vec![0.0, 0.0, 2.0, 1.0]]
     }
 
-    /// Drag that levels off with speed is not this effect, nor is drag that would grow still less than the range of exponents allows.
+    /// Drag that levels off with speed is not this effect.
     fn is_itself(&self, p: &[f64], _extent: &Extent) -> bool {
-        grows_both_ways(p[0], p[1]) && p[2] > EXPONENT_MIN
+        grows_both_ways(p[0], p[1])
     }
 }
 
