@@ -183,6 +183,7 @@ fn a_payload_that_the_urdf_lacks_is_diagnosed_and_predicted() {
     let campaign = Campaign::read(folder.path()).unwrap();
     let found = diagnose::run(&campaign, &of_elbow(Payload::default()), &|_| ()).unwrap();
     assert_eq!((found.verdict.kind, &found.verdict.effects[..]), (Kind::Stale, &[Cause::Stale("gravity")][..]));
+    assert!(found.after.dynamics.payload.inertia_kg_m2 >= 0.0);
     assert!(found.verdict.shrink.value > 0.95, "{:?}", found.verdict.shrink);
     // What was found is written, read, and predicts what the arm does with it.
     let written = found.after.to_json().to_string();

@@ -93,22 +93,18 @@ TRANSITION = {"kind": "withheld", "done": "transition after reversals withheld f
               "why": "cables pass from one branch to the other over some travel, not in a jump"}
 
 
+JUMPS = [  # case, folder, joint, device; runs of the reference, shown, held out
+    ("mis_tool_transition", "Tool_5_Maryland_L_3", "davinci_tool_5", "da Vinci tool 5, left spindle", "01 15 29 33 47", "02 06 21 25 43", "04 13 34 41"),
+    ("mis_tool_right_transition", "Tool_4_Maryland_R_5", "davinci_tool_4_right", "da Vinci tool 4, right spindle", "00 12 21 33 42", "02 10 23 31 43",
+     "03 11 22 40")]
+
+
 def withheld(data, out):
     """The transition after reversals withheld: a jump between two levels, identified otherwise in full."""
-    folder = data / "Tool_5_Maryland_L_3"
-    j = joint("davinci_tool_5")
-    model = identified(j, runs(folder, "01 15 29 33 47"), "--combination", "sign")
-    case(out / "mis_tool_transition", j, model, runs(folder, "02 06 21 25 43"), runs(folder, "04 13 34 41"),
-         SOURCE | TRANSITION | {"device": "da Vinci tool 5, left spindle"})
-
-
-def right_spindle(data, out):
-    """The same of tool 4's other spindle."""
-    folder = data / "Tool_4_Maryland_R_5"
-    j = joint("davinci_tool_4_right")
-    model = identified(j, runs(folder, "00 12 21 33 42"), "--combination", "sign")
-    case_with_residual(out / "mis_tool_right_transition", j, model, runs(folder, "02 10 23 31 43"), runs(folder, "03 11 22 40"),
-                       SOURCE | TRANSITION | {"device": "da Vinci tool 4, right spindle"})
+    for name, folder, of, device, reference, shown, unseen in JUMPS:
+        recorded, j = data / folder, joint(of)
+        model = identified(j, runs(recorded, reference), "--combination", "sign")
+        case_with_residual(out / name, j, model, runs(recorded, shown), runs(recorded, unseen), SOURCE | TRANSITION | {"device": device})
 
 
 def load_withheld(data, out):
@@ -230,7 +226,7 @@ def injected_drift_and_friction(data, out):
 def main():
     download, out = arguments(__doc__)
     data = needed(download / "data")
-    for cases in (withheld, injected, longer, other_tool, right_spindle, load_withheld, roll, injected_lag, injected_drift_and_friction):
+    for cases in (withheld, injected, longer, other_tool, load_withheld, roll, injected_lag, injected_drift_and_friction):
         cases(data, out)
 
 

@@ -187,6 +187,8 @@ pub fn try_all<'d>(base: &BaseModel<'d>, known: &[Cause], likely: &Likely, liste
         tried
     };
     let of_groups = groups.into_par_iter().map(|group| of_group(base, group));
+    // Only its fit says which group a whole line of friction belongs to.
+    let of_groups = of_groups.filter(|tried| !known.contains(&tried.cause));
     let of_effects = initialised.into_par_iter().filter_map(|initialised| initialised.fit(base, reach));
     let mut tried: Vec<FittedCause<'d>> = of_effects.chain(of_groups).map(told).collect();
     tried.sort_by(|a, b| a.score().total_cmp(&b.score()));

@@ -1,6 +1,6 @@
 //! One number of a model: where it stands, what it is called, what it may be.
 
-use crate::dynamics::{Direction, Payload};
+use crate::dynamics::{Direction, INERTIA, Payload};
 use crate::model::{Combination, Model, Term};
 
 /// One number of a model.
@@ -78,6 +78,8 @@ impl ParameterRef {
         match self {
             Self::Friction(_, Term::Load) => (-5.0, 0.95),
             Self::Inertia => (0.0, f64::INFINITY),
+            // Only a link that the URDF has too heavy loses inertia.
+            Self::Payload(INERTIA) if model.dynamics.payload.mass_kg >= 0.0 => (0.0, f64::INFINITY),
             Self::Backlash => (1e-9, 1e3),
             Self::Curve => (0.02, 100.0),
             Self::Effect(effect, at) => model.effects[effect].effect.about().parameters[at].bounds,

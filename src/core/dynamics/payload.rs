@@ -15,6 +15,8 @@ pub struct Payload<S = f64> {
 
 /// How many numbers a payload has.
 pub const NUMBERS: usize = 5;
+/// Which of them is the inertia.
+pub const INERTIA: usize = NUMBERS - 1;
 
 impl<S: Scalar> Payload<S> {
     /// Names of its numbers, in order.

@@ -67,7 +67,12 @@ pub struct Extent {
 impl Extent {
     /// Clocks on which a law of time may run, as its choice `restarts` (1 if it starts anew with every trial) and how long it runs, s.
     pub fn clocks(&self) -> impl Iterator<Item = (f64, f64)> {
-        let of_trials = (!self.one_recording).then_some((1.0, self.trial_s));
-        of_trials.into_iter().chain([(0.0, self.campaign_s)])
+        let of_trials = (!self.one_recording).then_some(1.0);
+        of_trials.into_iter().chain([0.0]).map(|restarts| (restarts, self.horizon_s(restarts)))
+    }
+
+    /// How long such a clock runs, s.
+    pub fn horizon_s(&self, restarts: f64) -> f64 {
+        if restarts > 0.5 { self.trial_s } else { self.campaign_s }
     }
 }

@@ -71,8 +71,7 @@ impl Effect for WarmUp {
     /// Friction that is lower when cold is not this effect; where only a part of it warms up, the share may come out slightly negative.
     /// Nor is friction that is as high at the end as at the start.
     fn is_itself(&self, p: &[f64], extent: &Extent) -> bool {
-        let horizon_s = if p[0] > 0.5 { extent.trial_s } else { extent.campaign_s };
-        p[1] >= -LESS_MAX && varies(|t_s| cold(p, t_s), horizon_s)
+        p[1] >= -LESS_MAX && varies(|t_s| cold(p, t_s), extent.horizon_s(p[0]))
     }
 }
 

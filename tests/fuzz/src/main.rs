@@ -8,11 +8,11 @@ use std::sync::OnceLock;
 use tautline::batch::Batch;
 use tautline::check::Baseline;
 use tautline::dynamics::{Chain, JointKind};
+use tautline::effects::Added;
 use tautline::evaluate::fitted;
 use tautline::import;
 use tautline::interaction::{Settings, Stream, stream_of};
 use tautline::log::{Campaign, Samples, examine_trial};
-use tautline::effects::Added;
 use tautline::model::Model;
 use tautline::trajectory::Trajectory;
 
