@@ -128,9 +128,9 @@ impl<'d> BaseModel<'d> {
         };
         let columns_at = |at: &Point| self.columns_of(&at.model, &at.passages, &moves);
         let mut now = point(model);
-        let (mut converged, mut columns) = (false, Vec::new());
+        let (mut converged, mut columns, mut is_behind) = (false, Vec::new(), false);
         for step in 1..=STEPS {
-            columns = columns_at(&now);
+            (columns, is_behind) = (columns_at(&now), false);
             let (predicted, x) = self.cost_beside(&columns, &now.predicted_nm);
             let over = x.iter().zip(&moves).map(|(x, way)| x.abs() / way.stride).fold(1.0, f64::max);
             let shorter = |quarterings: i32| {
@@ -146,7 +146,7 @@ impl<'d> BaseModel<'d> {
             };
             let gained = now.cost - better.cost;
             let gain = gained / now.cost;
-            now = better;
+            (now, is_behind) = (better, true);
             let catching_up = CATCHING_UP * (STEPS - step) as f64 * gained;
             if step >= TOLD_BY && now.cost - catching_up > reach {
                 break;
@@ -156,7 +156,7 @@ impl<'d> BaseModel<'d> {
                 break;
             }
         }
-        if !is_linear {
+        if is_behind && !is_linear {
             columns = columns_at(&now);
         }
         self.fit_at(now.model, moves, &now.predicted_nm, &columns, converged)

@@ -12,6 +12,7 @@ use crate::numerics::scalar::Scalar;
 use crate::predict::{forgotten, torque_nm};
 use crate::prepare::{REST_RAD, REST_S, Trial, prepare, rests};
 use crate::problem::{Problem, Result};
+use std::array::from_fn;
 use std::ops::Range;
 
 /// Samples kept per period of the low-pass: the filter redesigned for the thinned rate then differs from the declared one by
@@ -19,6 +20,8 @@ use std::ops::Range;
 const SAMPLES_PER_PERIOD: f64 = 10.0;
 /// Rows compared per period of the low-pass, beyond which hardly anything passes.
 const ROWS_PER_PERIOD: f64 = 4.0;
+/// Samples that effects are asked about at once.
+const BLOCK: usize = 16;
 
 /// One trial thinned.
 #[derive(Debug)]
@@ -170,22 +173,15 @@ impl Record {
     /// K~ followed at the log's full rate and averaged over what each thinned sample stands for: a reversal between two of
     /// them then comes at its own time.
     pub fn passage<S: Evaluated>(&self, model: &Model<S>) -> Vec<S> {
-        let zero = S::from(0.0);
-        let mut along = Vec::with_capacity(self.own.len() * self.step);
-        model.k_tilde_along(&self.strokes, |samples, k_tilde| along.resize(samples.end, k_tilde));
-        let (last, step, n) = (self.own.len() - 1, self.step, along.len());
         // What lies midway between two thinned samples belongs to both: the average would else come half a sample early.
-        let halves = [(step - 1) / 2, step / 2];
-        let averaged = |at: usize| {
-            let around = halves.map(|early| {
-                let end = if at == last { n } else { (at + 1) * step - early };
-                &along[(at * step).saturating_sub(early)..end.min(n)]
-            });
-            let add = |sum: S, around: &&[S]| around.iter().fold(sum, |sum, k_tilde| sum + *k_tilde);
-            let weight: usize = around.iter().map(|around| around.len()).sum();
-            around.iter().fold(zero, add) / weight.max(1) as f64
-        };
-        (0..=last).map(averaged).collect()
+        let mut halves = vec![Bins::new(self, (self.step - 1) / 2), Bins::new(self, self.step / 2)];
+        halves.truncate(if self.step % 2 == 0 { 2 } else { 1 });
+        model.k_tilde_along(&self.strokes, |samples, k_tilde| {
+            halves.iter_mut().for_each(|bins| bins.add(samples.clone(), k_tilde));
+        });
+        let weight = |at: usize| halves.iter().map(|bins| bins.samples(at)).sum::<usize>().max(1) as f64;
+        let sum = |at: usize| halves.iter().fold(S::from(0.0), |sum, bins| sum + bins.sums[at]);
+        (0..self.own.len()).map(|at| sum(at) / weight(at)).collect()
     }
 
     /// The unloaded friction of both branches at each thinned sample.
@@ -200,25 +196,34 @@ impl Record {
         k_tilde: impl Fn(usize) -> S,
         branches: impl Fn(usize) -> Both<S>,
     ) -> Vec<S> {
-        let mut others = vec![Motion::default().over::<S>(); self.others.len()];
-        let mut sampled = |i: usize, then: &mut dyn FnMut(&Sample<'_, S>) -> S| {
-            others.iter_mut().zip(&self.others).for_each(|(slot, other)| *slot = other[i].over());
-            let (time_s, elapsed_s) = (S::from(self.time_s[i]), S::from(self.elapsed_s(i)));
-            then(&Sample { time_s, elapsed_s, own: self.own[i].over(), others: &others })
-        };
-        let mut torque_nm: Vec<S> = (0..self.own.len())
-            .map(|i| {
-                let asked = self.asked(i, model);
-                sampled(i, &mut |sample| model.driven_by_nm(sample, asked, k_tilde(i), branches(i)).torque_nm)
-            })
-            .collect();
+        let mut torque_nm: Vec<S> = Vec::with_capacity(self.own.len() + BLOCK);
+        self.in_blocks(|at, samples| {
+            let asked = at.map(|i| self.asked(i, model));
+            torque_nm.extend(model.driven_along_nm(samples, &asked, &at.map(&k_tilde), &at.map(&branches)));
+        });
+        torque_nm.truncate(self.own.len());
         if model.effects.iter().any(|added| added.effect.about().family == Family::Fault) {
             torque_nm = model.late_nm(torque_nm, self.rate_hz);
-            for (i, y) in torque_nm.iter_mut().enumerate() {
-                *y = sampled(i, &mut |sample| model.reading_nm(sample, *y));
-            }
+            self.in_blocks(|[first, .., last], samples| model.read_along(samples, &mut torque_nm[*first..=*last]));
         }
         torque_nm
+    }
+
+    /// Calls `then` for all thinned samples, a block at a time; where they end before the last block does, that goes on with the last of them.
+    fn in_blocks<S: Scalar>(&self, mut then: impl FnMut(&[usize; BLOCK], &[Sample<'_, S>; BLOCK])) {
+        let (last, joints) = (self.own.len() - 1, self.others.len());
+        let mut others = vec![Motion::default().over::<S>(); BLOCK * joints];
+        for from in (0..=last).step_by(BLOCK) {
+            let at: [usize; BLOCK] = from_fn(|j| (from + j).min(last));
+            let slots = others.chunks_exact_mut(joints.max(1)).zip(at);
+            slots.for_each(|(slot, i)| slot.iter_mut().zip(&self.others).for_each(|(own, other)| *own = other[i].over()));
+            then(&at, &from_fn(|j| Sample {
+                time_s: S::from(self.time_s[at[j]]),
+                elapsed_s: S::from(self.elapsed_s(at[j])),
+                own: self.own[at[j]].over(),
+                others: &others[j * joints..][..joints],
+            }));
+        }
     }
 
     /// y at the rows, low-passed, N m.
@@ -259,31 +264,80 @@ impl Record {
         branches: &[Both<f64>],
     ) -> [Vec<f64>; VARIABLES] {
         let over = model.over::<Dual>();
-        let mut others = vec![Motion::default().over::<Dual>(); self.others.len()];
         let transmission = model.joint.transmission();
         let (hooks, p) = (added.hooks(), &added.parameters[..]);
-        let slopes_nm = (0..self.own.len())
-            .map(|i| {
-                others.iter_mut().zip(&self.others).for_each(|(slot, other)| *slot = other[i].over());
-                let (time_s, elapsed_s) = (Dual::from(self.time_s[i]), Dual::from(self.elapsed_s(i)));
-                let sample = Sample { time_s, elapsed_s, own: self.own[i].over(), others: &others };
-                let load_nm = Dual::from(transmission * self.asked(i, model).torque_nm);
-                let friction_nm = Both { up: Dual::from(branches[i].up), down: Dual::from(branches[i].down) };
-                let carried = Carried { load_nm, friction_nm };
-                let k_tilde = Dual::from(k_tilde[i]);
-                let friction_nm = combined(hooks.friction_nm(p, &sample, carried), k_tilde);
-                let at_joint_nm = hooks.joint_torque_nm(p, &sample) * transmission;
-                let beside_nm =
-                    hooks.winch_torque_nm(p, &sample, load_nm) + hooks.reading_nm(p, &sample, Dual::from(0.0));
-                (over.balance_nm(at_joint_nm, friction_nm, k_tilde) + beside_nm).slopes
-            })
-            .collect();
+        let mut slopes_nm = Vec::with_capacity(self.own.len() + BLOCK);
+        self.in_blocks(|at, samples| {
+            let carried = at.map(|i| Carried {
+                load_nm: Dual::from(transmission * self.asked(i, model).torque_nm),
+                friction_nm: Both { up: Dual::from(branches[i].up), down: Dual::from(branches[i].down) },
+            });
+            let none = Dual::from(0.0);
+            let (mut friction_nm, mut at_joint_nm, mut beside_nm) =
+                ([Both { up: none, down: none }; BLOCK], [none; BLOCK], [none; BLOCK]);
+            hooks.add_friction(p, samples, &carried, &mut friction_nm);
+            hooks.add_joint_torque(p, samples, &mut at_joint_nm);
+            hooks.read(p, samples, &mut beside_nm);
+            hooks.add_winch_torque(p, samples, &carried, &mut beside_nm);
+            slopes_nm.extend(at.iter().enumerate().map(|(j, i)| {
+                let k_tilde = Dual::from(k_tilde[*i]);
+                let friction_nm = combined(friction_nm[j], k_tilde);
+                (over.balance_nm(at_joint_nm[j] * transmission, friction_nm, k_tilde) + beside_nm[j]).slopes
+            }));
+        });
+        slopes_nm.truncate(self.own.len());
         self.slopes_at_rows(slopes_nm)
     }
 
     /// `series` at the rows.
     pub fn at_rows(&self, series: &[f64]) -> Vec<f64> {
         self.rows.iter().map(|i| series[*i]).collect()
+    }
+}
+
+/// Sums over the samples of a log that each thinned sample stands for.
+struct Bins<S> {
+    sums: Vec<S>,
+    step: usize,
+    /// How many samples before its own each one begins.
+    early: usize,
+    /// Samples of the log.
+    samples: usize,
+    /// Where the samples to come belong, and where that ends.
+    at: usize,
+    until: usize,
+}
+
+impl<S: Scalar> Bins<S> {
+    fn new(record: &Record, early: usize) -> Self {
+        let (step, samples) = (record.step, record.strokes.samples());
+        let mut bins = Self { sums: vec![S::from(0.0); record.own.len()], step, early, samples, at: 0, until: 0 };
+        bins.until = bins.end(0);
+        bins
+    }
+
+    /// Where number `at` ends; the last holds all that is left.
+    fn end(&self, at: usize) -> usize {
+        if at + 1 == self.sums.len() { self.samples } else { (at + 1) * self.step - self.early }
+    }
+
+    /// How many samples number `at` stands for.
+    fn samples(&self, at: usize) -> usize {
+        self.end(at) - at.checked_sub(1).map_or(0, |before| self.end(before))
+    }
+
+    /// `value` at `samples`, which follow those before.
+    fn add(&mut self, samples: Range<usize>, value: S) {
+        let mut from = samples.start;
+        while from < samples.end {
+            let to = samples.end.min(self.until);
+            self.sums[self.at] += value * (to - from) as f64;
+            from = to;
+            if to == self.until && to < self.samples {
+                self.at += 1;
+                self.until = self.end(self.at);
+            }
+        }
     }
 }
 

@@ -1,7 +1,7 @@
 //! One effect: what a search and a simulator ask of it, and its physics, written once over any kind of number: predicted and
 //! simulated with `f64`, differentiated with `Dual`, exported as code with `Expression`.
 
-use super::{About, Carried, Curve, Extent, Presliding, Sample};
+use super::{About, Along, Carried, Curve, Extent, Presliding, Sample};
 use crate::dynamics::Both;
 use crate::numerics::dual::Dual;
 use crate::numerics::expression::Expression;
@@ -9,7 +9,7 @@ use crate::numerics::scalar::Scalar;
 
 /// One effect: what it is, how a search treats it, and its physics in [`Hooks`]. `p` holds its parameters in the order of
 /// [`About::parameters`].
-pub trait Effect: Hooks<f64> + Hooks<Dual> + for<'t> Hooks<Expression<'t>> + Sync + std::fmt::Debug {
+pub trait Effect: Along<f64> + Along<Dual> + for<'t> Along<Expression<'t>> + Sync + std::fmt::Debug {
     /// What it is.
     fn about(&self) -> &'static About;
 
@@ -122,13 +122,13 @@ pub trait Hooks<S: Scalar>: Sync {
 /// A number that effects can be evaluated with.
 pub trait Evaluated: Scalar {
     /// The physics of `effect` over this number.
-    fn hooks<'e>(effect: &'e (dyn Effect + 'static)) -> &'e (dyn Hooks<Self> + 'e)
+    fn hooks<'e>(effect: &'e (dyn Effect + 'static)) -> &'e (dyn Along<Self> + 'e)
     where
         Self: 'e;
 }
 
 impl Evaluated for f64 {
-    fn hooks<'e>(effect: &'e (dyn Effect + 'static)) -> &'e (dyn Hooks<Self> + 'e)
+    fn hooks<'e>(effect: &'e (dyn Effect + 'static)) -> &'e (dyn Along<Self> + 'e)
     where
         Self: 'e,
     {
@@ -137,7 +137,7 @@ impl Evaluated for f64 {
 }
 
 impl Evaluated for Dual {
-    fn hooks<'e>(effect: &'e (dyn Effect + 'static)) -> &'e (dyn Hooks<Self> + 'e)
+    fn hooks<'e>(effect: &'e (dyn Effect + 'static)) -> &'e (dyn Along<Self> + 'e)
     where
         Self: 'e,
     {
@@ -146,7 +146,7 @@ impl Evaluated for Dual {
 }
 
 impl Evaluated for Expression<'_> {
-    fn hooks<'e>(effect: &'e (dyn Effect + 'static)) -> &'e (dyn Hooks<Self> + 'e)
+    fn hooks<'e>(effect: &'e (dyn Effect + 'static)) -> &'e (dyn Along<Self> + 'e)
     where
         Self: 'e,
     {

@@ -1,6 +1,6 @@
 //! An effect that a model has, with its parameters; effects by their names.
 
-use super::{Effect, Evaluated, Hooks, LIBRARY, Parameter, Role, contact, elastic_spring};
+use super::{Effect, Evaluated, Along, LIBRARY, Parameter, Role, contact, elastic_spring};
 use crate::numerics::dual::Dual;
 
 /// The effect called `id`.
@@ -40,7 +40,7 @@ impl<S> Added<S> {
 
 impl<S: Evaluated> Added<S> {
     /// Its physics, for this kind of number.
-    pub fn hooks<'e>(&'e self) -> &'e (dyn Hooks<S> + 'e)
+    pub fn hooks<'e>(&'e self) -> &'e (dyn Along<S> + 'e)
     where
         S: 'e,
     {

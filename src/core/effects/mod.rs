@@ -32,6 +32,7 @@ mod torque_ripple;
 mod warm_up;
 
 mod about;
+mod along;
 mod clock;
 mod effect;
 mod library;
@@ -42,6 +43,7 @@ mod sample;
 mod transition;
 
 pub use about::{About, ActsOn, Excitation, Family, Starts};
+pub use along::Along;
 pub use effect::{Effect, Evaluated, Hooks, SimulatorJoint};
 pub use library::{Added, CONTACT, constant_load, find};
 pub use load_dependent_friction::{friction_of_load, place_of_share, share_name};

@@ -12,6 +12,7 @@ use crate::dynamics::Motion;
 use crate::effects::{Carried, Evaluated, Sample};
 use crate::numerics::causal::Lag;
 use crate::numerics::resample::shifted;
+use std::array::{from_fn, from_ref};
 
 /// What a sample asks of the joint.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -101,37 +102,54 @@ impl<S: Evaluated> Model<S> {
         k_tilde: S,
         branches: Both<S>,
     ) -> Components<S> {
-        let Both { mut up, mut down } = branches;
+        let [torque_nm] = self.driven_along_nm(from_ref(sample), &[asked], &[k_tilde], &[branches]);
+        let rigid_nm = asked.torque_nm * self.joint.transmission();
+        Components { torque_nm, rigid_nm, friction_nm: torque_nm - rigid_nm }
+    }
+
+    /// y of [`Self::driven_by_nm`] at `N` samples, each effect asked once for all of them, N m.
+    pub fn driven_along_nm<const N: usize>(
+        &self,
+        samples: &[Sample<'_, S>; N],
+        asked: &[Asked<S>; N],
+        k_tilde: &[S; N],
+        branches: &[Both<S>; N],
+    ) -> [S; N] {
         let transmission = self.joint.transmission();
-        let (mut factor, mut winch_nm, mut joint_nm) = (S::from(1.0), S::from(0.0), asked.torque_nm);
+        let (mut factor, mut joint_nm) = ([S::from(1.0); N], asked.map(|asked| asked.torque_nm));
         for e in &self.effects {
-            joint_nm += e.hooks().joint_torque_nm(&e.parameters, sample);
-            factor *= e.hooks().friction_factor(&e.parameters, sample);
+            e.hooks().add_joint_torque(&e.parameters, samples, &mut joint_nm);
+            e.hooks().multiply_friction(&e.parameters, samples, &mut factor);
         }
-        let joint_nm = joint_nm.named("joint_nm");
-        let carried = Carried { load_nm: (joint_nm * transmission).named("load_nm"), friction_nm: branches };
+        let joint_nm = joint_nm.map(|nm| nm.named("joint_nm"));
+        let load_nm = |i: usize| (joint_nm[i] * transmission).named("load_nm");
+        let carried: [Carried<S>; N] = from_fn(|i| Carried { load_nm: load_nm(i), friction_nm: branches[i] });
+        let (mut winch_nm, mut friction_nm) = ([S::from(0.0); N], *branches);
         for e in &self.effects {
-            winch_nm += e.hooks().winch_torque_nm(&e.parameters, sample, carried.load_nm);
-            let more = e.hooks().friction_nm(&e.parameters, sample, carried);
-            (up, down) = (up + more.up, down + more.down);
+            e.hooks().add_winch_torque(&e.parameters, samples, &carried, &mut winch_nm);
+            e.hooks().add_friction(&e.parameters, samples, &carried, &mut friction_nm);
         }
-        let (up, down) = (up.named("up_nm"), down.named("down_nm"));
-        let friction_nm = (factor * combined(Both { up, down }, k_tilde)).named("friction_nm");
-        let torque_nm = |lag_rad: S| {
-            let load_nm = (joint_nm - asked.slope_nm_rad * lag_rad) * transmission;
-            self.balance_nm(load_nm, friction_nm, k_tilde) + winch_nm
+        let friction_nm: [S; N] = from_fn(|i| {
+            let Both { up, down } = friction_nm[i];
+            let both = Both { up: up.named("up_nm"), down: down.named("down_nm") };
+            (factor[i] * combined(both, k_tilde[i])).named("friction_nm")
+        });
+        let torque_nm = |lag_rad: [S; N]| -> [S; N] {
+            from_fn(|i| {
+                let load_nm = (joint_nm[i] - asked[i].slope_nm_rad * lag_rad[i]) * transmission;
+                self.balance_nm(load_nm, friction_nm[i], k_tilde[i]) + winch_nm[i]
+            })
         };
-        let lag_rad = |y_nm: S| {
-            let lags =
-                self.effects.iter().map(|e| e.hooks().position_lag_rad(&e.parameters, joint_nm, y_nm / transmission));
-            lags.fold(S::from(0.0), |sum, lag| sum + lag)
+        let lag_rad = |y_nm: [S; N]| {
+            let (pull_nm, mut lag_rad) = (y_nm.map(|y| y / transmission), [S::from(0.0); N]);
+            self.effects.iter().for_each(|e| e.hooks().add_lag(&e.parameters, &joint_nm, &pull_nm, &mut lag_rad));
+            lag_rad
         };
-        let mut y_nm = torque_nm(S::from(0.0));
-        if !lag_rad(y_nm).is_zero() {
+        let mut y_nm = torque_nm([S::from(0.0); N]);
+        if !self.effects.is_empty() && !lag_rad(y_nm).iter().all(|lag| lag.is_zero()) {
             (0..SETTLING).for_each(|_| y_nm = torque_nm(lag_rad(y_nm)));
         }
-        let rigid_nm = asked.torque_nm * transmission;
-        Components { torque_nm: y_nm, rigid_nm, friction_nm: y_nm - rigid_nm }
+        y_nm
     }
 
     /// The sensor's reading of `torque_nm`, without its delay, N m.
@@ -141,11 +159,23 @@ impl<S: Evaluated> Model<S> {
 
     /// The same with the sensor's noise of `noise_nm`: noise is measured along with the torque, a range that ends clips both.
     pub fn noisy_reading_nm(&self, sample: &Sample<'_, S>, torque_nm: S, noise_nm: S) -> S {
-        let read = |y: S, clips: bool| {
-            let effects = self.effects.iter().filter(|e| e.effect.clips() == clips);
-            effects.fold(y, |y, e| e.hooks().reading_nm(&e.parameters, sample, y))
-        };
-        read(read(torque_nm, false) + noise_nm, true)
+        let mut reading_nm = [torque_nm];
+        self.read_by(false, from_ref(sample), &mut reading_nm);
+        reading_nm[0] += noise_nm;
+        self.read_by(true, from_ref(sample), &mut reading_nm);
+        reading_nm[0]
+    }
+
+    /// Replaces `torque_nm` at each of `samples` by the sensor's reading of it, without its delay, N m.
+    pub fn read_along(&self, samples: &[Sample<'_, S>], torque_nm: &mut [S]) {
+        self.read_by(false, samples, torque_nm);
+        self.read_by(true, samples, torque_nm);
+    }
+
+    /// What of the reading is up to the effects that are the end of a range (`clips`), or to all others.
+    fn read_by(&self, clips: bool, samples: &[Sample<'_, S>], torque_nm: &mut [S]) {
+        let effects = self.effects.iter().filter(|e| e.effect.clips() == clips);
+        effects.for_each(|e| e.hooks().read(&e.parameters, samples, torque_nm));
     }
 
     /// How late the sensor's reading is, s.

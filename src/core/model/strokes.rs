@@ -66,6 +66,11 @@ impl Strokes {
         Self { strokes, onward_rad, travel_rad, moving: velocity_rad_s.map(moving).collect() }
     }
 
+    /// Samples of the motion.
+    pub fn samples(&self) -> usize {
+        self.onward_rad.len()
+    }
+
     /// The direction in which K_f first saturates, from where its start no longer matters; `Up` if it never does.
     fn settled(&self, backlash_rad: f64) -> Direction {
         let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);

@@ -23,6 +23,25 @@ impl<const L: usize> Section<L> {
         Section { b: self.b, a: self.a, z: [[0.0; M]; 2] }
     }
 
+    /// The same section with the memory of `other` in the place of that of signal `l`.
+    pub fn with_lane(&self, l: usize, other: &Section) -> Self {
+        let mut with = *self;
+        with.z.iter_mut().zip(&other.z).for_each(|(own, [other])| own[l] = *other);
+        with
+    }
+
+    /// The section of signal `l` alone.
+    pub fn lane(&self, l: usize) -> Section {
+        Section { b: self.b, a: self.a, z: self.z.map(|z| [z[l]]) }
+    }
+
+    /// Magnitude of its slower pole: what is left of its memory after a sample.
+    pub fn radius(&self) -> f64 {
+        let [a1, a2] = self.a;
+        let discriminant = a1 * a1 / 4.0 - a2;
+        if discriminant < 0.0 { a2.sqrt() } else { a1.abs() / 2.0 + discriminant.sqrt() }
+    }
+
     /// Gain for a signal that rests.
     fn gain(&self) -> f64 {
         self.b.iter().sum::<f64>() / (1.0 + self.a[0] + self.a[1])
