@@ -19,6 +19,9 @@ const FORM_FLOORS: f64 = 0.75;
 const FORM_SHARE: f64 = 0.25;
 /// Causes that leave more than this share of the residual of the base (RMS) do not name the gap: a fifth of its energy.
 const UNNAMED_SHARE: f64 = 0.45;
+/// What a model left of the recordings that it was identified from is no news: where the base leaves more than this multiple of it (RMS), the gap to be
+/// named is what lies above it.
+const NEWS: f64 = 1.25;
 /// Where the residual of the base is below this many floors, a cause is named only if this share of the resamples agrees.
 const WEAK_FLOORS: f64 = 0.6;
 const WEAK_AGREEMENT: f64 = 0.5;
@@ -71,6 +74,8 @@ pub struct Evidence<'e> {
     pub floor_square: f64,
     /// That of its fast part alone, by which an open remainder is judged, so that slow noise does not hide a cause.
     pub quick_square: f64,
+    /// Mean square that the model left of the recordings that it was identified from, (N m)^2; 0 where that is not known.
+    pub own_square: f64,
     /// What the numbers of the causes that were found, and of the base, cost on unseen units.
     pub numbers: Numbers,
 }
@@ -97,7 +102,9 @@ impl Evidence<'_> {
 
     /// Whether causes that leave `last` of `rest` name the gap, however well their formulas fit.
     fn naming(&self, rest: f64, last: f64) -> Decision {
-        let (value, limit) = (above(last, self.floor_square), UNNAMED_SHARE * above(rest, self.floor_square));
+        let is_news = rest > NEWS.powi(2) * self.own_square;
+        let known_square = if is_news { self.floor_square.max(self.own_square) } else { self.floor_square };
+        let (value, limit) = (above(last, known_square), UNNAMED_SHARE * above(rest, known_square));
         let outcome = if value > limit { "causes do not name the gap" } else { "causes named, form approximate" };
         Decision { rule: "named", subject: "all causes", value, limit, outcome }
     }

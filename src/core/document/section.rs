@@ -38,6 +38,12 @@ impl<'a> Section<'a> {
         self.field(key, false)
     }
 
+    /// The same section, in which keys that are not read are no fault: what else stands there is for people.
+    pub fn with_more(&self) -> &Self {
+        self.asked.borrow_mut().extend(self.table.keys().cloned());
+        self
+    }
+
     /// The keys that are there, in alphabetical order, asked for or not.
     pub fn keys(&self) -> impl Iterator<Item = &'a str> {
         self.table.keys().map(String::as_str)

@@ -182,6 +182,7 @@ pub fn blank_model(campaign: &Campaign) -> Model {
         effects: Vec::new(),
         confidence: BTreeMap::new(),
         functions: Functions::default(),
+        own_rmse_nm: None,
     }
 }
 

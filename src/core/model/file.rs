@@ -13,7 +13,7 @@ use std::path::Path;
 /// The format's name and version.
 const FORMAT: &str = "model/1";
 
-/// Keys that an identification adds for people to read; nothing is computed from them.
+/// Keys that an identification adds for people to read; nothing but the RMSE in `fit` is computed from them.
 pub const EXTRA_KEYS: [&str; 9] =
     ["fit", "forms", "combinations", "refinement", "free_motion", "warnings", "provenance", "rests_on", "checks"];
 
@@ -58,6 +58,9 @@ impl Model {
         let effects = root.may("effects").sections(read_effect).unwrap_or_default();
         let confidence = root.may("confidence").sections_by_name(|_, s| read_confidence(s)).unwrap_or_default();
         let functions = root.may("functions").section(Functions::read).unwrap_or_default();
+        let own_rmse_nm = root.may("fit").section(|fit| {
+            fit.with_more().may("whole").section(|whole| whole.with_more().may("rmse_nm").not_negative())
+        });
         let (dynamics, chain) = dynamics?;
         Some(Self {
             joint: joint?,
@@ -68,6 +71,7 @@ impl Model {
             effects,
             confidence,
             functions,
+            own_rmse_nm,
         })
     }
 

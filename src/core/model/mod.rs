@@ -46,6 +46,8 @@ pub struct Model<S = f64> {
     pub confidence: BTreeMap<String, Confidence>,
     /// A and B(v) as the identification measured them.
     pub functions: Functions,
+    /// RMSE over the recordings that it was identified from, N m; nothing where that is not known.
+    pub own_rmse_nm: Option<f64>,
 }
 
 impl Model {
@@ -89,6 +91,7 @@ impl Model {
             effects: self.effects.iter().map(effect).collect(),
             confidence: BTreeMap::new(),
             functions: Functions::default(),
+            own_rmse_nm: None,
         }
     }
 }

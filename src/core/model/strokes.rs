@@ -7,7 +7,7 @@ use crate::numerics::scalar::Scalar;
 use std::ops::Range;
 
 /// Samples over which a transition is first taken as two straight lines ...
-const SPAN: usize = 16;
+const SPAN: usize = 64;
 /// ... if it is as near to them as this, as a share of the way between both branches; else it is looked at more closely. Friction is
 /// known to 1e-3 of itself at best.
 const STRAIGHT: f64 = 2e-5;
