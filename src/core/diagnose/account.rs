@@ -10,10 +10,12 @@ use super::flexible::Flexible;
 use super::floor::Floor;
 use super::locate::{self, Place};
 use super::mask::Mask;
+use super::oscillation::Oscillation;
 use super::parameters::{self, Fitted};
 use super::record::Record;
 use super::verdict::{Evidence, Verdict, signature};
 use super::{Budget, Candidate, Contact, Gap, View};
+use crate::effects::Region;
 use std::ops::Range;
 
 /// Contact events are reported as a cause where their RMS over all rows is above this share of the floor's noise ...
@@ -89,7 +91,7 @@ impl<'a, 'd> Account<'a, 'd> {
     /// Where the gap lies; a cause that was found stands in its own region with what it explains.
     pub fn places(&self, verdict: &Verdict) -> Vec<Place> {
         let delivered_nm = self.base.data().residual_nm(&self.base.predicted_nm);
-        let mut places = locate::locate(self.base, &delivered_nm, &self.explanation.events);
+        let mut places = self.located(&delivered_nm);
         if !matches!(verdict.kind, Kind::None | Kind::Unknown) {
             let budget = self.budget();
             let causes: f64 = budget.causes.iter().map(|(_, share)| share).sum();
@@ -106,7 +108,22 @@ impl<'a, 'd> Account<'a, 'd> {
 
     /// Where what the causes leave lies.
     pub fn remainder(&self) -> Vec<Place> {
-        locate::locate(self.base, &self.explanation.left_nm, &self.explanation.events)
+        self.located(&self.explanation.left_nm)
+    }
+
+    /// Where `residual_nm` lies, its oscillations first.
+    fn located(&self, residual_nm: &[f64]) -> Vec<Place> {
+        let Explanation { events, oscillations, .. } = self.explanation;
+        let mut places = locate::locate(self.base, residual_nm, events);
+        let at_frequency = |oscillation: &Oscillation| Place {
+            region: Region::Frequency,
+            detail: format!("oscillation of {:.2} Hz", oscillation.frequency_hz),
+            share_of_gap: oscillation.share,
+            share_of_samples: 1.0,
+            rmse_nm: locate::rms(residual_nm.iter().copied()),
+        };
+        places.splice(0..0, oscillations.iter().map(at_frequency));
+        places
     }
 
     /// Every candidate, those taken first, then by score.
@@ -197,7 +214,7 @@ impl<'a, 'd> Account<'a, 'd> {
 /// Squares left in each unit over all rows that `scored` counts, those set aside by the search put back.
 fn evidence<'a>(
     scored: &Mask<'_>,
-    explanation: &Explanation<'_>,
+    explanation: &'a Explanation<'_>,
     resamples: &'a Resamples,
     floor: &Floor,
 ) -> Evidence<'a> {
@@ -234,6 +251,7 @@ fn evidence<'a>(
         resamples,
         floor_square: floor.upper_square(),
         quick_square: floor.quick_upper_square(),
+        oscillations: &explanation.oscillations,
         own_square: choice.base.model.own_rmse_nm.unwrap_or_default().powi(2),
         numbers: choice.last.numbers(),
     }
@@ -280,7 +298,7 @@ mod tests {
         let mask = base.mask.without(&events);
         // One of the two is predicted after all: it was set aside, and is no contact.
         let contact = events[..1].to_vec();
-        let explanation = Explanation { events: contact, ..Explanation::of(&mask, &model, events, &rest_nm, &|_| ()) };
+        let explanation = Explanation::of(&mask, &model, events, &rest_nm, &|_| ()).with_events(contact);
         let floor = Floor::of_noise(FLOOR_NM, FloorSource::Spectrum, 0.1);
         let resamples = Resamples::new(&data.folds, &floor);
         let account = Account::new(&base, &explanation, &resamples, &floor);

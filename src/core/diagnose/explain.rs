@@ -8,6 +8,7 @@ use super::contact_events::{self, ContactEvent};
 use super::flexible;
 use super::floor::{self, Floor};
 use super::mask::Mask;
+use super::oscillation::{Oscillation, without_oscillations};
 use super::parameters;
 use super::progress::Listener;
 use crate::model::Model;
@@ -29,6 +30,10 @@ pub struct Explanation<'d> {
     pub left_nm: Vec<f64>,
     /// The contact events: of those set aside, the ones that no model predicts.
     pub events: Vec<ContactEvent>,
+    /// Where nothing is named: the oscillations of the residual.
+    pub oscillations: Vec<Oscillation>,
+    /// The residual without them, N m: they are no noise, though they do not repeat with the motion.
+    quiet_nm: Vec<f64>,
 }
 
 /// The causes of the residual of `base` (`rest_nm` at every row), with `suspected` contact events set aside.
@@ -55,7 +60,7 @@ pub fn explain<'d>(
         true => 2 * whole.events.len() <= count,
         false => whole.choice.last.held_out_square() <= AS_WELL.powi(2) * first.choice.last.held_out_square(),
     };
-    if is_cause { Explanation { events: Vec::new(), ..whole } } else { first }
+    if is_cause { whole.with_events(Vec::new()) } else { first }
 }
 
 impl<'d> Explanation<'d> {
@@ -69,7 +74,7 @@ impl<'d> Explanation<'d> {
     ) -> Self {
         let found = Self::of_choice(choose(mask, model, listener));
         contact_events::keep_unexplained(mask, &mut events, rest_nm, &found.left_nm);
-        Self { events, ..found }
+        found.with_events(events)
     }
 
     /// By `choice`, without contact events.
@@ -77,20 +82,36 @@ impl<'d> Explanation<'d> {
         let (after, data) = (parameters::settled(&choice), choice.last.mask.data);
         let after_nm = data.records.predicted_by(&after);
         let left_nm = data.residual_nm(&after_nm);
-        Self { choice, after, after_nm, left_nm, events: Vec::new() }
+        let (quiet_nm, events, oscillations) = (left_nm.clone(), Vec::new(), Vec::new());
+        Self { choice, after, after_nm, left_nm, events, oscillations, quiet_nm }
+    }
+
+    /// The same with `events`. Beside causes an oscillation may be misfit of their formulas.
+    pub(super) fn with_events(mut self, events: Vec<ContactEvent>) -> Self {
+        self.events = events;
+        (self.oscillations, self.quiet_nm) = match self.is_bare() {
+            true => without_oscillations(&self.choice.last.mask.data.records, &self.left_nm),
+            false => (Vec::new(), self.left_nm.clone()),
+        };
+        self
+    }
+
+    /// Whether nothing is named.
+    fn is_bare(&self) -> bool {
+        self.choice.found.is_empty() && self.events.is_empty()
     }
 
     /// The same without its causes, on which the share `agreement` of the resamples agreed.
     pub fn given_up(self, agreement: f64) -> Self {
-        Self { events: self.events, ..Self::of_choice(self.choice.given_up(agreement)) }
+        Self::of_choice(self.choice.given_up(agreement)).with_events(self.events)
     }
 
     /// The floor now that the causes are known; `columns` are those of the flexible fit.
     pub fn floor(&self, columns: &[Vec<f64>]) -> Floor {
         let mask = &self.choice.last.mask;
-        let left_square = self.choice.last.held_out_square();
-        let unpredicted_square = flexible::fit(mask, columns, &self.left_nm).held_out.min(left_square);
-        let is_bare = self.choice.found.is_empty() && self.events.is_empty();
-        floor::settled((mask.data, &self.after), &self.left_nm, (unpredicted_square, left_square), is_bare)
+        let oscillating: f64 = self.oscillations.iter().map(|oscillation| oscillation.share).sum();
+        let left_square = (1.0 - oscillating) * self.choice.last.held_out_square();
+        let unpredicted_square = flexible::fit(mask, columns, &self.quiet_nm).held_out.min(left_square);
+        floor::settled((mask.data, &self.after), &self.quiet_nm, (unpredicted_square, left_square), self.is_bare())
     }
 }

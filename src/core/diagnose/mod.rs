@@ -27,6 +27,7 @@ mod measures;
 mod motion;
 mod next;
 mod on_chain;
+mod oscillation;
 mod pairs;
 mod parameter_ref;
 mod parameters;
@@ -64,6 +65,7 @@ use bootstrap::Resamples;
 use data::DataSet;
 use explain::Explanation;
 use mask::Mask;
+use oscillation::Oscillation;
 use perturbation::within_confidence;
 
 /// All that is found.
@@ -194,6 +196,20 @@ const ENCODER_UNKNOWN: &str = "what the encoder alone leaves of a perfect model 
 const UNFORESEEN: &str = "what is left exceeds the torque's noise beyond the low-pass, but no fit finds any of it again on held-out data: it \
                           counts as slow noise; whether it comes again with the motion, only repeats of one motion would tell";
 
+/// Warning where the residual oscillates.
+fn oscillates(oscillations: &[Oscillation]) -> Option<String> {
+    let share: f64 = oscillations.iter().map(|oscillation| oscillation.share).sum();
+    let frequencies: Vec<String> = oscillations.iter().map(|o| format!("{:.2} Hz", o.frequency_hz)).collect();
+    (!oscillations.is_empty()).then(|| {
+        format!(
+            "the residual oscillates at {} ({:.0} % of its mean square), which is neither noise nor an effect of the library: mains hum folded into \
+             the band, a resonance, a base that sways; record the joint at rest: what oscillates there too is not its friction or its load",
+            frequencies.join(" and "),
+            100.0 * share
+        )
+    })
+}
+
 /// Looks for what separates `model` from the recordings of `campaign`; `listener` hears what it is at.
 ///
 /// Errors: the model is of another joint; all that is wrong with any trial; no sample can be scored.
@@ -228,6 +244,7 @@ pub fn run(campaign: &Campaign, model: &Model, listener: Listener<'_>) -> Result
     if floor.source == FloorSource::Unforeseen {
         warnings.push(UNFORESEEN.to_string());
     }
+    warnings.extend(oscillates(&explanation.oscillations));
     let account = Account::new(&base, &explanation, &resamples, &floor);
     let verdict = verdict::verdict(&explanation.choice, &account.evidence);
     begins(Phase::NextExperiment);

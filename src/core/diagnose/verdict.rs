@@ -5,6 +5,7 @@ use super::bootstrap::{Numbers, Resamples, Shrink, above};
 use super::candidates::Cause;
 use super::choose::{Choice, Found};
 use super::criteria::Decision;
+use super::oscillation::Oscillation;
 use super::probability::{probabilities, said};
 use super::stale::{DOWN_ONLY, UP_ONLY};
 use crate::effects::Region;
@@ -76,6 +77,8 @@ pub struct Evidence<'e> {
     pub quick_square: f64,
     /// Mean square that the model left of the recordings that it was identified from, (N m)^2; 0 where that is not known.
     pub own_square: f64,
+    /// Oscillations of the remainder.
+    pub oscillations: &'e [Oscillation],
     /// What the numbers of the causes that were found, and of the base, cost on unseen units.
     pub numbers: Numbers,
 }
@@ -167,7 +170,8 @@ pub fn verdict(choice: &Choice<'_>, evidence: &Evidence<'_>) -> Verdict {
     let mut effects = causes(choice, evidence);
     let (kind, mut agreement) = judged(choice, evidence);
     let (is_open, open) = evidence.open(rest, last);
-    let mut decisions = [choice.decisions.clone(), open].concat();
+    let oscillating = evidence.oscillations.iter().map(Oscillation::decision).collect();
+    let mut decisions = [choice.decisions.clone(), oscillating, open].concat();
     if is_open && !effects.is_empty() {
         decisions.push(evidence.naming(rest, last));
     }
