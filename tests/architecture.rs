@@ -93,15 +93,13 @@ fn literals(source: &str, word: &str) -> Vec<usize> {
 #[test]
 fn what_is_known_of_an_effect_stands_in_its_own_file() {
     // As words of plain English they name columns, keys and lines of figures, too.
-    const PLAIN: [(&str, &[&str]); 4] = [
+    const PLAIN: [(&str, &[&str]); 3] = [
         (
             "contact",
             &["cli/follow.rs", "report/interaction.rs", "report/plots/interaction.rs", "report/plots/diagnosis"],
         ),
         ("inertia", &["report/plots/evaluation/series.rs", "export/table.rs", "core/model/groups.rs"]),
         ("gravity", &["report/plots/evaluation/series.rs", "core/identify/implausible", "core/robots/mjcf.rs"]),
-        // What a simulator's joint has beside friction is written as the effect that it is.
-        ("elastic_spring", &["core/robots/mod.rs"]),
     ];
     let mut files = Vec::new();
     sources(Path::new("src"), &mut files);

@@ -248,9 +248,8 @@ pub fn run(campaign: &Campaign, model: &Model, listener: Listener<'_>) -> Result
     let account = Account::new(&base, &explanation, &resamples, &floor);
     let verdict = verdict::verdict(&explanation.choice, &account.evidence);
     begins(Phase::NextExperiment);
-    let situation =
-        next::Situation { campaign, base: &base, found: &explanation.choice.found, verdict: &verdict, floor_nm };
-    let (next, blind_spots) = situation.propose();
+    let design = next::Design { campaign, base: &base, found: &explanation.choice.found, verdict: &verdict, floor_nm };
+    let (next, blind_spots) = design.propose();
     Ok(Diagnosis {
         gap: account.gap(floor, &flexible),
         budget: account.budget(),

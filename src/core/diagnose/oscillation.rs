@@ -39,7 +39,13 @@ impl Oscillation {
     /// The rule by which it is one.
     pub fn decision(&self) -> Decision {
         let Self { prominence, .. } = *self;
-        Decision { rule: "oscillation", subject: "remainder", value: prominence, limit: PROMINENCE, outcome: "no noise" }
+        Decision {
+            rule: "oscillation",
+            subject: "remainder",
+            value: prominence,
+            limit: PROMINENCE,
+            outcome: "no noise",
+        }
     }
 }
 
@@ -72,15 +78,12 @@ fn stretches(records: &Records) -> Vec<Stretch> {
         let time_s: Vec<f64> = record.rows.iter().map(|i| record.time_s[*i]).collect();
         let Some(duration_s) = time_s.last().zip(time_s.first()).map(|(last, first)| last - first) else { continue };
         let count = (duration_s / longest_s).ceil().max(1.0) as usize;
-        for rows in time_s.chunks(time_s.len().div_ceil(count)).scan(0, |at, chunk| {
-            *at += chunk.len();
-            Some((*at - chunk.len(), chunk))
-        }) {
-            let (from, time_s) = (range.start + rows.0, rows.1.to_vec());
-            if time_s.len() >= ROWS_MIN {
-                all.push(Stretch { rows: from..from + time_s.len(), time_s });
-            }
-        }
+        let length = time_s.len().div_ceil(count);
+        let parts = time_s.chunks(length).enumerate().filter(|(_, part)| part.len() >= ROWS_MIN);
+        all.extend(parts.map(|(at, part)| {
+            let from = range.start + at * length;
+            Stretch { rows: from..from + part.len(), time_s: part.to_vec() }
+        }));
     }
     all
 }
@@ -89,7 +92,7 @@ fn stretches(records: &Records) -> Vec<Stretch> {
 fn strongest(stretches: &[Stretch], residual_nm: &[f64], lowpass_hz: f64) -> Option<(f64, f64)> {
     let mut lengths_s: Vec<f64> = stretches.iter().map(Stretch::duration_s).collect();
     let length_s = quantile(&mut lengths_s, 0.5);
-    if !(length_s > 0.0) {
+    if length_s.is_nan() || length_s <= 0.0 {
         return None;
     }
     let step_hz = 1.0 / (FINENESS * length_s);
@@ -182,7 +185,8 @@ mod tests {
         let hum = |t: &f64| (TAU * 4.8 * t).sin() + 0.8 * (TAU * 6.1 * t + 1.0).sin();
         let humming_nm: Vec<f64> = noise_nm.iter().zip(&time_s).map(|(noise, t)| noise + hum(t)).collect();
         let (found, left_nm) = without_oscillations(&data.records, &humming_nm);
-        let [Oscillation { frequency_hz: first, share, .. }, Oscillation { frequency_hz: second, .. }] = found[..] else {
+        let [Oscillation { frequency_hz: first, share, .. }, Oscillation { frequency_hz: second, .. }] = found[..]
+        else {
             panic!("{found:?}")
         };
         assert!((first - 4.8).abs() < 0.02 && (second - 6.1).abs() < 0.02, "{first} {second} Hz");

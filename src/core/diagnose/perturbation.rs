@@ -29,8 +29,6 @@ pub struct Perturbation {
     pub(super) turns: Vec<(ParameterRef, Mode)>,
     /// Standard deviation of the number before any data are seen; infinite where only data decide.
     pub prior: f64,
-    /// The number's size for a difference quotient.
-    pub probe: f64,
     /// The largest change of the number in one step.
     pub stride: f64,
     /// Upper limit of its parameters.
@@ -40,8 +38,8 @@ pub struct Perturbation {
 }
 
 impl Perturbation {
-    pub(super) fn of(turns: Vec<(ParameterRef, Mode)>, prior: f64, probe: f64) -> Self {
-        Self { turns, prior, probe, stride: f64::INFINITY, most: f64::INFINITY, is_linear: true }
+    pub(super) fn of(turns: Vec<(ParameterRef, Mode)>, prior: f64) -> Self {
+        Self { turns, prior, stride: f64::INFINITY, most: f64::INFINITY, is_linear: true }
     }
 
     /// The same with a prior standard deviation of `deviation`.
@@ -123,7 +121,7 @@ pub fn within_confidence(model: &Model) -> Vec<Perturbation> {
         .filter(|parameter| matters(model, *parameter))
         .filter_map(|parameter| {
             let sd = deviation(model, parameter);
-            (sd > 0.0).then(|| Perturbation::of(vec![(parameter, Mode::Add(sd))], 1.0, 0.1))
+            (sd > 0.0).then(|| Perturbation::of(vec![(parameter, Mode::Add(sd))], 1.0))
         })
         .collect()
 }
@@ -170,7 +168,7 @@ pub fn of_effect(model: &Model, at: usize, extent: &Extent) -> Vec<Perturbation>
             is_linear,
             most,
             stride,
-            ..Perturbation::of(vec![(own, turn)], f64::INFINITY, if is_linear { 1e-3 } else { 1e-4 })
+            ..Perturbation::of(vec![(own, turn)], f64::INFINITY)
         };
         match parameter.role {
             Role::Choice | Role::Form => None,

@@ -175,7 +175,7 @@ impl Record {
     pub fn passage<S: Evaluated>(&self, model: &Model<S>) -> Vec<S> {
         // What lies midway between two thinned samples belongs to both: the average would else come half a sample early.
         let mut halves = vec![Bins::new(self, (self.step - 1) / 2), Bins::new(self, self.step / 2)];
-        halves.truncate(if self.step % 2 == 0 { 2 } else { 1 });
+        halves.truncate(if self.step.is_multiple_of(2) { 2 } else { 1 });
         model.k_tilde_along(&self.strokes, |samples, k_tilde| {
             halves.iter_mut().for_each(|bins| bins.add(samples.clone(), k_tilde));
         });
@@ -216,13 +216,18 @@ impl Record {
         for from in (0..=last).step_by(BLOCK) {
             let at: [usize; BLOCK] = from_fn(|j| (from + j).min(last));
             let slots = others.chunks_exact_mut(joints.max(1)).zip(at);
-            slots.for_each(|(slot, i)| slot.iter_mut().zip(&self.others).for_each(|(own, other)| *own = other[i].over()));
-            then(&at, &from_fn(|j| Sample {
-                time_s: S::from(self.time_s[at[j]]),
-                elapsed_s: S::from(self.elapsed_s(at[j])),
-                own: self.own[at[j]].over(),
-                others: &others[j * joints..][..joints],
-            }));
+            slots.for_each(|(slot, i)| {
+                slot.iter_mut().zip(&self.others).for_each(|(own, other)| *own = other[i].over())
+            });
+            then(
+                &at,
+                &from_fn(|j| Sample {
+                    time_s: S::from(self.time_s[at[j]]),
+                    elapsed_s: S::from(self.elapsed_s(at[j])),
+                    own: self.own[at[j]].over(),
+                    others: &others[j * joints..][..joints],
+                }),
+            );
         }
     }
 

@@ -39,7 +39,7 @@ const AMPLITUDES: [Term; 2] = [Term::CableStribeck, Term::JointStribeck];
 
 /// A parameter without prior; one step changes it by at most half of its unit.
 fn free(turns: Vec<(ParameterRef, Mode)>) -> Perturbation {
-    Perturbation { stride: 0.5, ..Perturbation::of(turns, f64::INFINITY, 1e-3) }
+    Perturbation { stride: 0.5, ..Perturbation::of(turns, f64::INFINITY) }
 }
 
 /// `parameter` in proportion to `times` what it is in `model`.

@@ -18,13 +18,7 @@ pub trait Along<S: Scalar>: Hooks<S> {
     }
 
     /// Adds [`Hooks::friction_nm`] to `friction_nm`.
-    fn add_friction(
-        &self,
-        p: &[S],
-        samples: &[Sample<'_, S>],
-        carried: &[Carried<S>],
-        friction_nm: &mut [Both<S>],
-    ) {
+    fn add_friction(&self, p: &[S], samples: &[Sample<'_, S>], carried: &[Carried<S>], friction_nm: &mut [Both<S>]) {
         for ((sample, carried), nm) in samples.iter().zip(carried).zip(friction_nm) {
             let Both { up, down } = self.friction_nm(p, sample, *carried);
             nm.up += up;

@@ -1,7 +1,8 @@
 //! A spring about the joint: sheath, cabling, passive tissue.
 
 use super::{
-    About, ActsOn, Effect, Excitation, Extent, Family, Hooks, Parameter, Region, Role, Sample, SimulatorJoint, Starts,
+    About, ActsOn, Added, Effect, Excitation, Extent, Family, Hooks, Parameter, Region, Role, Sample, SimulatorJoint,
+    Starts,
 };
 use crate::numerics::scalar::Scalar;
 
@@ -29,9 +30,15 @@ static ABOUT: About = About {
     ..About::PLAIN
 };
 
-/// The parameters of a spring without stiffness: `torque_nm` everywhere.
-pub(super) fn preload(torque_nm: f64) -> Vec<f64> {
-    vec![0.0, torque_nm, 0.0, 0.0, 0.0]
+/// A spring without stiffness: a load of `torque_nm` at the joint everywhere.
+pub fn constant_load(torque_nm: f64) -> Added {
+    Added { effect: &ElasticSpring, parameters: vec![0.0, torque_nm, 0.0, 0.0, 0.0] }
+}
+
+/// A linear spring of `stiffness_nm_rad` at the joint that rests at `rest_rad`.
+pub fn linear_spring(stiffness_nm_rad: f64, rest_rad: f64) -> Added {
+    let preload_nm = -stiffness_nm_rad * rest_rad;
+    Added { effect: &ElasticSpring, parameters: vec![stiffness_nm_rad, preload_nm, 0.0, 0.0, 0.0] }
 }
 
 #[derive(Debug)]

@@ -1,6 +1,6 @@
 //! An effect that a model has, with its parameters; effects by their names.
 
-use super::{Effect, Evaluated, Along, LIBRARY, Parameter, Role, contact, elastic_spring};
+use super::{Along, Effect, Evaluated, LIBRARY, Parameter, Role, contact};
 use crate::numerics::dual::Dual;
 
 /// The effect called `id`.
@@ -10,11 +10,6 @@ pub fn find(id: &str) -> Option<&'static dyn Effect> {
 
 /// The effect of bursts from outside, which are found by their not being repeated.
 pub const CONTACT: &str = contact::ID;
-
-/// What adds `torque_nm` at the joint everywhere: a load that no column records.
-pub fn constant_load(torque_nm: f64) -> Added {
-    Added { effect: &elastic_spring::ElasticSpring, parameters: elastic_spring::preload(torque_nm) }
-}
 
 /// An effect that a model has, with its parameters in the order of its list.
 #[derive(Debug, Clone)]

@@ -194,10 +194,13 @@ mod tests {
 
     #[test]
     fn a_long_signal_in_parts_comes_out_as_in_one() {
-        for (order, cutoff_hz, samples) in [(4, 5.0, 20_003), (4, 20.0, 4_000), (3, 8.0, 9_001), (1, 2.0, 5_000), (5, 9.0, 7_000)] {
+        for (order, cutoff_hz, samples) in
+            [(4, 5.0, 20_003), (4, 20.0, 4_000), (3, 8.0, 9_001), (1, 2.0, 5_000), (5, 9.0, 7_000)]
+        {
             let lowpass = LowPass::new(order, cutoff_hz, 200.0).unwrap();
-            let signal: Vec<f64> =
-                (0..samples).map(|i| f64::from(i) * 1e-3 + (f64::from(i) * 0.37).sin() + f64::from(i * 7919 % 101) / 50.0).collect();
+            let signal: Vec<f64> = (0..samples)
+                .map(|i| f64::from(i) * 1e-3 + (f64::from(i) * 0.37).sin() + f64::from(i * 7919 % 101) / 50.0)
+                .collect();
             let mut in_one: Vec<[f64; 2]> = signal.iter().map(|x| [*x, 0.0]).collect();
             lowpass.zero_phase_together(&mut in_one);
             let in_parts = lowpass.zero_phase(&signal);

@@ -14,6 +14,7 @@ mod urdf;
 mod xml;
 
 use crate::dynamics::JointKind;
+use crate::effects::linear_spring;
 use crate::problem::{Problem, Result};
 use serde_json::{Value, json};
 use std::path::Path;
@@ -77,13 +78,7 @@ impl Described {
         if zero_rad != 0.0 {
             dynamics["position_zero_rad"] = json!(zero_rad);
         }
-        let spring = self.spring.map(|(stiffness, rest)| {
-            let parameters = json!({
-                "stiffness_nm_rad": stiffness, "preload_nm": -stiffness * rest,
-                "stiffens": 0.0, "cubic_nm_rad3": 0.0, "centre_rad": 0.0,
-            });
-            json!({ "id": "elastic_spring", "parameters": parameters })
-        });
+        let spring = self.spring.map(|(stiffness, rest)| linear_spring(stiffness, rest).to_json());
         json!({
             "format": "model/1",
             "joint": joint,

@@ -2,17 +2,24 @@
 
 use super::course::{Course, Motions};
 use crate::dynamics::{Chain, Motion};
+use crate::effects::{Added, Evaluated};
 use crate::model::{Asked, Direction, Model, Passage};
 
 /// y along `course` before the sensor, N m; `chain` takes the place of the model's own gravity and inertia.
-pub(super) fn torque_nm(model: &Model, chain: Option<&Chain>, course: &Course, motions: &Motions) -> Vec<f64> {
+pub(super) fn torque_nm<S: Evaluated>(
+    model: &Model<S>,
+    chain: Option<&Chain>,
+    course: &Course,
+    motions: &Motions,
+) -> Vec<S> {
     let Some(first) = motions.own.first() else { return Vec::new() };
     let mut passage = Passage::after(model, start(&course.position_rad), first.position, 0.0);
-    let mut others = Vec::with_capacity(motions.others.len());
+    let (mut others, mut over) = (Vec::new(), Vec::new());
     let torque = |i: usize| {
-        let sample = motions.sample(i, &mut others);
-        let asked = asked(model, chain, sample.own, sample.others);
-        let k_tilde = passage.step(sample.own.position, sample.own.velocity);
+        let sample = motions.sample::<S>(i, &mut over);
+        let own = motions.own[i];
+        let asked = asked(model, chain, own, motions.sample::<f64>(i, &mut others).others);
+        let k_tilde = passage.step(own.position, own.velocity);
         let contact_nm = course.contact_nm.get(i).copied().unwrap_or(0.0);
         model.driven_nm(&sample, asked, k_tilde).torque_nm + contact_nm
     };
@@ -29,18 +36,20 @@ pub(super) fn start(positions_rad: &[f64]) -> Direction {
 }
 
 /// What mass asks of the joint.
-pub(super) fn asked(model: &Model, chain: Option<&Chain>, own: Motion, others: &[Motion]) -> Asked {
+pub(super) fn asked<S: Evaluated>(model: &Model<S>, chain: Option<&Chain>, own: Motion, others: &[Motion]) -> Asked<S> {
     let dynamics = &model.dynamics;
     match chain {
         Some(chain) => {
             // Only a joint that lags its encoder asks for the slope, and a chain's takes as long as its torque.
-            let lags = model.effects.iter().any(|e| e.effect.position_lag_rad(&e.parameters, 1.0, 1.0) != 0.0);
-            let needs_slope = lags || dynamics.position_zero_rad != 0.0;
+            let lag_rad = |e: &Added<S>| e.hooks().position_lag_rad(&e.parameters, S::from(1.0), S::from(1.0));
+            let lags = model.effects.iter().any(|e| !lag_rad(e).is_zero());
+            let needs_slope = lags || !dynamics.position_zero_rad.is_zero();
             let slope_nm_rad = if needs_slope { chain.gravity_slope_nm_rad(own.position, others) } else { 0.0 };
             let rigid = chain.torque(own, others);
-            let (gravity_nm, slope_nm_rad) = dynamics.at_true_position(rigid.gravity_nm, slope_nm_rad);
+            let (gravity_nm, slope_nm_rad) =
+                dynamics.at_true_position(S::from(rigid.gravity_nm), S::from(slope_nm_rad));
             Asked { torque_nm: gravity_nm + rigid.inertia_nm + rigid.coriolis_nm, slope_nm_rad }
         }
-        None => model.asked_alone(own, 0.0),
+        None => model.asked_alone(own.over(), S::from(0.0)),
     }
 }

@@ -15,6 +15,7 @@ pub use course::Course;
 pub use plan::{Plan, PlannedTrial, SimulatedArm};
 
 use crate::dynamics::Chain;
+use crate::effects::Evaluated;
 use crate::model::Model;
 use course::Motions;
 use planned::Made;
@@ -47,8 +48,13 @@ pub struct Recording {
 /// What a sensor without noise reads of `model` along `positions_rad`, `rate_hz` a second, moving alone: y, N m.
 pub fn torque_nm(model: &Model, positions_rad: &[f64], rate_hz: f64) -> Vec<f64> {
     let course = Course { position_rad: positions_rad.to_vec(), ..Course::default() };
-    let motions = Motions::new(&course, rate_hz);
-    readings_nm(model, &motions, driven::torque_nm(model, None, &course, &motions), || 0.0)
+    readings_along(model, None, &course, rate_hz)
+}
+
+/// The same along `course`, N m: over any number, to be differentiated; `chain` takes the place of the model's own gravity and inertia.
+pub fn readings_along<S: Evaluated>(model: &Model<S>, chain: Option<&Chain>, course: &Course, rate_hz: f64) -> Vec<S> {
+    let motions = Motions::new(course, rate_hz);
+    readings_nm(model, &motions, driven::torque_nm(model, chain, course, &motions), || 0.0)
 }
 
 /// `course` as recorded by `sensors`, repeatable by `seed`; `chain` takes the place of the model's own gravity and inertia.
@@ -89,9 +95,14 @@ fn recorded(
 }
 
 /// The sensor's readings of `torque_nm`: delay, scale, offset, noise, then clipping.
-fn readings_nm(model: &Model, motions: &Motions, torque_nm: Vec<f64>, mut noise_nm: impl FnMut() -> f64) -> Vec<f64> {
+fn readings_nm<S: Evaluated>(
+    model: &Model<S>,
+    motions: &Motions,
+    torque_nm: Vec<S>,
+    mut noise_nm: impl FnMut() -> f64,
+) -> Vec<S> {
     let late_nm = model.late_nm(torque_nm, motions.rate_hz);
     let mut others = Vec::with_capacity(motions.others.len());
-    let reading = |(i, y): (usize, f64)| model.noisy_reading_nm(&motions.sample(i, &mut others), y, noise_nm());
+    let reading = |(i, y): (usize, S)| model.noisy_reading_nm(&motions.sample(i, &mut others), y, S::from(noise_nm()));
     late_nm.into_iter().enumerate().map(reading).collect()
 }

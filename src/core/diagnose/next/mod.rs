@@ -2,7 +2,7 @@
 
 mod blind;
 mod motions;
-mod stage;
+mod predictor;
 mod words;
 
 pub use blind::BlindSpot;
@@ -18,8 +18,8 @@ use crate::numerics::filter::LowPass;
 use crate::numerics::statistics::mean;
 use crate::trajectory::Trajectory;
 use motions::{Beyond, Motion, Reach};
+use predictor::{Predictor, Rival};
 use rayon::prelude::*;
-use stage::{Rival, Stage};
 
 /// Fewest and most repeats that are asked for: a floor needs some, a person has no time for more.
 const REPEATS_MIN: u32 = 3;
@@ -50,8 +50,8 @@ pub struct NextExperiment {
     pub instruction: String,
 }
 
-/// What a proposal is drawn from.
-pub struct Situation<'s> {
+/// The design of the next experiment: what it is drawn from.
+pub struct Design<'s> {
     pub campaign: &'s Campaign,
     /// The base within its confidence, on which the rivals were fitted.
     pub base: &'s BaseModel<'s>,
@@ -60,7 +60,7 @@ pub struct Situation<'s> {
     pub floor_nm: f64,
 }
 
-impl Situation<'_> {
+impl Design<'_> {
     /// The next experiment, if one would say more, and what the recordings hide.
     pub fn propose(&self) -> (Option<NextExperiment>, Vec<BlindSpot>) {
         let reach = Reach::of(&self.base.data().extent, blind::others_rad(self.base.data()));
@@ -113,15 +113,15 @@ impl Situation<'_> {
 
     /// How far apart each pair is along each motion, N m.
     fn apart_nm(&self, rivals: &[Rival], pairs: &[(usize, usize)], motions: &[Motion]) -> Vec<Vec<f64>> {
-        let Some(stage) = self.stage() else { return vec![vec![0.0; pairs.len()]; motions.len()] };
+        let Some(predictor) = self.predictor() else { return vec![vec![0.0; pairs.len()]; motions.len()] };
         let along = |motion: &Motion| {
-            let predicted: Vec<_> = rivals.iter().map(|rival| stage.predicted(rival, &motion.trajectory)).collect();
-            pairs.iter().map(|(a, b)| stage.apart_nm(&predicted[*a], &predicted[*b])).collect()
+            let predicted: Vec<_> = rivals.iter().map(|rival| predictor.predicted(rival, &motion.trajectory)).collect();
+            pairs.iter().map(|(a, b)| predictor.apart_nm(&predicted[*a], &predicted[*b])).collect()
         };
         motions.par_iter().with_max_len(1).map(along).collect()
     }
 
-    fn stage(&self) -> Option<Stage<'_>> {
+    fn predictor(&self) -> Option<Predictor<'_>> {
         let signal = &self.campaign.signal;
         let records = &self.base.data().records;
         let rate_hz = records.all.first()?.rate_hz;
@@ -132,13 +132,13 @@ impl Situation<'_> {
             record.load_nm(i, model) - gravity(record.own[i].position) - inertia
         });
         let chain = self.campaign.arm.as_ref().map(|arm| &arm.chain);
-        Some(Stage {
+        Some(Predictor {
             chain,
             rate_hz,
             lowpass: LowPass::new(signal.lowpass_order, signal.lowpass_hz, rate_hz)?,
             lowpass_hz: signal.lowpass_hz,
             floor_nm: self.floor_nm,
-            // A chain's share cannot be told from a measured load's here; the chain itself is on the stage.
+            // A chain's share cannot be told from a measured load's here; the predictor has the chain itself.
             load_nm: if chain.is_some() { 0.0 } else { mean(&loads) },
         })
     }

@@ -13,8 +13,9 @@ use super::super::perturbation::Perturbation;
 use crate::dynamics::Chain;
 use crate::effects::constant_load;
 use crate::model::{Model, settle};
+use crate::numerics::dual::VARIABLES;
 use crate::numerics::filter::LowPass;
-use crate::simulate::{Course, Sensors, record};
+use crate::simulate::{Course, readings_along};
 use crate::trajectory::Trajectory;
 
 /// Rows compared per independent sample: twice what the low-pass lets through.
@@ -39,7 +40,7 @@ impl Rival {
 }
 
 /// What a motion is predicted with.
-pub struct Stage<'c> {
+pub struct Predictor<'c> {
     pub chain: Option<&'c Chain>,
     pub rate_hz: f64,
     pub lowpass: LowPass,
@@ -56,7 +57,7 @@ pub struct Predicted {
     deviations: Vec<f64>,
 }
 
-impl Stage<'_> {
+impl Predictor<'_> {
     /// Seconds between rows that are compared.
     fn thinned(&self) -> usize {
         ((self.rate_hz / (2.0 * OVERSAMPLING * self.lowpass_hz)) as usize).max(1)
@@ -75,32 +76,33 @@ impl Stage<'_> {
         let course = Course { position_rad, others_rad, ..Course::default() };
         let joint = &rival.model.joint;
         let (_, known_from) = settle(&course.position_rad, rival.model.backlash_m() / joint.pulley_radius_m, 0.0);
-        let reading_nm = self.reading_nm(&rival.model, &course, known_from);
-        let column = |(way, _): &(Perturbation, f64)| {
-            let mut moved = rival.model.clone();
-            way.apply(&mut moved, way.probe);
-            let ahead = self.reading_nm(&moved, &course, known_from);
-            ahead.iter().zip(&reading_nm).map(|(a, y)| (a - y) / way.probe).collect()
+        let loaded = self.loaded(&rival.model);
+        let reading_nm = readings_along(&loaded, self.chain, &course, self.rate_hz);
+        let ways: Vec<Perturbation> = rival.moves.iter().map(|(way, _)| way.clone()).collect();
+        let of_group = |group: &[Perturbation]| {
+            let readings_nm = readings_along(&Perturbation::varied(&loaded, group), self.chain, &course, self.rate_hz);
+            let mut slopes_nm: Vec<[f64; VARIABLES]> = readings_nm.into_iter().map(|y| y.slopes).collect();
+            self.lowpass.zero_phase_together(&mut slopes_nm);
+            let column = |at: usize| self.compared(slopes_nm.iter().map(|slopes| slopes[at]), known_from);
+            (0..group.len()).map(column).collect::<Vec<Vec<f64>>>()
         };
-        let columns = rival.moves.iter().map(column).collect();
-        Predicted { columns, deviations: rival.moves.iter().map(|(_, deviation)| *deviation).collect(), reading_nm }
+        Predicted {
+            columns: ways.chunks(VARIABLES).flat_map(of_group).collect(),
+            deviations: rival.moves.iter().map(|(_, deviation)| *deviation).collect(),
+            reading_nm: self.compared(self.lowpass.zero_phase(&reading_nm).into_iter(), known_from),
+        }
     }
 
-    fn reading_nm(&self, model: &Model, course: &Course, from: usize) -> Vec<f64> {
-        let exact = Sensors { torque_noise_nm: 0.0, encoder_counts: 0.0 };
-        let loaded = self.loaded(model);
-        let torque_nm = record(loaded.as_ref().unwrap_or(model), self.chain, course, self.rate_hz, exact, 0).torque_nm;
-        let filtered = self.lowpass.zero_phase(&torque_nm);
-        filtered.into_iter().skip(from).step_by(self.thinned()).collect()
+    /// The samples of `series` that are compared, from `from` on.
+    fn compared(&self, series: impl Iterator<Item = f64>, from: usize) -> Vec<f64> {
+        series.skip(from).step_by(self.thinned()).collect()
     }
 
     /// `model` under the measured load.
-    fn loaded(&self, model: &Model) -> Option<Model> {
-        (self.load_nm != 0.0).then(|| {
-            let mut loaded = model.clone();
-            loaded.effects.push(constant_load(self.load_nm));
-            loaded
-        })
+    fn loaded(&self, model: &Model) -> Model {
+        let mut loaded = model.clone();
+        loaded.effects.extend((self.load_nm != 0.0).then(|| constant_load(self.load_nm)));
+        loaded
     }
 
     /// What two rivals cannot make up for between them, root mean square, N m.
