@@ -88,8 +88,19 @@ fn has_strength(effect: &Added) -> bool {
 fn the_library_is_the_format_s_list_and_the_folder() {
     let ids = LIBRARY.map(|effect| effect.about().id);
     assert!(ids.starts_with(&IDS), "files hold these names, in this order: {IDS:?}");
-    let shared =
-        ["mod", "library", "ripple", "about", "clock", "parameter", "region", "sample", "transition", "effect"];
+    let shared = [
+        "mod",
+        "library",
+        "ripple",
+        "about",
+        "clock",
+        "parameter",
+        "region",
+        "sample",
+        "transition",
+        "effect",
+        "along",
+    ];
     let names =
         std::fs::read_dir("src/core/effects").unwrap().map(|entry| entry.unwrap().file_name().into_string().unwrap());
     let files: BTreeSet<String> = names.map(|name| name.trim_end_matches(".rs").to_string()).collect();

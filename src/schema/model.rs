@@ -28,8 +28,8 @@ pub struct Model {
     pub confidence: BTreeMap<String, Confidence>,
     /// A and B(v) as identified, with half widths.
     pub functions: Option<BTreeMap<String, Functions>>,
-    /// For people: fit quality of each direction.
-    pub fit: Option<Value>,
+    /// Fit quality.
+    pub fit: Option<Fit>,
     /// For people: the forms of B(v) that were compared.
     pub forms: Option<Value>,
     /// The curves of the combination that were compared.
@@ -204,6 +204,26 @@ pub enum Status {
     Flat,
     /// At the limit of what the data could show.
     AtBound,
+}
+
+/// How well the model fits the recordings that it was identified from. Other keys are for people.
+#[derive(Debug, Deserialize, JsonSchema)]
+pub struct Fit {
+    /// For people: of moving up.
+    pub up: Option<Value>,
+    /// For people: of moving down.
+    pub down: Option<Value>,
+    /// Over whole recordings.
+    pub whole: Option<Whole>,
+}
+
+/// What the model leaves of those recordings: `diagnose` compares with it what it leaves of others.
+#[derive(Debug, Deserialize, JsonSchema)]
+pub struct Whole {
+    /// RMSE over all trials, N m.
+    pub rmse_nm: Option<f64>,
+    /// For people: by trial.
+    pub trials: Option<Value>,
 }
 
 /// A and B(v) of a direction.

@@ -23,6 +23,10 @@ const PERIODS_MIN: f64 = 5.0;
 const PROMINENCE: f64 = 40.0;
 /// Most of them.
 const MOST: usize = 3;
+/// A frequency is a multiple of the motion's up to this order, within so many 1/T, and the motion's own error for each order.
+const ORDERS: f64 = 12.0;
+const RESOLVED: f64 = 0.5;
+const ORDER_ERROR: f64 = 0.05;
 
 /// One oscillation.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -55,64 +59,81 @@ struct Stretch {
     time_s: Vec<f64>,
 }
 
-/// The oscillations of `residual_nm`, at the rows of `records`, and the residual without them, N m.
+/// The oscillations of `residual_nm`, at the rows of `records`, that are not in step with a motion to and fro, and the residual without them,
+/// N m.
 pub fn without_oscillations(records: &Records, residual_nm: &[f64]) -> (Vec<Oscillation>, Vec<f64>) {
-    let stretches = stretches(records);
-    let mut found: Vec<Oscillation> = Vec::new();
-    let mut left_nm = residual_nm.to_vec();
-    let whole: f64 = residual_nm.iter().map(|r| r * r).sum();
-    while found.len() < MOST {
-        let Some((frequency_hz, prominence)) = strongest(&stretches, &left_nm, records.lowpass_hz) else { break };
-        let before: f64 = left_nm.iter().map(|r| r * r).sum();
-        stretches.iter().for_each(|stretch| subtract(stretch, frequency_hz, &mut left_nm));
-        let share = (before - left_nm.iter().map(|r| r * r).sum::<f64>()) / whole;
-        found.push(Oscillation { frequency_hz, prominence, share });
-    }
-    (found, left_nm)
-}
-
-fn stretches(records: &Records) -> Vec<Stretch> {
-    let longest_s = STRETCH_PERIODS / records.lowpass_hz;
-    let mut all = Vec::new();
-    for (record, range) in records.all.iter().zip(&records.ranges) {
-        let time_s: Vec<f64> = record.rows.iter().map(|i| record.time_s[*i]).collect();
-        let Some(duration_s) = time_s.last().zip(time_s.first()).map(|(last, first)| last - first) else { continue };
-        let count = (duration_s / longest_s).ceil().max(1.0) as usize;
-        let length = time_s.len().div_ceil(count);
-        let parts = time_s.chunks(length).enumerate().filter(|(_, part)| part.len() >= ROWS_MIN);
-        all.extend(parts.map(|(at, part)| {
-            let from = range.start + at * length;
-            Stretch { rows: from..from + part.len(), time_s: part.to_vec() }
-        }));
-    }
-    all
-}
-
-/// The frequency whose power stands out of its neighbourhood most, Hz, and by how much; nothing where none does.
-fn strongest(stretches: &[Stretch], residual_nm: &[f64], lowpass_hz: f64) -> Option<(f64, f64)> {
-    let mut lengths_s: Vec<f64> = stretches.iter().map(Stretch::duration_s).collect();
-    let length_s = quantile(&mut lengths_s, 0.5);
-    if length_s.is_nan() || length_s <= 0.0 {
-        return None;
-    }
-    let step_hz = 1.0 / (FINENESS * length_s);
-    let power: Vec<f64> = (0..=(lowpass_hz / step_hz) as usize)
-        .map(|k| stretches.iter().map(|stretch| stretch.power(residual_nm, k as f64 * step_hz)).sum())
-        .collect();
-    let [width, around] = [WIDTH, NEIGHBOURHOOD].map(|widths| (widths * FINENESS) as usize);
-    let prominence = |k: usize| {
-        let near = k.saturating_sub(around)..(k + around + 1).min(power.len());
-        let mut neighbours: Vec<f64> = near.filter(|i| i.abs_diff(k) > width).map(|i| power[i]).collect();
-        power[k] / quantile(&mut neighbours, 0.5)
+    let stretches = Stretches::new(records);
+    let (of_motion, _) = stretches.lines(records.rows(|record, i| record.own[i].velocity), &|_| true);
+    // What a motion to and fro brings about comes at its multiples, whatever the joint lacks.
+    let is_multiple = |hz: f64, of: &Oscillation| {
+        let order = (hz / of.frequency_hz).round();
+        let apart_hz = (hz - order * of.frequency_hz).abs();
+        (1.0..=ORDERS).contains(&order) && apart_hz * stretches.length_s < RESOLVED + ORDER_ERROR * order
     };
-    let first = (PERIODS_MIN * FINENESS) as usize;
-    let best = (first..power.len().saturating_sub(1)).max_by(|a, b| power[*a].total_cmp(&power[*b]))?;
-    let prominence = prominence(best);
-    // The top of the parabola through the logarithms of three powers.
-    let [a, b, c] = [best - 1, best, best + 1].map(|k| power[k].max(f64::MIN_POSITIVE).ln());
-    let bend = a - 2.0 * b + c;
-    let offset = if bend < 0.0 { ((a - c) / (2.0 * bend)).clamp(-0.5, 0.5) } else { 0.0 };
-    (prominence >= PROMINENCE).then_some(((best as f64 + offset) * step_hz, prominence))
+    stretches.lines(residual_nm.to_vec(), &|hz| !of_motion.iter().any(|line| is_multiple(hz, line)))
+}
+
+/// All of them, with how fine a spectrum they give.
+struct Stretches {
+    all: Vec<Stretch>,
+    /// The usual length, s.
+    length_s: f64,
+    /// Between the frequencies that are looked at, up to the low-pass, Hz.
+    step_hz: f64,
+    lowpass_hz: f64,
+}
+
+impl Stretches {
+    fn new(records: &Records) -> Self {
+        let longest_s = STRETCH_PERIODS / records.lowpass_hz;
+        let mut all: Vec<Stretch> = Vec::new();
+        for (record, range) in records.all.iter().zip(&records.ranges) {
+            let time_s: Vec<f64> = record.rows.iter().map(|i| record.time_s[*i]).collect();
+            let duration_s = time_s.last().zip(time_s.first()).map_or(0.0, |(last, first)| last - first);
+            let length = time_s.len().div_ceil((duration_s / longest_s).ceil().max(1.0) as usize).max(1);
+            let parts = time_s.chunks(length).enumerate().filter(|(_, part)| part.len() >= ROWS_MIN);
+            all.extend(parts.map(|(at, part)| {
+                let from = range.start + at * length;
+                Stretch { rows: from..from + part.len(), time_s: part.to_vec() }
+            }));
+        }
+        let mut lengths_s: Vec<f64> =
+            all.iter().map(|stretch| stretch.time_s[stretch.time_s.len() - 1] - stretch.time_s[0]).collect();
+        let length_s = if all.is_empty() { 0.0 } else { quantile(&mut lengths_s, 0.5) };
+        Self { all, length_s, step_hz: 1.0 / (FINENESS * length_s), lowpass_hz: records.lowpass_hz }
+    }
+
+    /// The lines of `series` at frequencies that `counts` lets through, the strongest first, and what is left without them.
+    fn lines(&self, mut series: Vec<f64>, counts: &dyn Fn(f64) -> bool) -> (Vec<Oscillation>, Vec<f64>) {
+        let square = |series: &[f64]| series.iter().map(|r| r * r).sum::<f64>();
+        let (mut found, whole) = (Vec::new(), square(&series));
+        while found.len() < MOST {
+            let Some((frequency_hz, prominence)) = self.strongest(&series, counts) else { break };
+            let before = square(&series);
+            self.all.iter().for_each(|stretch| subtract(stretch, frequency_hz, &mut series));
+            found.push(Oscillation { frequency_hz, prominence, share: (before - square(&series)) / whole });
+        }
+        (found, series)
+    }
+
+    /// The strongest frequency of `series` that counts, Hz, and how far it stands out of its neighbourhood; nothing where it does not.
+    fn strongest(&self, series: &[f64], counts: &dyn Fn(f64) -> bool) -> Option<(f64, f64)> {
+        let count = if self.length_s > 0.0 { (self.lowpass_hz / self.step_hz) as usize } else { 0 };
+        let hz = |k: usize| k as f64 * self.step_hz;
+        let power: Vec<f64> =
+            (0..=count).map(|k| self.all.iter().map(|stretch| stretch.power(series, hz(k))).sum()).collect();
+        let [width, around] = [WIDTH, NEIGHBOURHOOD].map(|widths| (widths * FINENESS) as usize);
+        let first = (PERIODS_MIN * FINENESS) as usize;
+        let best = (first..count).filter(|k| counts(hz(*k))).max_by(|a, b| power[*a].total_cmp(&power[*b]))?;
+        let near = best.saturating_sub(around)..(best + around + 1).min(power.len());
+        let mut neighbours: Vec<f64> = near.filter(|k| k.abs_diff(best) > width).map(|k| power[k]).collect();
+        let prominence = power[best] / quantile(&mut neighbours, 0.5);
+        // The top of the parabola through the logarithms of three powers.
+        let [a, b, c] = [best - 1, best, best + 1].map(|k| power[k].max(f64::MIN_POSITIVE).ln());
+        let bend = a - 2.0 * b + c;
+        let offset = if bend < 0.0 { ((a - c) / (2.0 * bend)).clamp(-0.5, 0.5) } else { 0.0 };
+        (prominence >= PROMINENCE).then_some((hz(best) + offset * self.step_hz, prominence))
+    }
 }
 
 /// Takes the best sine and cosine of `frequency_hz`, and with them a constant that is left in, out of the residual along `stretch`.
@@ -130,10 +151,6 @@ fn subtract(stretch: &Stretch, frequency_hz: f64, residual_nm: &mut [f64]) {
 }
 
 impl Stretch {
-    fn duration_s(&self) -> f64 {
-        self.time_s[self.time_s.len() - 1] - self.time_s[0]
-    }
-
     /// Power of `residual_nm` along it at `frequency_hz`, tapered by Hann's window, its mean left out.
     fn power(&self, residual_nm: &[f64], frequency_hz: f64) -> f64 {
         let (part_nm, n) = (&residual_nm[self.rows.clone()], self.time_s.len());
