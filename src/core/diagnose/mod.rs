@@ -6,6 +6,7 @@
 mod account;
 mod answer;
 mod base;
+mod bins;
 mod bootstrap;
 mod candidates;
 mod cause;

@@ -1,5 +1,6 @@
 //! A trial thinned to the bandwidth of its low-pass, and any model's prediction of it.
 
+use super::bins::Bins;
 use super::on_chain::OnChain;
 use super::spectrum::{SpectralFloor, spectral};
 use crate::dynamics::{Both, Motion};
@@ -174,7 +175,8 @@ impl Record {
     /// them then comes at its own time.
     pub fn passage<S: Evaluated>(&self, model: &Model<S>) -> Vec<S> {
         // What lies midway between two thinned samples belongs to both: the average would else come half a sample early.
-        let mut halves = vec![Bins::new(self, (self.step - 1) / 2), Bins::new(self, self.step / 2)];
+        let bins = |early| Bins::new(self.own.len(), self.step, early, self.strokes.samples());
+        let mut halves = vec![bins((self.step - 1) / 2), bins(self.step / 2)];
         halves.truncate(if self.step.is_multiple_of(2) { 2 } else { 1 });
         model.k_tilde_along(&self.strokes, |samples, k_tilde| {
             halves.iter_mut().for_each(|bins| bins.add(samples.clone(), k_tilde));
@@ -297,52 +299,6 @@ impl Record {
     /// `series` at the rows.
     pub fn at_rows(&self, series: &[f64]) -> Vec<f64> {
         self.rows.iter().map(|i| series[*i]).collect()
-    }
-}
-
-/// Sums over the samples of a log that each thinned sample stands for.
-struct Bins<S> {
-    sums: Vec<S>,
-    step: usize,
-    /// How many samples before its own each one begins.
-    early: usize,
-    /// Samples of the log.
-    samples: usize,
-    /// Where the samples to come belong, and where that ends.
-    at: usize,
-    until: usize,
-}
-
-impl<S: Scalar> Bins<S> {
-    fn new(record: &Record, early: usize) -> Self {
-        let (step, samples) = (record.step, record.strokes.samples());
-        let mut bins = Self { sums: vec![S::from(0.0); record.own.len()], step, early, samples, at: 0, until: 0 };
-        bins.until = bins.end(0);
-        bins
-    }
-
-    /// Where number `at` ends; the last holds all that is left.
-    fn end(&self, at: usize) -> usize {
-        if at + 1 == self.sums.len() { self.samples } else { (at + 1) * self.step - self.early }
-    }
-
-    /// How many samples number `at` stands for.
-    fn samples(&self, at: usize) -> usize {
-        self.end(at) - at.checked_sub(1).map_or(0, |before| self.end(before))
-    }
-
-    /// `value` at `samples`, which follow those before.
-    fn add(&mut self, samples: Range<usize>, value: S) {
-        let mut from = samples.start;
-        while from < samples.end {
-            let to = samples.end.min(self.until);
-            self.sums[self.at] += value * (to - from) as f64;
-            from = to;
-            if to == self.until && to < self.samples {
-                self.at += 1;
-                self.until = self.end(self.at);
-            }
-        }
     }
 }
 

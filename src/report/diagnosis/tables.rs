@@ -67,7 +67,8 @@ pub fn decisions_table(found: &Diagnosis) -> Option<Table> {
          \"share of the gap\", \"floors\" and \"encoder\" compare the reduction of the mean square, (N m)², with a share of the gap, with \
          the floor, and with the reduction that the encoder's errors alone would give; \"standard errors\" and \"clusters that gain\" ask \
          whether most trials or cycles improve; \"distinct\" is the share of the reduction that no other cause gives, which a weak cause \
-         must have; \"form\", \"open\" and \"named\" compare the remainder, N m RMS above the floor; \"clear\" compares the gap with \
+         must have; \"oscillation\" is the power of a line in the spectrum of the remainder over that of its neighbourhood; \
+         \"form\", \"open\" and \"named\" compare the remainder, N m RMS above the floor; \"clear\" compares the gap with \
          the floor and the remainder with the gap, N m RMS (it only selects the simulated verdicts that the probability is taken from).",
         &["cause", "rule", "value", "limit", "outcome"],
         found.verdict.decisions.iter().map(row).collect(),
