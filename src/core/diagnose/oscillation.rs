@@ -5,6 +5,7 @@ use super::criteria::Decision;
 use super::records::Records;
 use crate::numerics::statistics::quantile;
 use nalgebra::{DMatrix, DVector};
+use rayon::prelude::*;
 use std::f64::consts::TAU;
 use std::ops::Range;
 
@@ -120,8 +121,10 @@ impl Stretches {
     fn strongest(&self, series: &[f64], counts: &dyn Fn(f64) -> bool) -> Option<(f64, f64)> {
         let count = if self.length_s > 0.0 { (self.lowpass_hz / self.step_hz) as usize } else { 0 };
         let hz = |k: usize| k as f64 * self.step_hz;
-        let power: Vec<f64> =
-            (0..=count).map(|k| self.all.iter().map(|stretch| stretch.power(series, hz(k))).sum()).collect();
+        let power: Vec<f64> = (0..=count)
+            .into_par_iter()
+            .map(|k| self.all.iter().map(|stretch| stretch.power(series, hz(k))).sum())
+            .collect();
         let [width, around] = [WIDTH, NEIGHBOURHOOD].map(|widths| (widths * FINENESS) as usize);
         let first = (PERIODS_MIN * FINENESS) as usize;
         let best = (first..count).filter(|k| counts(hz(*k))).max_by(|a, b| power[*a].total_cmp(&power[*b]))?;
