@@ -111,7 +111,7 @@ impl<'a, 'd> Account<'a, 'd> {
         self.located(&self.explanation.left_nm)
     }
 
-    /// Where `residual_nm` lies, its oscillations first.
+    /// Where `residual_nm` lies, its oscillations first: the torque read holds them, too, so that they seem to go with the load.
     fn located(&self, residual_nm: &[f64]) -> Vec<Place> {
         let Explanation { events, oscillations, .. } = self.explanation;
         let mut places = locate::locate(self.base, residual_nm, events);
@@ -122,7 +122,8 @@ impl<'a, 'd> Account<'a, 'd> {
             share_of_samples: 1.0,
             rmse_nm: locate::rms(residual_nm.iter().copied()),
         };
-        places.splice(0..0, oscillations.iter().map(at_frequency));
+        let told = oscillations.iter().filter(|oscillation| oscillation.share >= locate::SHARE_MIN);
+        places.splice(0..0, told.map(at_frequency));
         places
     }
 

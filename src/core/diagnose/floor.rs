@@ -152,7 +152,8 @@ fn differing_square(blocks: &mut [f64]) -> f64 {
     median_square(blocks) / 2.0 / (1.0 - 1.0 / SLOW)
 }
 
-/// The floor under `left_nm`, the residual at all rows of `after`, the model with its causes, oscillations left out; it includes slow noise. Without long repeats,
+/// The floor under `left_nm`, the residual at all rows of `after`, the model with its causes, oscillations left out; it includes slow noise.
+/// Without long repeats,
 /// slow noise differs from a cause only in that no fit predicts it on held-out units: `unforeseen_square` is the residual of a flexible fit
 /// there, (N m)^2. The residual of the model itself, `left_square`, limits the encoder's part. Where no cause and no contact was found
 /// (`is_bare`) and such a fit predicts nothing, the whole residual is noise.

@@ -201,7 +201,7 @@ const UNFORESEEN: &str = "what is left exceeds the torque's noise beyond the low
 fn oscillates(oscillations: &[Oscillation]) -> Option<String> {
     let share: f64 = oscillations.iter().map(|oscillation| oscillation.share).sum();
     let frequencies: Vec<String> = oscillations.iter().map(|o| format!("{:.2} Hz", o.frequency_hz)).collect();
-    (!oscillations.is_empty()).then(|| {
+    (share >= locate::SHARE_MIN).then(|| {
         format!(
             "the residual oscillates at {} ({:.0} % of its mean square), which is neither noise nor an effect of the library: mains hum folded into \
              the band, a resonance, a base that sways; record the joint at rest: what oscillates there too is not its friction or its load",

@@ -94,7 +94,8 @@ impl LowPass {
     /// After how many samples nothing of an earlier state is left to rounding.
     fn memory(&self) -> usize {
         let radius = self.sections.iter().map(Section::radius).fold(0.0, f64::max);
-        (FORGOTTEN.ln() / radius.ln()).ceil() as usize
+        // A section without poles still remembers two samples.
+        ((FORGOTTEN.ln() / radius.ln()).ceil() as usize).max(2 * self.sections.len())
     }
 
     /// `signal` through `sections`, `BACKWARDS` or forwards. Each sample waits for the one before: a long signal is cut into parts that run side by
