@@ -79,19 +79,14 @@ impl<'d> BaseModel<'d> {
         let records = &self.mask.data.records;
         let is_own_friction = model.friction == self.model.friction;
         let known = if is_own_friction { &self.branches } else { &records.branches(model) };
-        let alike = |way: &Perturbation| (way.strength(model).map(|(at, ..)| at), way.changes_passage(model));
+        let alike = |way: &Perturbation| (way.only_adds(model), way.changes_passage(model));
         let together = |group: &[Perturbation]| {
+            let varied = Perturbation::varied(model, group);
             let columns = match alike(&group[0]) {
-                // Strengths of an effect that only adds torque have no part in anything else.
-                (Some(at), _) => {
-                    let strengths = group.iter().filter_map(|way| way.strength(model));
-                    let added = model.effects[at].per_unit(strengths.map(|(_, index, unit)| (index, unit)));
-                    records.added_nm(model, &added, passages, known)
-                }
-                (None, changes_passage) => {
+                (Some(at), false) => records.added_nm(model, &varied.effects[at], passages, known),
+                (_, changes_passage) => {
                     let branches = (!group.iter().any(Perturbation::changes_branches)).then_some(known);
-                    let passages = (!changes_passage).then_some(passages);
-                    records.slopes_nm(&Perturbation::varied(model, group), passages, branches)
+                    records.slopes_nm(&varied, (!changes_passage).then_some(passages), branches)
                 }
             };
             columns.into_iter().take(group.len()).collect::<Vec<Vec<f64>>>()

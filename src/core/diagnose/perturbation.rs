@@ -87,11 +87,10 @@ impl Perturbation {
         self.parameters().all(|parameter| !matches!(parameter, ParameterRef::Effect(..)))
     }
 
-    /// The strength that it is per unit, where it is one of an effect that only adds torque: the effect's number, the parameter's and
-    /// the unit.
-    pub fn strength(&self, model: &Model) -> Option<(usize, usize, f64)> {
-        let [(ParameterRef::Effect(at, index), Mode::Add(unit))] = self.turns[..] else { return None };
-        (self.is_linear && model.effects[at].effect.only_adds()).then_some((at, index, unit))
+    /// The number of the effect of which it turns a parameter, where all that the effect does is to add torque: nothing else depends on it.
+    pub fn only_adds(&self, model: &Model) -> Option<usize> {
+        let [(ParameterRef::Effect(at, _), _)] = self.turns[..] else { return None };
+        model.effects[at].effect.only_adds().then_some(at)
     }
 
     /// Whether it changes the friction of the branches.

@@ -1,7 +1,6 @@
 //! An effect that a model has, with its parameters; effects by their names.
 
 use super::{Along, Effect, Evaluated, LIBRARY, Parameter, Role, contact};
-use crate::numerics::dual::Dual;
 
 /// The effect called `id`.
 pub fn find(id: &str) -> Option<&'static dyn Effect> {
@@ -44,17 +43,6 @@ impl<S: Evaluated> Added<S> {
 }
 
 impl Added {
-    /// The same with all its strengths at 0, differentiated by those that are named, each per unit of its own.
-    pub fn per_unit(&self, strengths: impl Iterator<Item = (usize, f64)>) -> Added<Dual> {
-        let of = |(x, parameter): (&f64, &Parameter)| match parameter.role {
-            Role::Strength => Dual::from(0.0),
-            _ => Dual::from(*x),
-        };
-        let mut parameters: Vec<Dual> = self.parameters.iter().zip(self.effect.about().parameters).map(of).collect();
-        strengths.enumerate().for_each(|(at, (index, unit))| parameters[index] = Dual::variable(0.0, at) * unit);
-        Added { effect: self.effect, parameters }
-    }
-
     /// Whether it does nothing yet: it has strengths, and all of them are 0.
     pub fn is_idle(&self) -> bool {
         let mut strengths = self.named().filter(|(parameter, _)| parameter.role == Role::Strength).peekable();
