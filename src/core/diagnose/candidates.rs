@@ -21,7 +21,7 @@ const KEPT: usize = 2;
 /// Effects that are fitted in full: those that do best at their starts.
 const FITTED: usize = 7;
 /// What would not come within this share of the gain of the best start is not followed to its end: what ties is far nearer.
-const REACH: f64 = 0.3;
+pub const REACH: f64 = 0.3;
 
 /// Why a model differs from the joint.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
@@ -156,12 +156,17 @@ pub struct Round<'d> {
 /// Of effects whose shape was searched over all that a campaign shows: where it is likely to be.
 pub type Likely = Vec<(&'static str, Vec<Vec<f64>>)>;
 
-/// All causes but those that `base` has already, each at its best; effects without promise are only sketched. Shapes are looked for where
-/// they are `likely`, else everywhere.
-pub fn try_all<'d>(base: &BaseModel<'d>, known: &[Cause], likely: &Likely, listener: Listener<'_>) -> Round<'d> {
+/// All causes that are `wanted` and that `base` has not got already, each at its best; effects without promise are only sketched. Shapes are
+/// looked for where they are `likely`, else everywhere.
+pub fn try_all<'d>(
+    base: &BaseModel<'d>,
+    wanted: impl Fn(Cause) -> bool + Sync + Send,
+    likely: &Likely,
+    listener: Listener<'_>,
+) -> Round<'d> {
     let residual_nm = base.residual_nm();
-    let is_new = |effect: &&'static dyn Effect| !known.contains(&Cause::Effect(effect.about().id));
-    let effects: Vec<&'static dyn Effect> = LIBRARY.into_iter().filter(is_new).collect();
+    let is_wanted = |effect: &&'static dyn Effect| wanted(Cause::Effect(effect.about().id));
+    let effects: Vec<&'static dyn Effect> = LIBRARY.into_iter().filter(is_wanted).collect();
     listener(Progress::Ahead(effects.len()));
     let sketched = |effect: &'static dyn Effect| {
         let initialised = begin(base, effect, likely, &residual_nm);
@@ -177,10 +182,8 @@ pub fn try_all<'d>(base: &BaseModel<'d>, known: &[Cause], likely: &Likely, liste
     let mut place = 0..;
     initialised.retain(|initialised| place.next() < Some(FITTED) || initialised.is_shape());
     let reach = initialised.first().map_or(f64::INFINITY, |best| reach(base, best.cost()));
-    let groups: Vec<Stale> = stale(&base.model, &base.data().extent)
-        .into_iter()
-        .filter(|group| !known.contains(&Cause::Stale(group.name)))
-        .collect();
+    let groups: Vec<Stale> =
+        stale(&base.model, &base.data().extent).into_iter().filter(|group| wanted(Cause::Stale(group.name))).collect();
     listener(Progress::Ahead(groups.len() + initialised.len()));
     let told = |tried: FittedCause<'d>| {
         listener(Progress::Done(tried.cause.name()));
@@ -188,7 +191,7 @@ pub fn try_all<'d>(base: &BaseModel<'d>, known: &[Cause], likely: &Likely, liste
     };
     let of_groups = groups.into_par_iter().map(|group| of_group(base, group));
     // Only its fit says which group a whole line of friction belongs to.
-    let of_groups = of_groups.filter(|tried| !known.contains(&tried.cause));
+    let of_groups = of_groups.filter(|tried| wanted(tried.cause));
     let of_effects = initialised.into_par_iter().filter_map(|initialised| initialised.fit(base, reach));
     let mut tried: Vec<FittedCause<'d>> = of_effects.chain(of_groups).map(told).collect();
     tried.sort_by(|a, b| a.score().total_cmp(&b.score()));
@@ -200,10 +203,10 @@ pub fn try_all<'d>(base: &BaseModel<'d>, known: &[Cause], likely: &Likely, liste
     Round { tried, hypotheses, likely }
 }
 
-/// `cause` alone beside `base`, from every start; none where it cannot be what it is called.
-pub fn try_one<'d>(base: &BaseModel<'d>, cause: Cause) -> Option<FittedCause<'d>> {
+/// `cause` alone beside `base`, its shape looked for where that is `likely`; none where it cannot be what it is called.
+pub fn try_one<'d>(base: &BaseModel<'d>, cause: Cause, likely: &Likely) -> Option<FittedCause<'d>> {
     match cause {
-        Cause::Effect(id) => begin(base, find(id)?, &Likely::new(), &base.residual_nm())?.fit(base, f64::INFINITY),
+        Cause::Effect(id) => begin(base, find(id)?, likely, &base.residual_nm())?.fit(base, f64::INFINITY),
         Cause::Stale(name) => {
             let groups = stale(&base.model, &base.data().extent).into_par_iter().filter(|group| group.name == name);
             let tried = groups.map(|group| of_group(base, group));

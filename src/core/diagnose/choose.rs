@@ -136,7 +136,7 @@ impl<'d> Search<'d, '_> {
         // Even if hardly anything remains at first: the floor is not known so precisely that a weak cause could not show.
         while way.chosen.len() < CAUSES_MAX && (way.chosen.is_empty() || is_above(FLOOR_SHARE_MORE, way.fit.score())) {
             (self.listener)(Progress::Begins(Phase::Cause(way.chosen.len() + 1)));
-            let round = self.round(&way.chosen, &way.fit);
+            let round = self.round(&way.chosen, &way.fit, None);
             let mut next = self.one_more(&way, &round.tried);
             let closes = next.as_ref().is_some_and(|(_, fit)| !is_above(FLOOR_SHARE, fit.score()));
             if let ([one], false) = (&way.chosen[..], closes) {
@@ -166,17 +166,16 @@ impl<'d> Search<'d, '_> {
         Some(self.together(&chosen))
     }
 
-    /// `chosen` fitted together on the first base's model, and as they stand there.
+    /// `chosen` fitted together, and as they stand there. The base's columns depend on the causes (with a transition its friction no longer
+    /// jumps): they are taken with all of them in.
     pub(super) fn together(&self, chosen: &[Hypothesis]) -> (Vec<Hypothesis>, Fit<'d>) {
         let mut model = self.first.model.clone();
         let moves: Vec<Perturbation> =
             chosen.iter().flat_map(|hypothesis| hypothesis.put(&mut model, self.extent())).collect();
-        let mut fit = self.first.fit(model, moves.clone());
-        if !moves.is_empty() {
-            // The base's columns depend on the causes: with a transition its friction no longer jumps. Once more on its own base.
-            let own = BaseModel::new(&self.first.mask, &fit.model, self.first.moves.clone());
-            fit = own.fit(fit.model, moves);
-        }
+        let fit = match moves.is_empty() {
+            true => self.rest.clone(),
+            false => BaseModel::new(&self.first.mask, &model, self.first.moves.clone()).fit(model, moves),
+        };
         let stands = |hypothesis: &Hypothesis| {
             let own: Vec<Perturbation> = hypothesis.moves().to_vec();
             Hypothesis::of((hypothesis.cause, hypothesis.how), &fit.model, &own)

@@ -42,6 +42,9 @@ const TIE_SHARE_MAX: f64 = 0.05;
 
 /// Accuracy of a formula, as a share of the gap's square: forms of the same effect that differ by less are not distinguished.
 const FORM_ACCURACY: f64 = 0.01;
+/// ... unless the better one leaves no more than this share of the floor's square above it: as far as noise shows, its formula is exact, and what
+/// another form leaves more, in excess of its standard error, tells against that form.
+const EXACT_FLOOR_SHARE: f64 = 0.05;
 /// A cause that moves the base by this much more, in squared standard deviations, is worse: its prior is e^-5 times as likely ...
 const SURPRISE_APART: f64 = 10.0;
 /// ... and each parameter fewer is worth as much as determining one to a hundredth of its range: 2 ln 100.
@@ -64,14 +67,11 @@ pub fn simplest(tried: &[FittedCause], start: f64) -> Option<usize> {
 pub fn is_tie(best: &Fit, other: &Fit, start: f64) -> bool {
     let floor_square = best.mask.floor_square();
     let behind = other.score() - best.score();
-    let (a, b) = (best.prior_factor(), other.prior_factor());
     let spared = best.moves.len().saturating_sub(other.moves.len()) as f64;
     if other.prior_penalty > best.prior_penalty + SURPRISE_APART + SURPRISE_A_NUMBER * spared {
         return false;
     }
-    let differences =
-        clusters(&best.mask.data.folds, best.held_out.iter().zip(&other.held_out).map(|(x, y)| b * y - a * x));
-    let uncertain = behind * best.mask.rows() as f64 <= TIE_ERRORS * error_of_sum(&differences);
+    let uncertain = !leaves_more(best, other, TIE_ERRORS);
     behind <= negligible(best.score() - floor_square, start - floor_square, floor_square, spared)
         || (uncertain && behind <= TIE_SHARE_MAX * (start - floor_square).max(floor_square))
 }
@@ -250,6 +250,19 @@ fn is_other_form(taken: &FittedCause, other: &FittedCause, start: f64) -> bool {
     let floor_square = taken.fit.mask.floor_square();
     is_alike(taken.cause, other.cause)
         && other.score() - taken.score() <= FORM_ACCURACY * (start - floor_square).max(0.0)
+        && !(taken.score() <= (1.0 + EXACT_FLOOR_SHARE) * floor_square && leaves_more(&taken.fit, &other.fit, ERRORS))
+}
+
+/// Whether `other` leaves more than `best` on held-out units by more than `errors` standard errors over clusters.
+fn leaves_more(best: &Fit, other: &Fit, errors: f64) -> bool {
+    (other.score() - best.score()) * best.mask.rows() as f64 > errors * error_of_difference(best, other)
+}
+
+/// Standard error of the sum by which the squares that `other` leaves on held-out units exceed those of `best`, over clusters.
+fn error_of_difference(best: &Fit, other: &Fit) -> f64 {
+    let (a, b) = (best.prior_factor(), other.prior_factor());
+    let differences = best.held_out.iter().zip(&other.held_out).map(|(x, y)| b * y - a * x);
+    error_of_sum(&clusters(&best.mask.data.folds, differences))
 }
 
 /// Whether `other` is another form of `cause`.

@@ -4,7 +4,7 @@
 //! and its columns; the residual of a pair is that of both predictions and both sets of columns together.
 
 use super::base::BaseModel;
-use super::candidates::{Cause, Hypothesis, try_one};
+use super::candidates::{Cause, Hypothesis, Likely, try_one};
 use super::choose::{Forward, Search};
 use super::criteria::{Share, is_makeshift, is_tie};
 use super::fit::Fit;
@@ -107,7 +107,7 @@ impl<'d> Search<'d, '_> {
         fitted.truncate(REFINED);
         let refined = fitted
             .into_iter()
-            .map(|pair| self.refined(pair))
+            .map(|pair| self.refined(pair, &way.opening.likely))
             .filter(|(_, fit)| fit.is_sound(self.extent()) && self.is_material(fit, &way.fit, Share::Further));
         let all: Vec<(Vec<Hypothesis>, Fit<'d>)> = refined.chain(next).collect();
         let best = all.iter().min_by(|a, b| a.1.score().total_cmp(&b.1.score()))?.1.clone();
@@ -121,10 +121,10 @@ impl<'d> Search<'d, '_> {
     }
 
     /// Each of `pair` tried anew beside the other as it stands: alone it may have taken a form that is not its own.
-    fn refined(&self, mut pair: (Vec<Hypothesis>, Fit<'d>)) -> (Vec<Hypothesis>, Fit<'d>) {
+    fn refined(&self, mut pair: (Vec<Hypothesis>, Fit<'d>), likely: &Likely) -> (Vec<Hypothesis>, Fit<'d>) {
         for at in 0..pair.0.len() {
             let base = self.base_beside(&all_but(&pair.0, at));
-            let anew = try_one(&base, pair.0[at].cause).and_then(|tried| tried.hypothesis());
+            let anew = try_one(&base, pair.0[at].cause, likely).and_then(|tried| tried.hypothesis());
             let Some(anew) = anew else { continue };
             let mut chosen = pair.0.clone();
             chosen[at] = anew;

@@ -24,8 +24,9 @@ struct Beside<'d> {
 }
 
 impl<'d> Search<'d, '_> {
-    /// Everything tried beside `known`, whose fit is `fit`: again only if the same causes stand elsewhere than before.
-    pub fn round(&self, known: &[Hypothesis], fit: &Fit<'d>) -> Round<'d> {
+    /// Everything, or what is `among` some causes, tried beside `known`, whose fit is `fit`: again only if the same causes stand elsewhere than
+    /// before.
+    pub fn round(&self, known: &[Hypothesis], fit: &Fit<'d>, among: Option<&[Cause]>) -> Round<'d> {
         let mut causes: Vec<_> = known.iter().map(|hypothesis| (hypothesis.cause, hypothesis.how)).collect();
         causes.sort_unstable();
         let score = fit.score();
@@ -36,7 +37,11 @@ impl<'d> Search<'d, '_> {
         }
         let known: Vec<Cause> = known.iter().map(|hypothesis| hypothesis.cause).collect();
         let likely = self.rounds.all.borrow().first().map_or_else(Likely::new, |first| first.round.likely.clone());
-        let round = try_all(&self.base_of(fit), &known, &likely, self.listener);
+        let wanted = |cause: Cause| !known.contains(&cause) && among.is_none_or(|among| among.contains(&cause));
+        let round = try_all(&self.base_of(fit), wanted, &likely, self.listener);
+        if among.is_some() {
+            return round;
+        }
         self.rounds.all.borrow_mut().push(Beside { causes, score, round: round.clone() });
         round
     }

@@ -1,7 +1,7 @@
 //! Causes that were found one after the other, each tried again with the others in.
 
 use super::base::BaseModel;
-use super::candidates::{Cause, FittedCause, Hypothesis};
+use super::candidates::{Cause, FittedCause, Hypothesis, REACH};
 use super::choose::Search;
 use super::criteria::{Share, distinctness, is_tie, simplest};
 use super::fit::Fit;
@@ -28,6 +28,13 @@ impl<'d> Step<'d> {
         Self { taken, tried, without, distinctness }
     }
 
+    /// The causes that gain nearly as much as the best: what falls far short beside causes falls short beside much the same, too.
+    fn prospects(&self) -> Vec<Cause> {
+        let best = self.tried.first().map_or(0.0, FittedCause::score);
+        let reach = best + REACH * (self.without.score() - best).max(0.0);
+        self.tried.iter().filter(|tried| tried.score() <= reach).map(|tried| tried.cause).collect()
+    }
+
     /// The share of the gap that its cause must explain.
     pub fn share(&self) -> Share {
         Share::of(self.taken.cause, self.distinctness)
@@ -41,9 +48,9 @@ impl<'d> Search<'d, '_> {
         let mut steps: Vec<Step<'d>> = Vec::new();
         for _ in 0..SWEEPS {
             let before: Vec<Cause> = chosen.iter().map(|hypothesis| hypothesis.cause).collect();
-            steps.clear();
+            let prospects: Vec<Vec<Cause>> = steps.drain(..).map(|step| step.prospects()).collect();
             for at in 0..chosen.len() {
-                let step = self.again(&chosen, at);
+                let step = self.again(&chosen, at, prospects.get(at).map(Vec::as_slice));
                 if let Some(hypothesis) = step.taken.hypothesis() {
                     chosen[at] = hypothesis;
                 }
@@ -56,13 +63,13 @@ impl<'d> Search<'d, '_> {
         self.without_idle(chosen, steps)
     }
 
-    /// The best in the place of number `at`. What stands there stays unless something does better, or as well by fewer numbers
+    /// The best in the place of number `at`, of all causes or of those `among` which it is sought. What stands there stays unless something does better, or as well by fewer numbers
     /// and still enough to be named.
-    fn again(&self, chosen: &[Hypothesis], at: usize) -> Step<'d> {
+    fn again(&self, chosen: &[Hypothesis], at: usize, among: Option<&[Cause]>) -> Step<'d> {
         let others = all_but(chosen, at);
         let (others, without) = self.together(&others);
         (self.listener)(Progress::Begins(Phase::Rivals(chosen[at].cause.name())));
-        let round = self.round(&others, &without);
+        let round = self.round(&others, &without, among);
         let step = self.place(&chosen[at], round.tried, without, &self.base_beside(&all_but(chosen, at)));
         let Some(best) = simplest(&step.tried, self.start) else { return step };
         let (own, best, first) = (&step.taken, &step.tried[best], &step.tried[0]);
