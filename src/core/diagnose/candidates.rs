@@ -13,7 +13,8 @@ use crate::effects::{Added, Effect, Extent, LIBRARY, Role, Starts, find};
 use crate::model::{Combination, Model};
 use rayon::prelude::*;
 
-/// Starts of one effect that are fitted in full, the most promising first.
+/// Starts of one effect that are fitted in full, the most promising first; beside other causes, where its shape is known from the first round,
+/// one.
 const STARTS: usize = 2;
 /// Of the starts in one form so many, those that promised most beside the base alone, are looked at again beside other causes: which
 /// shapes are at all likely hardly changes.
@@ -304,7 +305,7 @@ fn begin(
             starts.partition_point(|(cost, ..)| *cost <= reach).max(1)
         }
         Starts::PositionLines { .. } => 1,
-        _ if is_linear => 1,
+        _ if is_linear || known.is_some() => 1,
         _ => STARTS,
     };
     starts.truncate(followed);
