@@ -156,7 +156,6 @@ impl<'d> BaseModel<'d> {
                 break;
             }
         }
-        // The last step of a fit that settled changed too little for its columns to be others.
         if is_behind && !is_linear {
             columns = columns_at(&now);
         }

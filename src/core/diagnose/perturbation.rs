@@ -87,7 +87,8 @@ impl Perturbation {
         self.parameters().all(|parameter| !matches!(parameter, ParameterRef::Effect(..)))
     }
 
-    /// The number of the effect of which it turns a parameter, where all that the effect does is to add torque: nothing else depends on it.
+    /// The number of the effect of which it turns a parameter, where all that the effect does is to add torque. Its columns are then those
+    /// of that torque; other effects that act on the torque in turn (a delay, friction that grows with the load) are left out of them.
     pub fn only_adds(&self, model: &Model) -> Option<usize> {
         let [(ParameterRef::Effect(at, _), _)] = self.turns[..] else { return None };
         model.effects[at].effect.only_adds().then_some(at)

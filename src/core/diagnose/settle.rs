@@ -63,8 +63,8 @@ impl<'d> Search<'d, '_> {
         self.without_idle(chosen, steps)
     }
 
-    /// The best in the place of number `at`, of all causes or of those `among` which it is sought. What stands there stays unless something does better, or as well by fewer numbers
-    /// and still enough to be named.
+    /// The best in the place of number `at`, of all causes or only of those `among` which it is sought. What stands there stays unless
+    /// something does better, or as well by fewer numbers and still enough to be named.
     fn again(&self, chosen: &[Hypothesis], at: usize, among: Option<&[Cause]>) -> Step<'d> {
         let others = all_but(chosen, at);
         let (others, without) = self.together(&others);

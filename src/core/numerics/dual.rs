@@ -221,7 +221,7 @@ impl Scalar for Dual {
 
     #[inline]
     fn powf(self, exponent: Self) -> Self {
-        if self.value == 0.0 {
+        if self.value <= 0.0 {
             let value = self.value.powf(exponent.value);
             return self.join(exponent, value, or_zero(exponent.value * self.value.powf(exponent.value - 1.0)), 0.0);
         }
