@@ -58,6 +58,26 @@ fn json_is_what_the_file_holds() {
 }
 
 #[test]
+fn thresholds_that_differ_from_the_default_decide_and_are_recorded() {
+    let folder = TempDir::new().unwrap();
+    let to = |name: &str| folder.path().join(name).to_string_lossy().into_owned();
+    let run = |policy: &str| {
+        std::fs::write(to("policy.toml"), policy).unwrap();
+        tautline(&["diagnose", CAMPAIGN, "--model", MODEL, "--policy", &to("policy.toml"), "-o", &to("r"), "--json"])
+    };
+    let done = run("format = \"policy/1\"\nfirst_floors = 1000\nopen_floors = 1\n");
+    let told: Value = serde_json::from_slice(&done.stdout).unwrap();
+    assert_eq!(told["policy"], serde_json::json!({ "first_floors": 1000.0 }));
+    assert_eq!(told["verdict"]["effects"], serde_json::json!([]), "no cause reaches a thousand floors");
+    let usual: Value = serde_json::from_slice(&RUN.printed).unwrap();
+    assert_eq!(usual.get("policy"), None);
+    let refused = run("format = \"policy/1\"\nfirst_floor = 1\ngain_errors = 0\n");
+    let said = String::from_utf8(refused.stderr).unwrap();
+    assert!(!refused.status.success() && said.contains("did you mean `first_floors`?"), "{said}");
+    assert!(said.contains("expected a number above 0"), "{said}");
+}
+
+#[test]
 fn the_parts_of_the_gap_add_up() {
     let written: Value = serde_json::from_str(&read("diagnosis.json")).unwrap();
     let budget = &written["budget"];

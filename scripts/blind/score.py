@@ -31,10 +31,10 @@ STRENGTHS = (0.0, 0.5, 1.0, 1.5, 3.0, 6.0, float("inf"))  # floors net
 TIMEOUT_S = 600.0
 
 
-def run(binary, case, out):
+def run(binary, case, out, options=()):
     """Runs one diagnosis: (diagnosis or None, what went wrong, seconds)."""
     started = time.perf_counter()
-    command = [binary, "diagnose", case / "campaign", "--model", case / "model.json", "-o", out, "--quiet"]
+    command = [binary, "diagnose", case / "campaign", "--model", case / "model.json", "-o", out, "--quiet", *options]
     try:
         done = subprocess.run([str(c) for c in command], capture_output=True, text=True, timeout=TIMEOUT_S)
     except subprocess.TimeoutExpired:

@@ -4,7 +4,7 @@ use super::interrupt;
 use super::judged::{Judged, campaign_for, campaign_name, model_name};
 use super::outcome::Talk;
 use super::stages::Stages;
-use crate::diagnose;
+use crate::diagnose::{self, Policy};
 use crate::problem::Result;
 use crate::report::diagnosis::{to_json, write_diagnosis, write_summary};
 use std::path::PathBuf;
@@ -23,6 +23,9 @@ pub struct Arguments {
     /// matched by their logs' names, else by protocol, speed, trajectory and repeat
     #[arg(long, value_name = "CAMPAIGN")]
     simulated: Option<PathBuf>,
+    /// Thresholds to decide by in the place of the default ones: a file of the format policy/1 (`tautline schema policy`)
+    #[arg(long, value_name = "FILE")]
+    policy: Option<PathBuf>,
     /// Folder to write: diagnosis.json, model.json with what was added, report.html, plots/
     #[arg(short, long, default_value = "diagnosed")]
     output: PathBuf,
@@ -40,13 +43,17 @@ pub struct Arguments {
 pub fn run(arguments: &Arguments, talk: &Talk) -> Result<ExitCode> {
     let (campaign, model) = arguments.judged.read()?;
     let simulated = arguments.simulated.as_ref().map(|path| campaign_for(&model, path)).transpose()?;
+    let policy = arguments.policy.as_deref().map(Policy::read).transpose()?.unwrap_or_default();
     let output = interrupt::output(&arguments.output, arguments.force, "diagnose")?;
     output.made_from("campaign file", &campaign.file);
     output.made_from("model file", &arguments.judged.model_file());
+    if let Some(file) = &arguments.policy {
+        output.made_from("policy file", file);
+    }
     let stages = Stages::new(talk);
     let found = match &simulated {
-        Some(simulated) => diagnose::beside(&campaign, simulated, &model, &|told| stages.hear(told)),
-        None => diagnose::run(&campaign, &model, &|told| stages.hear(told)),
+        Some(simulated) => diagnose::beside(&campaign, simulated, &model, &policy, &|told| stages.hear(told)),
+        None => diagnose::run_by(&campaign, &model, &policy, &|told| stages.hear(told)),
     };
     stages.finish();
     if arguments.profile {

@@ -101,6 +101,8 @@ pub struct Diagnosis {
     pub verdict: Verdict,
     /// Every rule that decided, for causes named and refused.
     pub decisions: Vec<Decision>,
+    /// Thresholds that differ from the default, by name; absent where none does.
+    pub policy: Option<BTreeMap<String, f64>>,
 }
 
 /// The format's name.

@@ -11,6 +11,7 @@ mod fleet;
 mod interaction;
 mod list;
 mod model;
+mod policy;
 mod rig;
 mod trajectory;
 
@@ -37,7 +38,7 @@ pub struct File {
 }
 
 /// All kinds.
-pub const FILES: [File; 12] = [
+pub const FILES: [File; 13] = [
     File { name: "campaign", about: "campaign.toml: a joint and its logs", schema: || schema_for!(Campaign) },
     File { name: "model", about: "model.json: a joint's friction", schema: || schema_for!(Model) },
     File { name: "trajectory", about: "a motion to record or to simulate", schema: || schema_for!(Trajectory) },
@@ -45,6 +46,7 @@ pub const FILES: [File; 12] = [
     File { name: "batch", about: "a list of campaigns for batch and repeatability", schema: || schema_for!(Batch) },
     File { name: "evaluation", about: "evaluation.json", schema: || schema_for!(Evaluation) },
     File { name: "diagnosis", about: "diagnosis.json", schema: || schema_for!(Diagnosis) },
+    File { name: "policy", about: "thresholds for diagnose --policy", schema: policy::schema },
     File { name: "interaction", about: "interaction --json", schema: || schema_for!(Interaction) },
     File { name: "comparison", about: "compare --json", schema: || schema_for!(Comparison) },
     File { name: "check", about: "check --json", schema: || schema_for!(Check) },

@@ -18,11 +18,6 @@ use super::{Budget, Candidate, Contact, Gap, View};
 use crate::effects::Region;
 use std::ops::Range;
 
-/// Contact events are reported as a cause where their RMS over all rows is above this share of the floor's noise ...
-const CONTACT_FLOORS: f64 = 0.5;
-/// ... and above this share of the encoder's part, which repeats with the motion and so hides less; squares add.
-const CONTACT_ENCODER: f64 = 0.3;
-
 /// The explanation of a base model's residual, and the evidence for it.
 pub struct Account<'a, 'd> {
     /// The model as delivered, over all rows that are scored.
@@ -214,12 +209,13 @@ impl<'a, 'd> Account<'a, 'd> {
 
 /// Squares left in each unit over all rows that `scored` counts, those set aside by the search put back.
 fn evidence<'a>(
-    scored: &Mask<'_>,
+    scored: &Mask<'a>,
     explanation: &'a Explanation<'_>,
     resamples: &'a Resamples,
     floor: &Floor,
 ) -> Evidence<'a> {
     let (data, choice, left_nm) = (scored.data, &explanation.choice, &explanation.left_nm);
+    let policy = &data.policy;
     let rows = rows(scored, explanation);
     let of_units = |set: &dyn Fn(Rows) -> bool, of: &dyn Fn(usize) -> f64| -> Vec<f64> {
         let in_unit = |unit: &Range<usize>| unit.clone().filter(|i| set(rows[*i])).map(of).sum();
@@ -235,15 +231,17 @@ fn evidence<'a>(
     let whole = |of_units: &[f64]| of_units.iter().sum::<f64>();
     let excess = whole(&contact_nm2) - whole(&contact_rows) * floor_square;
     let noise_square = (floor_square - floor.encoder_nm.powi(2)).max(0.0);
-    let hidden_square = CONTACT_FLOORS.powi(2) * noise_square + CONTACT_ENCODER.powi(2) * floor.encoder_nm.powi(2);
+    let (of_noise, of_encoder) = (policy.contact_floors.powi(2), policy.contact_encoder_share.powi(2));
+    let hidden_square = of_noise * noise_square + of_encoder * floor.encoder_nm.powi(2);
     let is_large = excess > whole(&all_rows) * hidden_square;
-    let contact = is_large && !contact_events::ring(&explanation.events, left_nm);
+    let contact = is_large && !contact_events::ring(policy, &explanation.events, left_nm);
     let add = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a + b).collect::<Vec<f64>>();
     // What was set aside and is predicted nevertheless was held out in the strictest sense.
     let predicted = of_units(&|set| set == Rows::Predicted, &|i| left_nm[i] * left_nm[i]);
     let explained: Vec<f64> = contact_rows.iter().map(|n| n * floor_square).collect();
     let left_aside = add(&predicted, if contact { &explained } else { &contact_nm2 });
     Evidence {
+        policy,
         rest: add(&choice.rest.held_out, &of_units(&is_aside, &|i| rest_nm[i] * rest_nm[i])),
         last: add(&choice.last.held_out, &left_aside),
         delivered: of_units(&|set| set != Rows::Unscored, &|i| delivered_nm[i] * delivered_nm[i]),

@@ -2,9 +2,7 @@
 
 use super::base::BaseModel;
 use super::candidates::{Cause, FittedCause, Hypothesis, Round};
-use super::criteria::{
-    DISTINCT, Decision, FLOOR_SHARE, FLOOR_SHARE_MORE, Requirement, Share, requirements, rivals, seconds, simplest,
-};
+use super::criteria::{Decision, Requirement, Share, requirements, rivals, seconds, simplest};
 use super::fit::Fit;
 use super::mask::Mask;
 use super::perturbation::{Perturbation, within_confidence};
@@ -130,15 +128,17 @@ pub(super) struct Search<'d, 's> {
 impl<'d> Search<'d, '_> {
     /// One cause after the other; also two as a pair, because the best single cause may be a compromise between both.
     fn forward(&self, rest: &Fit<'d>) -> Forward<'d> {
-        let floor_nm = self.first.mask.floor_nm;
+        let (floor_nm, policy) = (self.first.mask.floor_nm, &self.first.data().policy);
         let is_above = |share: f64, now: f64| now - floor_nm.powi(2) > (share * floor_nm).powi(2);
         let mut way = Forward { chosen: Vec::new(), fit: rest.clone(), opening: Round::default(), refused: Vec::new() };
         // Even if hardly anything remains at first: the floor is not known so precisely that a weak cause could not show.
-        while way.chosen.len() < CAUSES_MAX && (way.chosen.is_empty() || is_above(FLOOR_SHARE_MORE, way.fit.score())) {
+        while way.chosen.len() < CAUSES_MAX
+            && (way.chosen.is_empty() || is_above(policy.further_floors, way.fit.score()))
+        {
             (self.listener)(Progress::Begins(Phase::Cause(way.chosen.len() + 1)));
             let round = self.round(&way.chosen, &way.fit, None);
             let mut next = self.one_more(&way, &round.tried);
-            let closes = next.as_ref().is_some_and(|(_, fit)| !is_above(FLOOR_SHARE, fit.score()));
+            let closes = next.as_ref().is_some_and(|(_, fit)| !is_above(policy.first_floors, fit.score()));
             if let ([one], false) = (&way.chosen[..], closes) {
                 (self.listener)(Progress::Begins(Phase::Pairs));
                 next = self.or_pair(next, one, &way);
@@ -206,10 +206,11 @@ impl<'d> Search<'d, '_> {
 
     /// What each cause that was found reaches, and in what the best of those refused fall short.
     fn decisions(&self, found: &[Found<'d>], last: &Fit<'d>, refused: &[FittedCause<'d>]) -> Vec<Decision> {
+        let limit = self.first.data().policy.distinct_share;
         let named = found.iter().flat_map(|Found { cause, distinctness, met, .. }| {
-            let outcome = if *distinctness >= DISTINCT { "distinct" } else { "others explain nearly as much" };
+            let outcome = if *distinctness >= limit { "distinct" } else { "others explain nearly as much" };
             let subject = cause.name();
-            let beside = Decision { rule: "distinct", subject, value: *distinctness, limit: DISTINCT, outcome };
+            let beside = Decision { rule: "distinct", subject, value: *distinctness, limit, outcome };
             met.iter().map(move |met| met.decision(subject, "named")).chain([beside])
         });
         let in_vain = refused.iter().take(REFUSED_TOLD).flat_map(|tried| {

@@ -5,41 +5,17 @@ use super::base::BaseModel;
 use super::data::DataSet;
 use super::flexible::{self, Flexible};
 use super::mask::Mask;
+use super::policy::Policy;
 use super::record::Record;
 use crate::numerics::statistics::quantile;
 use std::ops::Range;
 
 /// Rounds of fitting without what the last round found.
 const ROUNDS: usize = 3;
-/// An event reaches this many times the usual level ...
-const PEAK: f64 = 4.5;
-/// (more, in proportion to the root of the level over this many floors) ...
-const MISFIT: f64 = 1.5;
-/// ... and lasts as long as it stays above this many.
-const EDGE: f64 = 1.8;
 /// The level is averaged over this many independent samples.
 const WINDOW: f64 = 2.0;
-/// Above this share of the rows what stands out is not contact.
-const SHARE_MAX: f64 = 0.35;
-/// A model that leaves less than this share of an event's square predicts it.
-const PREDICTED: f64 = 0.5;
-/// A residual that reaches this share of its size again, in one row of five in the same state elsewhere, is repeated.
-const REPEATED: f64 = 0.4;
-const OFTEN: f64 = 0.8;
-/// Repeats of one motion show the same event when its peak comes within this share of the range of positions.
-const SAME_PLACE: f64 = 0.02;
-/// The same state: position within this share of the range, ...
-const NEAR: f64 = 0.05;
-/// ... speed within this factor, or both slower than this share of the fastest; this many rows at least.
-const FASTER: f64 = 1.6;
-const SLOW: f64 = 0.02;
+/// Fewer rows in the same state elsewhere do not show whether a residual repeats.
 const ROWS_MIN: usize = 12;
-
-/// The residual that the encoder causes may be this many times as large as one simulation of it.
-const OF_ENCODER: f64 = 2.5;
-/// A residual oscillates if it changes sign this often, each lobe with at least this share of the largest area.
-const SWINGS: usize = 4;
-const SWING_SHARE: f64 = 0.25;
 
 /// One event: rows of the series over all records.
 #[derive(Debug, Clone, PartialEq)]
@@ -60,7 +36,7 @@ pub fn find(base: &BaseModel<'_>, columns: &[Vec<f64>], target_nm: &[f64]) -> (V
     for _ in 0..ROUNDS {
         let found = stretches(mask, &fitted.residual_nm);
         let rows: usize = found.iter().map(|event| event.rows.len()).sum();
-        if found == events || rows as f64 > SHARE_MAX * mask.rows() as f64 {
+        if found == events || rows as f64 > mask.data.policy.contact_rows_share_max * mask.rows() as f64 {
             break;
         }
         events = found;
@@ -71,19 +47,19 @@ pub fn find(base: &BaseModel<'_>, columns: &[Vec<f64>], target_nm: &[f64]) -> (V
     let once = |event: &ContactEvent| {
         !is_repeated(data, &states, &fitted.residual_nm, event)
             && !recurs(data, &states, &fitted.residual_nm, &events, event)
-            && !is_of_encoder(&encoder_nm, event)
+            && !is_of_encoder(&data.policy, &encoder_nm, event)
     };
     let events = events.iter().filter(|event| once(event)).cloned().collect();
     (events, fitted)
 }
 
 /// Whether most of the squares in `events` oscillate: an oscillating residual is not a contact event.
-pub fn ring(events: &[ContactEvent], residual_nm: &[f64]) -> bool {
+pub fn ring(policy: &Policy, events: &[ContactEvent], residual_nm: &[f64]) -> bool {
     let square = |event: &ContactEvent| residual_nm[event.rows.clone()].iter().map(|r| r * r).sum::<f64>();
     let (mut all, mut ringing) = (0.0, 0.0);
     for event in events {
         all += square(event);
-        if swings(&residual_nm[event.rows.clone()]) >= SWINGS {
+        if swings(policy, &residual_nm[event.rows.clone()]) as f64 >= policy.contact_swings {
             ringing += square(event);
         }
     }
@@ -91,7 +67,7 @@ pub fn ring(events: &[ContactEvent], residual_nm: &[f64]) -> bool {
 }
 
 /// How many lobes of like size follow one another with signs that alternate.
-fn swings(residual_nm: &[f64]) -> usize {
+fn swings(policy: &Policy, residual_nm: &[f64]) -> usize {
     let mut areas: Vec<f64> = Vec::new();
     for r in residual_nm {
         match areas.last_mut() {
@@ -100,7 +76,8 @@ fn swings(residual_nm: &[f64]) -> usize {
         }
     }
     let largest = areas.iter().fold(0.0, |most: f64, area| most.max(area.abs()));
-    let large: Vec<f64> = areas.into_iter().filter(|area| area.abs() > SWING_SHARE * largest).collect();
+    let least = policy.contact_swing_share * largest;
+    let large: Vec<f64> = areas.into_iter().filter(|area| area.abs() > least).collect();
     1 + large.windows(2).filter(|pair| pair[0] * pair[1] < 0.0).count()
 }
 
@@ -116,21 +93,23 @@ fn peak_row(residual_nm: &[f64], event: &ContactEvent) -> usize {
 /// Where the residual's level rises far above what is usual.
 fn stretches(mask: &Mask<'_>, residual_nm: &[f64]) -> Vec<ContactEvent> {
     let reach = ((WINDOW * mask.data.records.rows_per_independent / 2.0).round() as usize).max(1);
-    let mut found = Vec::new();
+    let (policy, mut found) = (&mask.data.policy, Vec::new());
     let levels: Vec<Vec<f64>> =
         mask.data.records.ranges.iter().map(|range| level(&residual_nm[range.clone()], reach)).collect();
     let mut all: Vec<f64> = levels.concat();
     let usual = (quantile(&mut all, 0.5)).max(mask.floor_nm);
     // Where the fit stays far above the floor, its own misfit has peaks too.
-    let peak = PEAK * (usual / (MISFIT * mask.floor_nm).max(f64::MIN_POSITIVE)).max(1.0).sqrt();
+    let misfit = usual / (policy.contact_misfit_floors * mask.floor_nm).max(f64::MIN_POSITIVE);
+    let peak = policy.contact_peak * misfit.max(1.0).sqrt();
+    let edge_nm = policy.contact_edge * usual;
     for (record, (range, level)) in mask.data.records.ranges.iter().zip(&levels).enumerate() {
         let mut at = 0;
         while at < level.len() {
-            if level[at] <= EDGE * usual {
+            if level[at] <= edge_nm {
                 at += 1;
                 continue;
             }
-            let end = level[at..].iter().position(|l| *l <= EDGE * usual).map_or(level.len(), |n| at + n);
+            let end = level[at..].iter().position(|l| *l <= edge_nm).map_or(level.len(), |n| at + n);
             if level[at..end].iter().any(|l| *l > peak * usual) {
                 let rows = range.start + at.saturating_sub(reach)..range.start + (end + reach).min(level.len());
                 let peak_nm =
@@ -161,7 +140,8 @@ pub fn keep_unexplained(mask: &Mask<'_>, events: &mut Vec<ContactEvent>, before_
         let excess = |r: &f64| r * r - mask.floor_square();
         residual_nm[event.rows.clone()].iter().map(excess).sum::<f64>().max(0.0)
     };
-    events.retain(|event| square(after_nm, event) > PREDICTED * square(before_nm, event));
+    let least = mask.data.policy.contact_left_share;
+    events.retain(|event| square(after_nm, event) > least * square(before_nm, event));
 }
 
 /// Position, velocity and travel since the last reversal at each row.
@@ -177,23 +157,27 @@ fn states(data: &DataSet) -> Vec<[f64; 3]> {
 fn is_repeated(data: &DataSet, states: &[[f64; 3]], residual_nm: &[f64], event: &ContactEvent) -> bool {
     let range = data.extent.position_rad.1 - data.extent.position_rad.0;
     let [q, v, travel] = states[peak_row(residual_nm, event)];
-    let slow_rad_s = SLOW * data.extent.speed_rad_s.1;
+    let policy = &data.policy;
+    let (near, settled) = (policy.contact_near_share * range, policy.contact_travel_share * range);
+    let speeds = 1.0 / policy.contact_speed_factor..policy.contact_speed_factor;
+    let slow_rad_s = policy.contact_slow_share * data.extent.speed_rad_s.1;
     let same = |i: &usize| {
         let [other_q, other_v, other_travel] = states[*i];
         let slow = v.abs() < slow_rad_s && other_v.abs() < slow_rad_s;
-        let alike = slow || (v != 0.0 && (1.0 / FASTER..FASTER).contains(&(other_v / v)));
-        let settled = other_travel > 0.2 * range && travel > 0.2 * range;
-        (other_q - q).abs() < NEAR * range && alike && (settled || (other_travel - travel).abs() < NEAR * range)
+        let alike = slow || (v != 0.0 && speeds.contains(&(other_v / v)));
+        let both_settled = other_travel > settled && travel > settled;
+        (other_q - q).abs() < near && alike && (both_settled || (other_travel - travel).abs() < near)
     };
     let far = |i: &usize| *i + 10 < event.rows.start || *i > event.rows.end + 10;
     let mut others: Vec<f64> = (0..states.len()).filter(far).filter(same).map(|i| residual_nm[i].abs()).collect();
-    others.len() >= ROWS_MIN && quantile(&mut others, OFTEN) > REPEATED * event.peak_nm.abs()
+    let least_nm = policy.contact_repeated_share * event.peak_nm.abs();
+    others.len() >= ROWS_MIN && quantile(&mut others, policy.contact_repeated_quantile) > least_nm
 }
 
 /// Whether it is no more than what the encoder alone may leave there.
-fn is_of_encoder(encoder_nm: &[f64], event: &ContactEvent) -> bool {
+fn is_of_encoder(policy: &Policy, encoder_nm: &[f64], event: &ContactEvent) -> bool {
     let most_nm = encoder_nm[event.rows.clone()].iter().fold(0.0, |most: f64, x| most.max(x.abs()));
-    event.peak_nm.abs() <= OF_ENCODER * most_nm
+    event.peak_nm.abs() <= policy.contact_over_encoder * most_nm
 }
 
 /// Whether most other repeats of the event's trial have an event of the same sign and the like size at the same place, in the
@@ -209,11 +193,12 @@ fn recurs(
     let is_repeat = |record: &usize| *record != event.record && data.records.all[*record].repeats == *name;
     let repeats: Vec<usize> = (0..data.records.all.len()).filter(is_repeat).collect();
     let range = data.extent.position_rad.1 - data.extent.position_rad.0;
+    let (repeated, same_place) = (data.policy.contact_repeated_share, data.policy.same_place_share * range);
     let [q, v, _] = states[peak_row(residual_nm, event)];
     let like = |other: &&ContactEvent| {
         let [other_q, other_v, _] = states[peak_row(residual_nm, other)];
-        let same_place = (other_q - q).abs() < SAME_PLACE * range && other_v * v >= 0.0;
-        same_place && (REPEATED..1.0 / REPEATED).contains(&(other.peak_nm / event.peak_nm))
+        let is_there = (other_q - q).abs() < same_place && other_v * v >= 0.0;
+        is_there && (repeated..1.0 / repeated).contains(&(other.peak_nm / event.peak_nm))
     };
     let has_like = |record: &&usize| events.iter().filter(|other| other.record == **record).any(|other| like(&other));
     name.is_some() && !repeats.is_empty() && 2 * repeats.iter().filter(has_like).count() >= repeats.len()
@@ -221,18 +206,18 @@ fn recurs(
 
 #[cfg(test)]
 mod tests {
-    use super::{ContactEvent, ring};
+    use super::{ContactEvent, Policy, ring};
     use std::f64::consts::PI;
 
     #[test]
     fn what_swings_to_and_fro_rings_and_a_push_does_not() {
         let series = |of: fn(f64) -> f64| (0..60).map(|i| of(f64::from(i) / 60.0)).collect::<Vec<f64>>();
         let events = [ContactEvent { rows: 0..60, record: 0, peak_nm: 1.0 }];
-        let rings = |of: fn(f64) -> f64| ring(&events, &series(of));
+        let rings = |of: fn(f64) -> f64| ring(&Policy::default(), &events, &series(of));
         assert!(rings(|t| (-t).exp() * (8.0 * PI * t).sin()));
         assert!(!rings(|t| (PI * t).sin()), "a push");
         assert!(!rings(|t| (2.0 * PI * t).sin()), "there and back");
         assert!(!rings(|t| (-4.0 * t).exp() + 0.02 * (40.0 * PI * t).sin()), "a blow in noise");
-        assert!(!ring(&[], &[]));
+        assert!(!ring(&Policy::default(), &[], &[]));
     }
 }

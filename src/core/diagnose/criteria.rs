@@ -5,50 +5,10 @@
 use super::candidates::{Cause, FittedCause};
 use super::fit::Fit;
 use super::folds::Folds;
+use super::policy::Policy;
 use super::stale::SAME_TORQUE;
 use crate::model::groups;
 use crate::numerics::statistics::standard_deviation;
-
-/// The first cause must change the prediction by this share of the floor at least, RMS, any further one by more: what the first leaves may
-/// be misfit of its formula, and that of weak causes is below the floor ...
-pub const FLOOR_SHARE: f64 = 0.4;
-pub const FLOOR_SHARE_MORE: f64 = 0.8;
-/// ... the first cause by this share of the gap's square, any further one by this share of the remainder ...
-const GAP_SHARE_FIRST: f64 = 0.15;
-const GAP_SHARE_MORE: f64 = 0.30;
-/// ... and of what those before it explain, which may be misfit of their formulas ...
-const EXPLAINED_SHARE_MORE: f64 = 0.035;
-/// ... or by this share of the whole: in a gap with many small causes even a large one is a small share of the remainder.
-const WHOLE_SHARE_ALONE: f64 = 0.12;
-/// A further cause is distinct if no other cause gives this share of its gain: then a smaller share of the remainder is enough, this one.
-pub const DISTINCT: f64 = 0.3;
-const GAP_SHARE_DISTINCT: f64 = 0.1;
-/// Its gain must exceed this many standard errors over clusters.
-const ERRORS: f64 = 2.0;
-/// It must exceed this multiple of the gain that the encoder's errors alone, simulated once, would give.
-const ENCODER_GAINS: f64 = 2.5;
-/// Largest loss over clusters that get worse, as a share of the gain of the others.
-const LOST_SHARE: f64 = 0.2;
-/// A simpler cause is preferred, and an equal one is a rival, within this many standard errors over clusters ...
-const TIE_ERRORS: f64 = 1.5;
-/// ... or this share of the gap's square, once more for each parameter fewer, or of the floor's.
-const TIE_SHARE: f64 = 0.001;
-const TIE_FLOOR_SHARE: f64 = 0.01;
-/// ... or this share of the remainder of the best cause above the floor: where its formula does not fit exactly, as much of the others'
-/// misfit may be due to their formulas.
-const TIE_LEFT_SHARE: f64 = 0.05;
-/// Causes that differ by more than this share of the gap's square are not equal, however uncertain they are.
-const TIE_SHARE_MAX: f64 = 0.05;
-
-/// Accuracy of a formula, as a share of the gap's square: forms of the same effect that differ by less are not distinguished.
-const FORM_ACCURACY: f64 = 0.01;
-/// ... unless the better one leaves no more than this share of the floor's square above it: as far as noise shows, its formula is exact, and what
-/// another form leaves more, in excess of its standard error, tells against that form.
-const EXACT_FLOOR_SHARE: f64 = 0.05;
-/// A cause that moves the base by this much more, in squared standard deviations, is worse: its prior is e^-5 times as likely ...
-const SURPRISE_APART: f64 = 10.0;
-/// ... and each parameter fewer is worth as much as determining one to a hundredth of its range: 2 ln 100.
-const SURPRISE_A_NUMBER: f64 = 9.0;
 
 /// Whether friction would have to grow in one direction by exactly as much as it falls in the other: unlikely, if another cause explains as
 /// much.
@@ -65,22 +25,23 @@ pub fn simplest(tried: &[FittedCause], start: f64) -> Option<usize> {
 
 /// Whether `other` does as well as `best` on held-out units, as far as they can tell.
 pub fn is_tie(best: &Fit, other: &Fit, start: f64) -> bool {
-    let floor_square = best.mask.floor_square();
+    let (floor_square, policy) = (best.mask.floor_square(), &best.mask.data.policy);
     let behind = other.score() - best.score();
     let spared = best.moves.len().saturating_sub(other.moves.len()) as f64;
-    if other.prior_penalty > best.prior_penalty + SURPRISE_APART + SURPRISE_A_NUMBER * spared {
+    let (apart, per_parameter) = (policy.prior_penalty_apart, policy.prior_penalty_per_parameter);
+    if other.prior_penalty > best.prior_penalty + apart + per_parameter * spared {
         return false;
     }
-    let uncertain = !leaves_more(best, other, TIE_ERRORS);
-    behind <= negligible(best.score() - floor_square, start - floor_square, floor_square, spared)
-        || (uncertain && behind <= TIE_SHARE_MAX * (start - floor_square).max(floor_square))
+    let uncertain = !leaves_more(best, other, policy.tie_errors);
+    behind <= negligible(policy, best.score() - floor_square, start - floor_square, floor_square, spared)
+        || (uncertain && behind <= policy.tie_gap_share_max * (start - floor_square).max(floor_square))
 }
 
 /// Difference that does not count against a cause, (N m)^2, where the best leaves `left` of a gap of `whole`, squares above a floor of
 /// `floor_square`, and the cause has `spared` parameters fewer.
-fn negligible(left: f64, whole: f64, floor_square: f64, spared: f64) -> f64 {
-    let of_gap = TIE_SHARE * (1.0 + spared) * whole;
-    of_gap.max(TIE_LEFT_SHARE * left).max(TIE_FLOOR_SHARE * floor_square)
+fn negligible(policy: &Policy, left: f64, whole: f64, floor_square: f64, spared: f64) -> f64 {
+    let of_gap = policy.tie_gap_share * (1.0 + spared) * whole;
+    of_gap.max(policy.tie_remainder_share * left).max(policy.tie_floor_share * floor_square)
 }
 
 /// Sums of `of_units` over each cluster.
@@ -124,31 +85,31 @@ pub enum Share {
 
 impl Share {
     /// The smallest gain that counts where `gap` of `whole` remains, (N m)^2.
-    fn least(self, gap: f64, whole: f64) -> f64 {
-        let misfit = EXPLAINED_SHARE_MORE * (whole - gap);
-        let further = |share: f64| (share * gap).max(misfit).min(WHOLE_SHARE_ALONE * whole);
+    fn least(self, policy: &Policy, gap: f64, whole: f64) -> f64 {
+        let misfit = policy.further_explained_share * (whole - gap);
+        let further = |share: f64| (share * gap).max(misfit).min(policy.further_gap_share * whole);
         match self {
-            Self::First => GAP_SHARE_FIRST * gap,
-            Self::Further => further(GAP_SHARE_MORE),
-            Self::Distinct => further(GAP_SHARE_DISTINCT),
+            Self::First => policy.first_gap_share * gap,
+            Self::Further => further(policy.further_remainder_share),
+            Self::Distinct => further(policy.distinct_remainder_share),
         }
     }
 
     /// The smallest change of the prediction that counts, as a share of the floor, RMS.
-    fn least_of_floor(self) -> f64 {
-        if self == Self::First { FLOOR_SHARE } else { FLOOR_SHARE_MORE }
+    fn least_of_floor(self, policy: &Policy) -> f64 {
+        if self == Self::First { policy.first_floors } else { policy.further_floors }
     }
 
     /// That of a further `cause`, if none falls short of its gain by less than this share of it. A function of time can be anything: it
     /// is not distinct.
-    pub fn of(cause: Cause, distinctness: f64) -> Self {
-        let of_time = cause.effect().is_some_and(|effect| effect.about().of_time);
-        if !of_time && distinctness >= DISTINCT { Self::Distinct } else { Self::Further }
+    pub fn of(policy: &Policy, cause: Cause, distinctness: f64) -> Self {
+        if distinctness >= policy.distinct_share { Self::at_best(cause) } else { Self::Further }
     }
 
     /// That of a further `cause` of which it has yet to show whether it is distinct.
     pub fn at_best(cause: Cause) -> Self {
-        Self::of(cause, 1.0)
+        let of_time = cause.effect().is_some_and(|effect| effect.about().of_time);
+        if of_time { Self::Further } else { Self::Distinct }
     }
 }
 
@@ -192,16 +153,17 @@ pub fn requirements(
     share: Share,
     of_encoder: impl FnOnce() -> f64,
 ) -> Vec<Requirement> {
-    let floor_square = with.mask.floor_square();
+    let (floor_square, policy) = (with.mask.floor_square(), &with.mask.data.policy);
     let now = without.score();
     let value = now - with.score();
     let gap = (now - floor_square).max(0.0);
     let whole = (start - floor_square).max(0.0);
-    let least = share.least(gap, whole);
+    let least = share.least(policy, gap, whole);
     let mut all = vec![Requirement { rule: "share of the gap", value, least }];
-    let of_floor = || Requirement { rule: "floors", value, least: share.least_of_floor().powi(2) * floor_square };
-    let sure = || sureness(&with.mask.data.folds, &without.held_out, &with.held_out);
-    let beyond_encoder = || Requirement { rule: "encoder", value, least: ENCODER_GAINS * of_encoder().max(0.0) };
+    let of_floor = || Requirement { rule: "floors", value, least: share.least_of_floor(policy).powi(2) * floor_square };
+    let sure = || sureness((policy, &with.mask.data.folds), &without.held_out, &with.held_out);
+    let beyond_encoder =
+        || Requirement { rule: "encoder", value, least: policy.gain_over_encoder * of_encoder().max(0.0) };
     let further: [Box<dyn FnOnce() -> Requirement>; 3] = [Box::new(of_floor), Box::new(sure), Box::new(beyond_encoder)];
     for requirement in further {
         if all.iter().all(Requirement::is_met) {
@@ -213,14 +175,15 @@ pub fn requirements(
 
 /// How surely the squares left fall from `before` to `after`: by several standard errors over clusters, or, where only a few clusters
 /// show the cause, with hardly any that it harms.
-fn sureness(folds: &Folds, before: &[f64], after: &[f64]) -> Requirement {
+fn sureness((policy, folds): (&Policy, &Folds), before: &[f64], after: &[f64]) -> Requirement {
     let gains = clusters(folds, before.iter().zip(after).map(|(b, a)| b - a));
     let won: f64 = gains.iter().filter(|g| **g > 0.0).sum();
     let lost: f64 = -gains.iter().filter(|g| **g < 0.0).sum::<f64>();
     let errors = (won - lost) / error_of_sum(&gains).max(1e-9 * won).max(f64::MIN_POSITIVE);
-    match errors <= ERRORS && lost < LOST_SHARE * won {
-        true => Requirement { rule: "clusters that gain", value: won / (won + lost), least: 1.0 / (1.0 + LOST_SHARE) },
-        false => Requirement { rule: "standard errors", value: errors, least: ERRORS },
+    let (errors_min, lost_share) = (policy.gain_errors, policy.gain_lost_share);
+    match errors <= errors_min && lost < lost_share * won {
+        true => Requirement { rule: "clusters that gain", value: won / (won + lost), least: 1.0 / (1.0 + lost_share) },
+        false => Requirement { rule: "standard errors", value: errors, least: errors_min },
     }
 }
 
@@ -247,10 +210,12 @@ pub fn rivals(taken: &FittedCause, tried: &[FittedCause], start: f64) -> Vec<Cau
 
 /// Whether `other` is the same effect in another form, and explains as much within the accuracy of any formula.
 fn is_other_form(taken: &FittedCause, other: &FittedCause, start: f64) -> bool {
-    let floor_square = taken.fit.mask.floor_square();
+    let (mask, policy) = (&taken.fit.mask, &taken.fit.mask.data.policy);
+    let accuracy = policy.form_gap_share * (start - mask.floor_square()).max(0.0);
+    let is_exact = taken.score() <= (1.0 + policy.form_exact_floor_share) * mask.floor_square();
     is_alike(taken.cause, other.cause)
-        && other.score() - taken.score() <= FORM_ACCURACY * (start - floor_square).max(0.0)
-        && !(taken.score() <= (1.0 + EXACT_FLOOR_SHARE) * floor_square && leaves_more(&taken.fit, &other.fit, ERRORS))
+        && other.score() - taken.score() <= accuracy
+        && !(is_exact && leaves_more(&taken.fit, &other.fit, policy.gain_errors))
 }
 
 /// Whether `other` leaves more than `best` on held-out units by more than `errors` standard errors over clusters.
@@ -290,30 +255,31 @@ fn names(cause: Cause, other: Cause) -> bool {
 
 #[cfg(test)]
 mod tests {
-    use super::{Cause, DISTINCT, Share, negligible};
+    use super::{Cause, Policy, Share, negligible};
 
     #[test]
     fn each_number_less_is_worth_a_thousandth_of_the_gap() {
+        let policy = &Policy::default();
         let (left, whole, floor_square) = (0.001, 2.0, 0.05);
-        assert_eq!(negligible(left, whole, floor_square, 0.0), 0.002);
-        assert_eq!(negligible(left, whole, floor_square, 3.0), 0.008);
+        assert_eq!(negligible(policy, left, whole, floor_square, 0.0), 0.002);
+        assert_eq!(negligible(policy, left, whole, floor_square, 3.0), 0.008);
         // The remainder of the best above the floor is misfit of its formula, and so may the others' be.
-        assert_eq!(negligible(1.0, whole, floor_square, 0.0), 0.05);
+        assert_eq!(negligible(policy, 1.0, whole, floor_square, 0.0), 0.05);
     }
 
     #[test]
     fn a_weak_cause_is_named_where_no_other_explains_the_same_and_time_explains_anything() {
-        let ripple = Cause::Effect("torque_ripple");
-        assert_eq!(Share::of(ripple, DISTINCT), Share::Distinct);
-        assert_eq!(Share::of(ripple, DISTINCT - 0.01), Share::Further);
+        let (policy, ripple) = (&Policy::default(), Cause::Effect("torque_ripple"));
+        assert_eq!(Share::of(policy, ripple, policy.distinct_share), Share::Distinct);
+        assert_eq!(Share::of(policy, ripple, policy.distinct_share - 0.01), Share::Further);
         for of_time in ["sensor_drift", "warm_up"] {
-            assert_eq!(Share::of(Cause::Effect(of_time), 1.0), Share::Further);
+            assert_eq!(Share::of(policy, Cause::Effect(of_time), 1.0), Share::Further);
         }
         // A tenth of a gap of which half remains: enough for a distinct cause, not for any other.
-        let least = |share: Share| share.least(0.5, 1.0);
+        let least = |share: Share| share.least(policy, 0.5, 1.0);
         assert!(least(Share::Distinct) < 0.1 && least(Share::Further) > 0.1);
-        assert!(Share::First.least_of_floor() < Share::Distinct.least_of_floor());
+        assert!(Share::First.least_of_floor(policy) < Share::Distinct.least_of_floor(policy));
         // Of what the misfit of a formula explains no share is enough.
-        assert!(Share::Distinct.least(0.03, 1.0) > 0.03);
+        assert!(Share::Distinct.least(policy, 0.03, 1.0) > 0.03);
     }
 }

@@ -2,6 +2,7 @@
 
 use super::extent;
 use super::folds::Folds;
+use super::policy::Policy;
 use super::progress::Listener;
 use super::records::Records;
 use crate::effects::Extent;
@@ -22,22 +23,24 @@ pub struct DataSet {
     pub folds: Folds,
     /// Over what range the campaign moves.
     pub extent: Extent,
+    /// The thresholds by which is decided.
+    pub policy: Policy,
 }
 
 impl DataSet {
-    /// Reads the trials of `campaign`; `listener` hears of each.
+    /// Reads the trials of `campaign`, to be judged by `policy`; `listener` hears of each.
     ///
     /// Errors: as [`Records::read`].
-    pub fn read(campaign: &Campaign, model: &Model, listener: Listener<'_>) -> Result<Self> {
+    pub fn read(campaign: &Campaign, model: &Model, policy: &Policy, listener: Listener<'_>) -> Result<Self> {
         let (records, beside) = Records::read(campaign, model, listener)?;
         let (measured_nm, folds) = (records.measured_nm(), Folds::new(&records));
         let extent = extent::of(&records, campaign, model);
         let again = beside.map(|(smooth, records)| {
-            let (folds, extent) = (folds.clone(), extent.clone());
+            let (folds, extent, policy) = (folds.clone(), extent.clone(), policy.clone());
             let measured_nm = smooth.predicted_by(model);
-            (smooth, Box::new(Self { records, measured_nm, again: None, folds, extent }))
+            (smooth, Box::new(Self { records, measured_nm, again: None, folds, extent, policy }))
         });
-        Ok(Self { records, measured_nm, again, folds, extent })
+        Ok(Self { records, measured_nm, again, folds, extent, policy: policy.clone() })
     }
 
     /// The motions as the encoder would have read them once more, with what a joint like the model would have shown.
@@ -66,7 +69,7 @@ impl DataSet {
 
 #[cfg(test)]
 pub mod tests {
-    use super::DataSet;
+    use super::{DataSet, Policy};
     use crate::log::Campaign;
     use crate::model::Model;
     use std::path::Path;
@@ -76,6 +79,6 @@ pub mod tests {
         let folder = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../../data/davinci_l4"));
         let campaign = Campaign::read(folder).unwrap();
         let model = Model::read(&folder.join("base_model.json")).unwrap();
-        (DataSet::read(&campaign, &model, &|_| ()).unwrap(), model)
+        (DataSet::read(&campaign, &model, &Policy::default(), &|_| ()).unwrap(), model)
     }
 }

@@ -14,9 +14,6 @@ use super::progress::Listener;
 use crate::model::Model;
 use std::sync::Arc;
 
-/// Contact is not needed if the causes' RMS over all rows is at most this multiple of that without the rows of contact events.
-const AS_WELL: f64 = 1.2;
-
 /// Causes found, with what was set aside while they were sought.
 #[derive(Debug)]
 pub struct Explanation<'d> {
@@ -56,9 +53,10 @@ pub fn explain<'d>(
     }
     // Perhaps it was no contact at all, but a cause where it is strongest, hidden by what was set aside.
     let whole = Explanation::of(&base.mask, &base.model, first.events.clone(), rest_nm, listener);
+    let most = base.data().policy.contact_needless_factor.powi(2);
     let is_cause = match first.choice.found.is_empty() {
         true => 2 * whole.events.len() <= count,
-        false => whole.choice.last.held_out_square() <= AS_WELL.powi(2) * first.choice.last.held_out_square(),
+        false => whole.choice.last.held_out_square() <= most * first.choice.last.held_out_square(),
     };
     if is_cause { whole.with_events(Vec::new()) } else { first }
 }
@@ -90,7 +88,7 @@ impl<'d> Explanation<'d> {
     pub(super) fn with_events(mut self, events: Vec<ContactEvent>) -> Self {
         self.events = events;
         (self.oscillations, self.quiet_nm) = match self.is_bare() {
-            true => without_oscillations(&self.choice.last.mask.data.records, &self.left_nm),
+            true => without_oscillations(self.choice.last.mask.data, &self.left_nm),
             false => (Vec::new(), self.left_nm.clone()),
         };
         self

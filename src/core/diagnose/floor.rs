@@ -7,8 +7,8 @@
 //! repeats with the motion.
 
 use super::data::DataSet;
+use super::policy::Policy;
 use super::record::Record;
-use super::records::Records;
 use super::spectrum::SpectralFloor;
 use crate::model::Model;
 use crate::numerics::statistics::{extent, quantile};
@@ -20,28 +20,10 @@ const SLOW: f64 = 20.0;
 /// The same once the causes are known, and a drift is explained: noise that is not white has its slow part, too.
 const BLOCK_LATER: f64 = 40.0;
 const SLOW_LATER: f64 = 80.0;
-/// Blocks above this multiple of their median hold more than noise.
-const STRIKING: f64 = 3.0;
-/// However much slow noise there seems to be, the floor rises by no more than this factor: the rest may have a cause.
-const RISE_MAX: f64 = 1.25;
-/// Without repeats, the residual is noise, however large, if a flexible fit predicts no more than this share of its square on held-out
-/// data.
-const FOUND_AGAIN_MIN: f64 = 0.04;
-/// Relative error of the rise of its square.
-const RISE_ERROR: f64 = 0.5;
 /// Repeats are aligned within this many independent samples.
 const LAG_MAX: f64 = 10.0;
-/// Repeats that are further apart than this share of the range are not at the same place.
-const APART: f64 = 0.02;
 /// Fewer blocks do not determine a floor.
 const BLOCKS_MIN: usize = 8;
-/// However many blocks there are, the floor's square is not known better than this share of it: noise differs between trials, and
-/// what repeats differ by is not all noise (simulated campaigns scatter by 0.08 about what chance allows).
-const SYSTEMATIC: f64 = 0.06;
-/// Relative error of the square of a floor from the spectrum.
-const SPECTRUM_ERROR: f64 = 0.1;
-/// Relative error of the mean square that the encoder causes, which is simulated once.
-const ENCODER_ERROR: f64 = 0.3;
 
 /// The floor and where it comes from.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -78,13 +60,13 @@ impl Floor {
 
     /// The floor of noise alone, its square raised by that of the encoder, (N m)^2, both limited to `most_square`: no floor is above the
     /// residual of a fit on held-out units.
-    fn with_encoder(self, encoder_square: f64, most_square: f64) -> Self {
+    fn with_encoder(self, policy: &Policy, encoder_square: f64, most_square: f64) -> Self {
         let encoder_simulated_nm = encoder_square.sqrt();
         let encoder_square = encoder_square.min((most_square - self.rms_nm.powi(2)).max(0.0));
         let with = |nm: f64| ((nm * nm).min(most_square) + encoder_square).sqrt();
         let rms_nm = with(self.rms_nm);
         let share = encoder_square / rms_nm.powi(2).max(f64::MIN_POSITIVE);
-        let relative_error = ((1.0 - share) * self.relative_error).hypot(ENCODER_ERROR * share);
+        let relative_error = ((1.0 - share) * self.relative_error).hypot(policy.floor_encoder_error * share);
         let (quick_nm, encoder_nm) = (with(self.quick_nm), encoder_square.sqrt());
         Self { rms_nm, quick_nm, relative_error, encoder_nm, encoder_simulated_nm, ..self }
     }
@@ -119,21 +101,21 @@ impl FloorSource {
 
 /// The floor of noise alone; some fit leaves `most_square` on held-out units: where the density extrapolated below the low-pass exceeds
 /// that, it was not all noise, and only its lowest part is used.
-pub fn of_noise(records: &Records, residual_nm: &[f64], most_square: f64) -> Floor {
-    let mut blocks = repeats_blocks(records, residual_nm, BLOCK, SLOW);
+pub fn of_noise(data: &DataSet, residual_nm: &[f64], most_square: f64) -> Floor {
+    let mut blocks = repeats_blocks(data, residual_nm, BLOCK, SLOW);
     if blocks.len() >= BLOCKS_MIN {
         let rms_nm = differing_square(&mut blocks).sqrt();
         let chance = (std::f64::consts::PI / (BLOCK * blocks.len() as f64)).sqrt();
-        let relative_error = chance.hypot(SYSTEMATIC);
+        let relative_error = chance.hypot(data.policy.floor_repeats_error);
         return Floor::of_noise(rms_nm, FloorSource::Repeats, relative_error);
     }
     let usual = |of: fn(&SpectralFloor) -> f64| {
-        let floors = records.all.iter().map(|record| of(&record.spectral_floor)).filter(|floor| floor.is_finite());
+        let floors = data.records.all.iter().map(|record| of(&record.spectral_floor)).filter(|floor| floor.is_finite());
         Some(quantile(&mut floors.collect::<Vec<f64>>(), 0.5)).filter(|rms_nm| rms_nm.is_finite()).unwrap_or_default()
     };
     let (carried_nm, white_nm) = (usual(|floor| floor.carried_nm), usual(|floor| floor.white_nm));
     let rms_nm = if carried_nm * carried_nm > most_square { white_nm } else { carried_nm };
-    Floor::of_noise(rms_nm, FloorSource::Spectrum, SPECTRUM_ERROR)
+    Floor::of_noise(rms_nm, FloorSource::Spectrum, data.policy.floor_spectrum_error)
 }
 
 /// Mean square of the residual that the encoder alone causes on a joint exactly like `model`, (N m)^2, without the part that differs
@@ -142,7 +124,7 @@ fn of_encoder(data: &DataSet, model: &Model) -> f64 {
     let Some(again) = data.again() else { return 0.0 };
     let (encoder_nm, scored) = (data.encoder_nm(model), data.scored(model));
     let counted: Vec<f64> = encoder_nm.iter().zip(scored).filter(|(_, scored)| *scored).map(|(x, _)| *x).collect();
-    let mut blocks = repeats_blocks(&again.records, &encoder_nm, BLOCK, SLOW);
+    let mut blocks = repeats_blocks(again, &encoder_nm, BLOCK, SLOW);
     let in_repeats = if blocks.len() >= BLOCKS_MIN { differing_square(&mut blocks) } else { 0.0 };
     if counted.is_empty() { 0.0 } else { (mean_square(&counted) - in_repeats).max(0.0) }
 }
@@ -163,30 +145,31 @@ pub fn settled(
     (unforeseen_square, left_square): (f64, f64),
     is_bare: bool,
 ) -> Floor {
-    let encoder_square = of_encoder(data, after);
-    let fast = of_noise(&data.records, left_nm, left_square);
+    let (policy, encoder_square) = (&data.policy, of_encoder(data, after));
+    let fast = of_noise(data, left_nm, left_square);
     let noise_square = (unforeseen_square - encoder_square).max(0.0);
     let found_again = left_square - unforeseen_square;
-    let least = FOUND_AGAIN_MIN * (left_square - encoder_square - fast.rms_nm.powi(2));
+    let least = policy.floor_found_again_share * (left_square - encoder_square - fast.rms_nm.powi(2));
     if is_bare && fast.source == FloorSource::Spectrum && noise_square > fast.rms_nm.powi(2) && found_again <= least {
-        let all = Floor::of_noise(noise_square.sqrt(), FloorSource::Unforeseen, SPECTRUM_ERROR);
-        return all.with_encoder(encoder_square, left_square);
+        let all = Floor::of_noise(noise_square.sqrt(), FloorSource::Unforeseen, policy.floor_spectrum_error);
+        return all.with_encoder(policy, encoder_square, left_square);
     }
-    let blocks = repeats_blocks(&data.records, left_nm, BLOCK_LATER, SLOW_LATER);
+    let blocks = repeats_blocks(data, left_nm, BLOCK_LATER, SLOW_LATER);
     let whole_square = match blocks.len() >= BLOCKS_MIN {
-        true => usual_mean(blocks) / 2.0 / (1.0 - 1.0 / SLOW_LATER),
+        true => usual_mean(blocks, policy.floor_outlier) / 2.0 / (1.0 - 1.0 / SLOW_LATER),
         false => noise_square,
     };
-    let rms_nm = whole_square.sqrt().min(RISE_MAX * fast.rms_nm).max(fast.rms_nm);
+    let rms_nm = whole_square.sqrt().min(policy.floor_rise_max * fast.rms_nm).max(fast.rms_nm);
     let rise = (rms_nm / fast.rms_nm.max(f64::MIN_POSITIVE)).powi(2) - 1.0;
-    let settled = Floor { rms_nm, relative_error: fast.relative_error.hypot(RISE_ERROR * rise), ..fast };
-    settled.with_encoder(encoder_square, left_square)
+    let settled = Floor { rms_nm, relative_error: fast.relative_error.hypot(policy.floor_rise_error * rise), ..fast };
+    settled.with_encoder(policy, encoder_square, left_square)
 }
 
 /// Mean squares of the differences between repeats, in blocks, slow differences removed.
-fn repeats_blocks(records: &Records, residual_nm: &[f64], block: f64, slow: f64) -> Vec<f64> {
+fn repeats_blocks(data: &DataSet, residual_nm: &[f64], block: f64, slow: f64) -> Vec<f64> {
+    let (records, apart) = (&data.records, data.policy.same_place_share);
     let rows = |independent: f64| (independent * records.rows_per_independent).round() as usize;
-    let spans = Spans { block: rows(block), slow: rows(slow), lag: rows(LAG_MAX) as isize };
+    let spans = Spans { block: rows(block), slow: rows(slow), lag: rows(LAG_MAX) as isize, apart };
     let mut blocks = Vec::new();
     for (a, first) in records.all.iter().enumerate() {
         for (b, second) in records.all.iter().enumerate().skip(a + 1) {
@@ -199,9 +182,9 @@ fn repeats_blocks(records: &Records, residual_nm: &[f64], block: f64, slow: f64)
     blocks
 }
 
-/// The mean over blocks without outliers, such as a contact in one repeat.
-fn usual_mean(mut blocks: Vec<f64>) -> f64 {
-    let most = STRIKING * quantile(&mut blocks, 0.5);
+/// The mean over blocks without those above `outlier` times their median, such as a contact in one repeat.
+fn usual_mean(mut blocks: Vec<f64>, outlier: f64) -> f64 {
+    let most = outlier * quantile(&mut blocks, 0.5);
     blocks.retain(|square| *square <= most);
     blocks.iter().sum::<f64>() / blocks.len().max(1) as f64
 }
@@ -211,12 +194,13 @@ fn median_square(blocks: &mut [f64]) -> f64 {
     quantile(blocks, 0.5) / (1.0 - 2.0 / (9.0 * BLOCK)).powi(3)
 }
 
-/// Lengths in rows.
+/// Lengths in rows, and how far apart repeats may be, as a share of the range.
 #[derive(Clone, Copy)]
 struct Spans {
     block: usize,
     slow: usize,
     lag: isize,
+    apart: f64,
 }
 
 fn difference_blocks((a, ra): (&Record, &[f64]), (b, rb): (&Record, &[f64]), spans: Spans, blocks: &mut Vec<f64>) {
@@ -240,7 +224,7 @@ fn difference_blocks((a, ra): (&Record, &[f64]), (b, rb): (&Record, &[f64]), spa
     let lags = (-spans.lag..=spans.lag).map(|lag| lag - base);
     let Some(lag) = lags.min_by(|x, y| apart(*x).total_cmp(&apart(*y))) else { return };
     let (low, high) = extent(&qa);
-    let limit = APART * (high - low);
+    let limit = spans.apart * (high - low);
     let pair = |i: usize| {
         let j = usize::try_from(i as isize + lag).ok()?;
         let near = (qb.get(j)? - qa[i]).abs() <= limit;

@@ -33,6 +33,7 @@ mod pairs;
 mod parameter_ref;
 mod parameters;
 mod perturbation;
+mod policy;
 mod probability;
 mod progress;
 mod record;
@@ -53,6 +54,7 @@ pub use locate::Place;
 pub use motion::{Follows, MotionGap, MotionPlace, MotionTrial, beside};
 pub use next::{BlindSpot, NextExperiment};
 pub use parameters::{BELOW_ZERO, Fitted};
+pub use policy::{ENTRIES, FORMAT as POLICY_FORMAT, Policy, Threshold};
 pub use progress::{Listener, Phase, Progress};
 pub use verdict::{Verdict, signature};
 
@@ -102,6 +104,8 @@ pub struct Diagnosis {
     pub next: Option<NextExperiment>,
     /// Effects that these recordings cannot show.
     pub blind_spots: Vec<BlindSpot>,
+    /// The thresholds by which it was decided.
+    pub policy: Policy,
 }
 
 /// The gap over all samples that are judged, low-passed, N m.
@@ -215,11 +219,18 @@ fn oscillates(oscillations: &[Oscillation]) -> Option<String> {
 ///
 /// Errors: the model is of another joint; all that is wrong with any trial; no sample can be scored.
 pub fn run(campaign: &Campaign, model: &Model, listener: Listener<'_>) -> Result<Diagnosis> {
+    run_by(campaign, model, &Policy::default(), listener)
+}
+
+/// The same by other thresholds than the default.
+///
+/// Errors: those of [`run`].
+pub fn run_by(campaign: &Campaign, model: &Model, policy: &Policy, listener: Listener<'_>) -> Result<Diagnosis> {
     let begins = |phase| listener(Progress::Begins(phase));
     begins(Phase::Reading);
     let (campaign, model, mut warnings) = fitted(campaign, model)?;
     let campaign = campaign.as_ref();
-    let data = DataSet::read(campaign, &model, listener)?;
+    let data = DataSet::read(campaign, &model, policy, listener)?;
     warnings.extend(data.records.all.iter().flat_map(|record| record.warnings.iter().cloned()));
     if data.again().is_none() {
         warnings.push(ENCODER_UNKNOWN.to_string());
@@ -228,13 +239,13 @@ pub fn run(campaign: &Campaign, model: &Model, listener: Listener<'_>) -> Result
     begins(Phase::NoiseFloor);
     let base = BaseModel::new(&mask, &model, within_confidence(&model));
     let base_nm = base.residual_nm();
-    let mut base = base.above(floor::of_noise(&data.records, &base_nm, f64::INFINITY).rms_nm);
+    let mut base = base.above(floor::of_noise(&data, &base_nm, f64::INFINITY).rms_nm);
     begins(Phase::ContactEvents);
     let rest_nm = base.residual_nm();
     let lines = [false, true].map(|by_direction| ripple::starts(&base, &rest_nm, by_direction));
     let columns = flexible::columns(&base, &lines.concat());
     let (mut events, mut flexible) = contact_events::find(&base, &columns, &rest_nm);
-    let floor_nm = floor::of_noise(&data.records, &base_nm, flexible.held_out).rms_nm.min(flexible.held_out.sqrt());
+    let floor_nm = floor::of_noise(&data, &base_nm, flexible.held_out).rms_nm.min(flexible.held_out.sqrt());
     if floor_nm < base.mask.floor_nm {
         base = base.above(floor_nm);
         (events, flexible) = contact_events::find(&base, &columns, &rest_nm);
@@ -267,6 +278,7 @@ pub fn run(campaign: &Campaign, model: &Model, listener: Listener<'_>) -> Result
         warnings,
         next,
         blind_spots,
+        policy: policy.clone(),
     })
 }
 

@@ -2,6 +2,8 @@
 //! the motion, and still they are not noise: a line in the spectrum that stands out of its neighbourhood.
 
 use super::criteria::Decision;
+use super::data::DataSet;
+use super::policy::Policy;
 use super::records::Records;
 use crate::numerics::statistics::quantile;
 use nalgebra::{DMatrix, DVector};
@@ -18,16 +20,10 @@ const FINENESS: f64 = 4.0;
 /// Half the width of a line behind the window that tapers a stretch, in 1/T, and how far its neighbourhood reaches.
 const WIDTH: f64 = 2.0;
 const NEIGHBOURHOOD: f64 = 8.0;
-/// An oscillation has this many periods in a stretch: fewer are a drift, or the motion itself.
-const PERIODS_MIN: f64 = 5.0;
-/// ... and this multiple of its neighbourhood's median power: of a thousand independent frequencies of noise the strongest has about 10.
-const PROMINENCE: f64 = 40.0;
 /// Most of them.
 const MOST: usize = 3;
-/// A frequency is a multiple of the motion's up to this order, within so many 1/T, and the motion's own error for each order.
-const ORDERS: f64 = 12.0;
+/// Frequencies are the same within so many 1/T, beside the errors of both.
 const RESOLVED: f64 = 0.5;
-const ORDER_ERROR: f64 = 0.05;
 
 /// One oscillation.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -42,13 +38,13 @@ pub struct Oscillation {
 
 impl Oscillation {
     /// The rule by which it is one.
-    pub fn decision(&self) -> Decision {
+    pub fn decision(&self, policy: &Policy) -> Decision {
         let Self { prominence, .. } = *self;
         Decision {
             rule: "oscillation",
             subject: "remainder",
             value: prominence,
-            limit: PROMINENCE,
+            limit: policy.oscillation_prominence,
             outcome: "no noise",
         }
     }
@@ -60,22 +56,25 @@ struct Stretch {
     time_s: Vec<f64>,
 }
 
-/// The oscillations of `residual_nm`, at the rows of `records`, that are not in step with a motion to and fro, and the residual without them,
+/// The oscillations of `residual_nm`, at the rows of `data`, that are not in step with a motion to and fro, and the residual without them,
 /// N m.
-pub fn without_oscillations(records: &Records, residual_nm: &[f64]) -> (Vec<Oscillation>, Vec<f64>) {
-    let stretches = Stretches::new(records);
-    let (of_motion, _) = stretches.lines(records.rows(|record, i| record.own[i].velocity), &|_| true);
+pub fn without_oscillations(data: &DataSet, residual_nm: &[f64]) -> (Vec<Oscillation>, Vec<f64>) {
+    let policy = &data.policy;
+    let stretches = Stretches::new(policy, &data.records);
+    let (of_motion, _) = stretches.lines(data.records.rows(|record, i| record.own[i].velocity), &|_| true);
     // What a motion to and fro brings about comes at its multiples, whatever the joint lacks.
     let is_multiple = |hz: f64, of: &Oscillation| {
         let order = (hz / of.frequency_hz).round();
         let apart_hz = (hz - order * of.frequency_hz).abs();
-        (1.0..=ORDERS).contains(&order) && apart_hz * stretches.length_s < RESOLVED + ORDER_ERROR * order
+        let within = RESOLVED + policy.oscillation_order_error * order;
+        (1.0..=policy.oscillation_orders).contains(&order) && apart_hz * stretches.length_s < within
     };
     stretches.lines(residual_nm.to_vec(), &|hz| !of_motion.iter().any(|line| is_multiple(hz, line)))
 }
 
 /// All of them, with how fine a spectrum they give.
-struct Stretches {
+struct Stretches<'p> {
+    policy: &'p Policy,
     all: Vec<Stretch>,
     /// The usual length, s.
     length_s: f64,
@@ -84,8 +83,8 @@ struct Stretches {
     lowpass_hz: f64,
 }
 
-impl Stretches {
-    fn new(records: &Records) -> Self {
+impl<'p> Stretches<'p> {
+    fn new(policy: &'p Policy, records: &Records) -> Self {
         let longest_s = STRETCH_PERIODS / records.lowpass_hz;
         let mut all: Vec<Stretch> = Vec::new();
         for (record, range) in records.all.iter().zip(&records.ranges) {
@@ -101,7 +100,7 @@ impl Stretches {
         let mut lengths_s: Vec<f64> =
             all.iter().map(|stretch| stretch.time_s[stretch.time_s.len() - 1] - stretch.time_s[0]).collect();
         let length_s = if all.is_empty() { 0.0 } else { quantile(&mut lengths_s, 0.5) };
-        Self { all, length_s, step_hz: 1.0 / (FINENESS * length_s), lowpass_hz: records.lowpass_hz }
+        Self { policy, all, length_s, step_hz: 1.0 / (FINENESS * length_s), lowpass_hz: records.lowpass_hz }
     }
 
     /// The lines of `series` at frequencies that `counts` lets through, the strongest first, and what is left without them.
@@ -126,7 +125,7 @@ impl Stretches {
             .map(|k| self.all.iter().map(|stretch| stretch.power(series, hz(k))).sum())
             .collect();
         let [width, around] = [WIDTH, NEIGHBOURHOOD].map(|widths| (widths * FINENESS) as usize);
-        let first = (PERIODS_MIN * FINENESS) as usize;
+        let first = ((self.policy.oscillation_periods * FINENESS) as usize).max(1);
         let best = (first..count).filter(|k| counts(hz(*k))).max_by(|a, b| power[*a].total_cmp(&power[*b]))?;
         let near = best.saturating_sub(around)..(best + around + 1).min(power.len());
         let mut neighbours: Vec<f64> = near.filter(|k| k.abs_diff(best) > width).map(|k| power[k]).collect();
@@ -135,7 +134,7 @@ impl Stretches {
         let [a, b, c] = [best - 1, best, best + 1].map(|k| power[k].max(f64::MIN_POSITIVE).ln());
         let bend = a - 2.0 * b + c;
         let offset = if bend < 0.0 { ((a - c) / (2.0 * bend)).clamp(-0.5, 0.5) } else { 0.0 };
-        (prominence >= PROMINENCE).then_some((hz(best) + offset * self.step_hz, prominence))
+        (prominence >= self.policy.oscillation_prominence).then_some((hz(best) + offset * self.step_hz, prominence))
     }
 }
 
@@ -201,10 +200,10 @@ mod tests {
         let mut random = ChaCha8Rng::seed_from_u64(7);
         let time_s = data.records.rows(|record, i| record.time_s[i]);
         let noise_nm: Vec<f64> = time_s.iter().map(|_| StandardNormal.sample(&mut random)).collect();
-        assert_eq!(without_oscillations(&data.records, &noise_nm).0, []);
+        assert_eq!(without_oscillations(&data, &noise_nm).0, []);
         let hum = |t: &f64| (TAU * 4.8 * t).sin() + 0.8 * (TAU * 6.1 * t + 1.0).sin();
         let humming_nm: Vec<f64> = noise_nm.iter().zip(&time_s).map(|(noise, t)| noise + hum(t)).collect();
-        let (found, left_nm) = without_oscillations(&data.records, &humming_nm);
+        let (found, left_nm) = without_oscillations(&data, &humming_nm);
         let [Oscillation { frequency_hz: first, share, .. }, Oscillation { frequency_hz: second, .. }] = found[..]
         else {
             panic!("{found:?}")

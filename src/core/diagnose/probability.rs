@@ -3,6 +3,7 @@
 
 use super::answer::{Answer, Kind};
 use super::candidates::Cause;
+use super::policy::Policy;
 
 /// How blind simulated joints turned out of which a verdict of one kind was given.
 #[derive(Debug, Clone, Copy)]
@@ -16,10 +17,6 @@ struct Outcomes {
     /// Another cause, or further ones.
     other: f64,
 }
-
-/// Resamples that disagree count with this weight where causes are named: most of them prefer a rival for the same part of the gap, and
-/// verdicts on which few agreed were not right that much more seldom (agreement below 0.8: 35 of 53, else 451 of 515).
-const AGREEMENT_WEIGHT: f64 = 0.2;
 
 impl Kind {
     /// What became of verdicts of this kind on simulated joints whose answers were withheld: counts that `scripts/blind/score.py` prints
@@ -41,12 +38,17 @@ impl Kind {
     }
 }
 
-/// The answers with their probabilities; `is_clear` says whether the verdict is. What is left for others is shared out as verdicts of this
+/// The answers with their probabilities, after a verdict of `kind`; `is_clear` says whether it is. What is left for others is shared out as verdicts of this
 /// kind turned out when they were wrong; Laplace's rule adds one to each count.
-pub fn probabilities(kind: Kind, agreement: f64, effects: &[Cause], is_clear: bool) -> Vec<(Answer, f64)> {
+pub fn probabilities(
+    policy: &Policy,
+    (kind, is_clear): (Kind, bool),
+    agreement: f64,
+    effects: &[Cause],
+) -> Vec<(Answer, f64)> {
     let Outcomes { right, none, outside, other } = kind.outcomes(is_clear);
-    let weight = if matches!(kind, Kind::None | Kind::Unknown) { 1.0 } else { AGREEMENT_WEIGHT };
-    let said = (1.0 - weight * (1.0 - agreement)) * (right + 1.0) / (right + none + outside + other + 2.0);
+    let weight = if matches!(kind, Kind::None | Kind::Unknown) { 1.0 } else { policy.disagreement_weight };
+    let said = (1.0 - weight * (1.0 - agreement)).max(0.0) * (right + 1.0) / (right + none + outside + other + 2.0);
     let wrong = none + outside + other + 3.0;
     let share = |count: f64| (1.0 - said) * (count + 1.0) / wrong;
     let (nothing, unknown) = (Answer::Causes(Vec::new()), Answer::Outside);
@@ -80,7 +82,7 @@ pub fn said(probabilities: &[(Answer, f64)], kind: Kind) -> f64 {
 
 #[cfg(test)]
 mod tests {
-    use super::{probabilities, said};
+    use super::{Policy, probabilities, said};
     use crate::diagnose::{Cause, Kind};
 
     #[test]
@@ -94,7 +96,7 @@ mod tests {
         };
         for kind in [Kind::None, Kind::Effect, Kind::Several, Kind::Stale, Kind::Ambiguous, Kind::Unknown] {
             let confidence = |agreement: f64, is_clear: bool| {
-                let all = probabilities(kind, agreement, of(kind), is_clear);
+                let all = probabilities(&Policy::default(), (kind, is_clear), agreement, of(kind));
                 assert!((all.iter().map(|(_, p)| p).sum::<f64>() - 1.0).abs() < 1e-12, "{kind:?}");
                 assert!(all.iter().all(|(_, p)| (0.0..=1.0).contains(p)), "{kind:?}");
                 said(&all, kind)

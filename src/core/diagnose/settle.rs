@@ -37,7 +37,7 @@ impl<'d> Step<'d> {
 
     /// The share of the gap that its cause must explain.
     pub fn share(&self) -> Share {
-        Share::of(self.taken.cause, self.distinctness)
+        Share::of(&self.without.mask.data.policy, self.taken.cause, self.distinctness)
     }
 }
 

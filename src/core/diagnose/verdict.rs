@@ -6,30 +6,13 @@ use super::candidates::Cause;
 use super::choose::{Choice, Found};
 use super::criteria::Decision;
 use super::oscillation::Oscillation;
+use super::policy::Policy;
 use super::probability::{probabilities, said};
 use super::stale::{DOWN_ONLY, UP_ONLY};
 use crate::effects::Region;
 use crate::model::groups::LOAD_COEFFICIENT;
 
-/// The remainder after the causes is material above this many floors ...
-const OPEN_FLOORS: f64 = 1.0;
-/// ... and above this share of the residual of the base (RMS).
-const OPEN_SHARE: f64 = 0.4;
-/// Without contact among the causes, a correct formula leaves less than this many floors (with slow noise) and less than this share.
-const FORM_FLOORS: f64 = 0.75;
-const FORM_SHARE: f64 = 0.25;
-/// Causes that leave more than this share of the residual of the base (RMS) do not name the gap: a fifth of its energy.
-const UNNAMED_SHARE: f64 = 0.45;
-/// What a model left of the recordings that it was identified from is no news: where the base leaves more than this multiple of it (RMS), the gap to be
-/// named is what lies above it.
-const NEWS: f64 = 1.25;
-/// Where the residual of the base is below this many floors, a cause is named only if this share of the resamples agrees.
-const WEAK_FLOORS: f64 = 0.6;
-const WEAK_AGREEMENT: f64 = 0.5;
-/// A verdict that names causes is clear if the gap is larger than this many floors and they leave no more than this share of it (RMS).
-const CLEAR_FLOORS: f64 = 1.0;
-const CLEAR_SHARE: f64 = 0.1;
-/// What the rule says of such a verdict.
+/// What the rule says of a verdict that belongs to those that were right more often.
 const CLEAR: &str = "clear";
 
 /// The answer.
@@ -59,6 +42,8 @@ pub struct Verdict {
 
 /// What the verdict is drawn from: squares left in each unit over its rows.
 pub struct Evidence<'e> {
+    /// By which thresholds it is judged.
+    pub policy: &'e Policy,
     /// Rows that count in each unit, events and all.
     pub rows: Vec<f64>,
     /// By the model as delivered.
@@ -97,17 +82,18 @@ impl Evidence<'_> {
             let outcome = if value > limit { "material" } else { "immaterial" };
             Decision { rule, subject: "remainder", value, limit, outcome }
         };
-        let form = exceeds("form", self.floor_square, FORM_FLOORS, FORM_SHARE);
-        let open = exceeds("open", self.quick_square, OPEN_FLOORS, OPEN_SHARE);
+        let Policy { form_floors, form_share, open_floors, open_share, .. } = *self.policy;
+        let form = exceeds("form", self.floor_square, form_floors, form_share);
+        let open = exceeds("open", self.quick_square, open_floors, open_share);
         let rules = if self.contact { vec![open] } else { vec![form, open] };
         (rules.iter().any(|rule| rule.value > rule.limit), rules)
     }
 
     /// Whether causes that leave `last` of `rest` name the gap, however well their formulas fit.
     fn naming(&self, rest: f64, last: f64) -> Decision {
-        let is_news = rest > NEWS.powi(2) * self.own_square;
+        let is_news = rest > self.policy.news_factor.powi(2) * self.own_square;
         let known_square = if is_news { self.floor_square.max(self.own_square) } else { self.floor_square };
-        let (value, limit) = (above(last, known_square), UNNAMED_SHARE * above(rest, known_square));
+        let (value, limit) = (above(last, known_square), self.policy.unnamed_share * above(rest, known_square));
         let outcome = if value > limit { "causes do not name the gap" } else { "causes named, form approximate" };
         Decision { rule: "named", subject: "all causes", value, limit, outcome }
     }
@@ -158,26 +144,27 @@ fn judged(choice: &Choice<'_>, evidence: &Evidence<'_>) -> (Kind, f64) {
 pub fn too_weak(choice: &Choice<'_>, evidence: &Evidence<'_>) -> Option<f64> {
     let (kind, agreement) = judged(choice, evidence);
     let is_named = !matches!(kind, Kind::None | Kind::Unknown);
+    let Policy { weak_floors, weak_agreement, .. } = *evidence.policy;
     let is_weak =
-        above(evidence.mean(&evidence.rest), evidence.floor_square) < WEAK_FLOORS * evidence.floor_square.sqrt();
-    (is_named && is_weak && agreement < WEAK_AGREEMENT).then_some(agreement)
+        above(evidence.mean(&evidence.rest), evidence.floor_square) < weak_floors * evidence.floor_square.sqrt();
+    (is_named && is_weak && agreement < weak_agreement).then_some(agreement)
 }
 
 /// Resamples the verdict.
 pub fn verdict(choice: &Choice<'_>, evidence: &Evidence<'_>) -> Verdict {
-    let floor_square = evidence.floor_square;
+    let Evidence { policy, floor_square, .. } = *evidence;
     let [delivered, rest, last] = [&evidence.delivered, &evidence.rest, &evidence.last].map(|s| evidence.mean(s));
     let mut effects = causes(choice, evidence);
     let (kind, mut agreement) = judged(choice, evidence);
     let (is_open, open) = evidence.open(rest, last);
-    let oscillating = evidence.oscillations.iter().map(Oscillation::decision).collect();
+    let oscillating = evidence.oscillations.iter().map(|o| o.decision(policy)).collect();
     let mut decisions = [choice.decisions.clone(), oscillating, open].concat();
     if is_open && !effects.is_empty() {
         decisions.push(evidence.naming(rest, last));
     }
     if let Some(value) = choice.given_up {
-        let outcome = "too weak to be named";
-        decisions.push(Decision { rule: "agreement", subject: "all causes", value, limit: WEAK_AGREEMENT, outcome });
+        let (limit, outcome) = (policy.weak_agreement, "too weak to be named");
+        decisions.push(Decision { rule: "agreement", subject: "all causes", value, limit, outcome });
         agreement = agreement.min(1.0 - value);
     }
     if kind == Kind::Ambiguous {
@@ -190,10 +177,10 @@ pub fn verdict(choice: &Choice<'_>, evidence: &Evidence<'_>) -> Verdict {
     };
     let gap_before_nm = above(delivered, floor_square);
     let gap_after_nm = above(last, floor_square).max(evidence.numbers.square().sqrt());
-    let clear = clear(kind, gap_before_nm, gap_after_nm, floor_square.sqrt());
+    let clear = clear(policy, kind, (gap_before_nm, gap_after_nm, floor_square.sqrt()));
     let is_clear = clear.iter().all(|decision| decision.outcome == CLEAR);
     decisions.extend(clear);
-    let probabilities = probabilities(kind, agreement, &effects, is_clear);
+    let probabilities = probabilities(policy, (kind, is_clear), agreement, &effects);
     Verdict {
         kind,
         effects,
@@ -209,7 +196,7 @@ pub fn verdict(choice: &Choice<'_>, evidence: &Evidence<'_>) -> Verdict {
 }
 
 /// Whether a verdict belongs to those that were right more often: its causes close a gap that stands out of the floor, N m.
-fn clear(kind: Kind, gap_before_nm: f64, gap_after_nm: f64, floor_nm: f64) -> Vec<Decision> {
+fn clear(policy: &Policy, kind: Kind, (gap_before_nm, gap_after_nm, floor_nm): (f64, f64, f64)) -> Vec<Decision> {
     if !matches!(kind, Kind::Effect | Kind::Several) {
         return Vec::new();
     }
@@ -217,7 +204,7 @@ fn clear(kind: Kind, gap_before_nm: f64, gap_after_nm: f64, floor_nm: f64) -> Ve
         let outcome = if holds { CLEAR } else { "not clear" };
         Decision { rule: "clear", subject, value, limit, outcome }
     };
-    let (least_nm, most_nm) = (CLEAR_FLOORS * floor_nm, CLEAR_SHARE * gap_before_nm);
+    let (least_nm, most_nm) = (policy.clear_floors * floor_nm, policy.clear_share * gap_before_nm);
     vec![
         decision("gap", gap_before_nm, least_nm, gap_before_nm >= least_nm),
         decision("remainder", gap_after_nm, most_nm, gap_after_nm <= most_nm),
@@ -261,16 +248,17 @@ pub fn signature(cause: Cause, how: &str) -> Region {
 
 #[cfg(test)]
 mod tests {
-    use super::{CLEAR, Kind, clear};
+    use super::{CLEAR, Kind, Policy, clear};
 
     #[test]
     fn a_verdict_is_clear_where_its_causes_close_a_gap_above_the_floor() {
+        let policy = &Policy::default();
         let is_clear =
-            |kind, before, after, floor| clear(kind, before, after, floor).iter().all(|d| d.outcome == CLEAR);
+            |kind, before, after, floor| clear(policy, kind, (before, after, floor)).iter().all(|d| d.outcome == CLEAR);
         assert!(is_clear(Kind::Effect, 2.0, 0.1, 1.0));
         assert!(!is_clear(Kind::Effect, 2.0, 0.3, 1.0));
         assert!(!is_clear(Kind::Several, 0.9, 0.0, 1.0));
         // Others have no such rule.
-        assert!(clear(Kind::None, 0.0, 0.0, 1.0).is_empty());
+        assert!(clear(policy, Kind::None, (0.0, 0.0, 1.0)).is_empty());
     }
 }

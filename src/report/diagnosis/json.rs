@@ -52,6 +52,10 @@ pub fn to_json(found: &Diagnosis, campaign: &str, model: &str) -> Value {
         "provenance": { "tautline": env!("CARGO_PKG_VERSION"), "campaign": campaign, "model": model },
     });
     put_shrink(&mut told["verdict"], verdict.shrink);
+    let changed = found.policy.changed();
+    if !changed.is_empty() {
+        told["policy"] = changed.into_iter().map(|(name, value)| (name.to_string(), json!(value))).collect();
+    }
     if verdict.kind == Kind::Ambiguous {
         told["verdict"]["taken"] = json!(verdict.effects.first().map(|cause| cause.name()));
     }

@@ -14,7 +14,7 @@ pub use align::MotionTrial;
 pub use controller::Follows;
 pub use places::MotionPlace;
 
-use super::{Cause, Diagnosis, Kind, Listener, Verdict, run};
+use super::{Cause, Diagnosis, Kind, Listener, Policy, Verdict, run_by};
 use crate::log::Campaign;
 use crate::model::Model;
 use crate::numerics::statistics::extent;
@@ -72,17 +72,23 @@ impl MotionGap {
 }
 
 /// The diagnosis of `campaign` with `model`, and in it the gap in motion between `campaign` and `simulated`, a simulator's log
-/// of the same commands. `listener` hears what it is at.
+/// of the same commands, by the thresholds of `policy`. `listener` hears what it is at.
 ///
-/// Errors: those of [`run`] on either campaign; no trial of one has a partner in the other.
-pub fn beside(campaign: &Campaign, simulated: &Campaign, model: &Model, listener: Listener<'_>) -> Result<Diagnosis> {
+/// Errors: those of [`run_by`] on either campaign; no trial of one has a partner in the other.
+pub fn beside(
+    campaign: &Campaign,
+    simulated: &Campaign,
+    model: &Model,
+    policy: &Policy,
+    listener: Listener<'_>,
+) -> Result<Diagnosis> {
     let (pairs, warnings) = pairs::pairs(campaign, simulated)?;
     // Both sides through the same low-pass.
     let signal = crate::log::Signal { torque_sign: simulated.signal.torque_sign, ..campaign.signal };
     let simulated = Campaign { signal, ..simulated.clone() };
     let trials = pairs.into_iter().map(|pair| align::trial(campaign, &simulated, pair)).collect::<Result<Vec<_>>>()?;
-    let mut real = run(campaign, model, listener)?;
-    let simulator = run(&simulated, model, listener)?;
+    let mut real = run_by(campaign, model, policy, listener)?;
+    let simulator = run_by(&simulated, model, policy, listener)?;
     real.motion = Some(gap(&real, &simulator, &simulated, trials, warnings));
     Ok(real)
 }
