@@ -6,7 +6,7 @@
 use super::base::BaseModel;
 use super::bootstrap::{Numbers, Resamples};
 use super::folds::FOLDS;
-use super::gram::Gram;
+use super::gram::{Gram, Solution};
 use super::mask::Mask;
 use super::perturbation::Perturbation;
 use super::records::Passages;
@@ -25,6 +25,8 @@ const PREDICTED: f64 = 1e-3;
 const CATCHING_UP: f64 = 2.0;
 /// ... from this step on: the first tells little of a shape.
 const TOLD_BY: usize = 2;
+/// Prior deviation of what is held at its bound.
+const HELD: f64 = 1e-9;
 /// Quarterings of a step that makes matters worse.
 const QUARTERINGS: usize = 3;
 
@@ -131,7 +133,9 @@ impl<'d> BaseModel<'d> {
         let (mut converged, mut columns, mut is_behind) = (false, Vec::new(), false);
         for step in 1..=STEPS {
             (columns, is_behind) = (columns_at(&now), false);
-            let (predicted, x) = self.cost_beside(&columns, &now.predicted_nm);
+            let (gram, mut deviations) = self.gram_beside(&columns, &now.predicted_nm);
+            let solution = self.solve_within_bounds(&gram, &mut deviations, (&now.model, &moves));
+            let (predicted, x) = (self.cost_of(&solution), solution.x.as_slice()[self.moves.len()..].to_vec());
             let over = x.iter().zip(&moves).map(|(x, way)| x.abs() / way.stride).fold(1.0, f64::max);
             let shorter = |quarterings: i32| {
                 let mut tried = now.model.clone();
@@ -162,6 +166,27 @@ impl<'d> BaseModel<'d> {
         self.fit_at(now.model, moves, &now.predicted_nm, &columns, converged)
     }
 
+    /// The best coefficients of `gram`, whose columns have these prior `deviations`; what of the linear `moves` is at its bound in `model` and
+    /// would pass it is held there, and its deviation set accordingly.
+    fn solve_within_bounds(
+        &self,
+        gram: &Gram,
+        deviations: &mut [f64],
+        (model, moves): (&Model, &[Perturbation]),
+    ) -> Solution {
+        loop {
+            let solution = gram.solve(self.mask.prior(deviations));
+            let own = self.moves.len();
+            let is_stopped = |at: &usize| moves[*at].is_stopped(model, solution.x[own + at]);
+            let stopped: Vec<usize> =
+                (0..moves.len()).filter(|at| deviations[own + at] > HELD).filter(is_stopped).collect();
+            if stopped.is_empty() {
+                return solution;
+            }
+            stopped.into_iter().for_each(|at| deviations[own + at] = HELD);
+        }
+    }
+
     /// The fit at `model`, whose causes are at their best.
     fn fit_at(
         &self,
@@ -176,10 +201,41 @@ impl<'d> BaseModel<'d> {
         for (deviation, way) in deviations.iter_mut().skip(self.moves.len()).zip(&moves) {
             *deviation = way.stride;
         }
-        let solution = gram.solve(self.mask.prior(&deviations));
+        let solution = self.solve_within_bounds(&gram, &mut deviations, (&model, &moves));
         let held_out = gram.held_out(&self.mask.data.folds, self.mask.prior(&deviations));
         let base_x = solution.x.rows(0, self.moves.len()).iter().copied().collect();
         let (mask, prior_penalty) = (self.mask.clone(), solution.prior_penalty);
         Fit { mask, model, moves, prior_penalty, held_out, base_x, converged, gram, deviations }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::BaseModel;
+    use crate::diagnose::data::tests::bundled;
+    use crate::diagnose::mask::Mask;
+    use crate::diagnose::parameter_ref::ParameterRef;
+    use crate::diagnose::perturbation::{Mode, Perturbation};
+
+    #[test]
+    fn what_would_pass_its_bound_is_held_there_and_the_others_go_where_they_would_go_without_it() {
+        let (mut data, mut model) = bundled();
+        model.dynamics.inertia_kg_m2 = 0.0;
+        let [inertia, gravity] = [ParameterRef::Inertia, ParameterRef::Gravity]
+            .map(|parameter| Perturbation::of(vec![(parameter, Mode::Add(1.0))], f64::INFINITY));
+        // Recordings of a joint with negative inertia.
+        let (passages, branches) = (data.records.passages(&model), data.records.branches(&model));
+        let varied = Perturbation::varied(&model, std::slice::from_ref(&inertia));
+        let [column, ..] = data.records.slopes_nm(&varied, Some(&passages), Some(&branches));
+        data.measured_nm.iter_mut().zip(&column).for_each(|(y, per_unit)| *y -= 0.5 * per_unit);
+        let mask = Mask::new(&data, data.scored(&model), 0.01);
+        let base = BaseModel::new(&mask, &model, Vec::new());
+        let both = base.fit(model.clone(), vec![inertia, gravity.clone()]);
+        let alone = base.fit(model.clone(), vec![gravity]);
+        assert_eq!(both.model.dynamics.inertia_kg_m2, 0.0);
+        assert!(both.resolution()[0] < 1e-6 && both.resolution()[1] > 0.9, "{:?}", both.resolution());
+        let [both_nm, alone_nm] = [&both, &alone].map(|fit| fit.model.dynamics.gravity_nm);
+        assert!((both_nm / alone_nm - 1.0).abs() < 1e-6, "{both_nm} and {alone_nm}");
+        assert!((both.score() / alone.score() - 1.0).abs() < 1e-6);
     }
 }
