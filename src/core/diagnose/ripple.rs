@@ -4,6 +4,7 @@ use super::base::BaseModel;
 use crate::effects::RIPPLE_NUMBERS;
 use rayon::prelude::*;
 use std::f64::consts::TAU;
+use std::ops::Range;
 
 /// Fewest and most periods within the range of positions that are looked for.
 const PERIODS: (f64, f64) = (1.5, 150.0);
@@ -13,6 +14,8 @@ const SPACING: f64 = 0.3;
 const ROWS: usize = 8000;
 /// The ripple must be slower than this share of the low-pass, where the joint moves at its speed.
 const PASSED: f64 = 0.8;
+/// Lines whose angles are turned on from the first of them.
+const BLOCK: usize = 16;
 /// Lines followed up.
 const LINES: usize = 2;
 
@@ -32,21 +35,20 @@ pub fn starts(base: &BaseModel<'_>, residual_nm: &[f64], by_direction: bool) -> 
         .flat_map(|(record, passage)| record.rows.iter().map(|i| passage[*i]).collect::<Vec<f64>>())
         .collect();
     let stride = residual_nm.len().div_ceil(ROWS).max(1);
-    let rows: Vec<(f64, f64, f64)> = (0..residual_nm.len())
+    let lines = Lines { first: PERIODS.0 / range_rad, spacing: SPACING / range_rad };
+    let rows: Vec<Row> = (0..residual_nm.len())
         .step_by(stride)
         .filter(|i| base.mask.counts(*i))
         .map(|i| {
             let sign = if by_direction { 2.0 * k_tilde[i] - 1.0 } else { 1.0 };
-            (motion[i].position, motion[i].velocity.abs(), sign * residual_nm[i])
+            lines.row(motion[i].position, motion[i].velocity.abs(), sign * residual_nm[i])
         })
         .collect();
     let count = ((PERIODS.1 - PERIODS.0) / SPACING) as usize;
-    let power = |n: usize| {
-        let periods_per_rad = (PERIODS.0 + n as f64 * SPACING) / range_rad;
-        let fastest_rad_s = PASSED * base.data().records.lowpass_hz / periods_per_rad;
-        (periods_per_rad, line_power(&rows, periods_per_rad, fastest_rad_s))
-    };
-    let spectrum: Vec<(f64, f64)> = (0..count).into_par_iter().map(power).collect();
+    let fastest_rad_s = |periods_per_rad: f64| PASSED * base.data().records.lowpass_hz / periods_per_rad;
+    let starts: Vec<usize> = (0..count).step_by(BLOCK).collect();
+    let of_block = |from: usize| lines.powers(&rows, from..(from + BLOCK).min(count), fastest_rad_s);
+    let spectrum: Vec<(f64, f64)> = starts.into_par_iter().flat_map_iter(of_block).collect();
     let is_peak = |i: &usize| {
         let at = |j: usize| spectrum.get(j).map_or(0.0, |line| line.1);
         at(*i) > at(i.wrapping_sub(1)) && at(*i) >= at(i + 1)
@@ -57,22 +59,76 @@ pub fn starts(base: &BaseModel<'_>, residual_nm: &[f64], by_direction: bool) -> 
     peaks.into_iter().map(|(periods, _)| std::iter::once(periods).chain([0.0; RIPPLE_NUMBERS - 1]).collect()).collect()
 }
 
-/// Square that a line takes from the rows slow enough for it to be seen, summed.
-fn line_power(rows: &[(f64, f64, f64)], periods_per_rad: f64, fastest_rad_s: f64) -> f64 {
-    let (mut sin_sum, mut cos_sum, mut count, mut mean, mut sins, mut coss) = (0.0, 0.0, 0usize, 0.0, 0.0, 0.0);
-    for (position, _, y) in rows.iter().filter(|row| row.1 < fastest_rad_s) {
-        let (sin, cos) = (TAU * periods_per_rad * position).sin_cos();
-        sin_sum += sin * y;
-        cos_sum += cos * y;
-        mean += y;
-        sins += sin;
-        coss += cos;
-        count += 1;
+/// A row whose spectrum is taken.
+struct Row {
+    position_rad: f64,
+    speed_rad_s: f64,
+    y_nm: f64,
+    /// Sine and cosine of the angle from one line to the next.
+    turn: (f64, f64),
+}
+
+/// Evenly spaced lines, in periods per radian.
+struct Lines {
+    first: f64,
+    spacing: f64,
+}
+
+/// What a line's power is made of.
+#[derive(Clone, Copy, Default)]
+struct Sums {
+    count: f64,
+    y: f64,
+    sin: f64,
+    cos: f64,
+    sin_y: f64,
+    cos_y: f64,
+}
+
+impl Lines {
+    fn at(&self, n: usize) -> f64 {
+        self.first + n as f64 * self.spacing
     }
-    if count == 0 {
-        return 0.0;
+
+    fn row(&self, position_rad: f64, speed_rad_s: f64, y_nm: f64) -> Row {
+        Row { position_rad, speed_rad_s, y_nm, turn: (TAU * self.spacing * position_rad).sin_cos() }
     }
-    let n = count as f64;
-    let (sin_sum, cos_sum) = (sin_sum - sins * mean / n, cos_sum - coss * mean / n);
-    2.0 * (sin_sum * sin_sum + cos_sum * cos_sum) / n
+
+    /// The lines `numbers`, each with the square that it takes from the rows slow enough for it to be seen, summed. Angles are turned on from
+    /// line to line.
+    fn powers(
+        &self,
+        rows: &[Row],
+        numbers: Range<usize>,
+        fastest_rad_s: impl Fn(f64) -> f64,
+    ) -> impl Iterator<Item = (f64, f64)> {
+        let lines: Vec<f64> = numbers.map(|n| self.at(n)).collect();
+        let fastest: Vec<f64> = lines.iter().map(|line| fastest_rad_s(*line)).collect();
+        let mut all = vec![Sums::default(); lines.len()];
+        for row in rows {
+            let (mut sin, mut cos) = (TAU * lines[0] * row.position_rad).sin_cos();
+            // The finer a line, the slower must a row be.
+            for (sums, _) in all.iter_mut().zip(&fastest).take_while(|(_, fastest)| row.speed_rad_s < **fastest) {
+                sums.count += 1.0;
+                sums.y += row.y_nm;
+                sums.sin += sin;
+                sums.cos += cos;
+                sums.sin_y += sin * row.y_nm;
+                sums.cos_y += cos * row.y_nm;
+                (sin, cos) = (sin * row.turn.1 + cos * row.turn.0, cos * row.turn.1 - sin * row.turn.0);
+            }
+        }
+        lines.into_iter().zip(all).map(|(line, sums)| (line, sums.power()))
+    }
+}
+
+impl Sums {
+    fn power(self) -> f64 {
+        if self.count == 0.0 {
+            return 0.0;
+        }
+        let mean = self.y / self.count;
+        let (sin, cos) = (self.sin_y - self.sin * mean, self.cos_y - self.cos * mean);
+        2.0 * (sin * sin + cos * cos) / self.count
+    }
 }
