@@ -157,12 +157,13 @@ pub struct Round<'d> {
 /// Of effects whose shape was searched over all that a campaign shows: where it is likely to be.
 pub type Likely = Vec<(&'static str, Vec<Vec<f64>>)>;
 
-/// All causes that are `wanted` and that `base` has not got already, each at its best; effects without promise are only sketched. Shapes are
-/// looked for where they are `likely`, else everywhere.
+/// All causes that are `wanted` and that `base` has not got already, each at its best; effects without promise beside the best, or beside what
+/// is known to be `reached`, are only sketched. Shapes are looked for where they are `likely`, else everywhere.
 pub fn try_all<'d>(
     base: &BaseModel<'d>,
     wanted: impl Fn(Cause) -> bool + Sync + Send,
     likely: &Likely,
+    reached: f64,
     listener: Listener<'_>,
 ) -> Round<'d> {
     let residual_nm = base.residual_nm();
@@ -182,7 +183,7 @@ pub fn try_all<'d>(
         shapes.map(|shape| (shape.effect.about().id, std::mem::take(&mut shape.promising))).collect();
     let mut place = 0..;
     initialised.retain(|initialised| place.next() < Some(FITTED) || initialised.is_shape());
-    let reach = initialised.first().map_or(f64::INFINITY, |best| reach(base, best.cost()));
+    let reach = initialised.first().map_or(f64::INFINITY, |best| reach(base, best.cost().min(reached)));
     let groups: Vec<Stale> =
         stale(&base.model, &base.data().extent).into_iter().filter(|group| wanted(Cause::Stale(group.name))).collect();
     listener(Progress::Ahead(groups.len() + initialised.len()));

@@ -8,7 +8,7 @@ use super::mask::Mask;
 use super::perturbation::{Perturbation, within_confidence};
 use super::progress::{Listener, Phase, Progress};
 use super::rounds::Rounds;
-use super::settle::Step;
+use super::settle::{Step, place};
 use crate::effects::Extent;
 use crate::model::Model;
 use std::cell::OnceCell;
@@ -81,7 +81,7 @@ pub fn choose<'d>(mask: &Arc<Mask<'d>>, model: &Model, listener: Listener<'_>) -
     let alone = |cause: Cause| scores.iter().filter(|(of, _)| *of == cause).fold(start, |least, (_, x)| least.min(*x));
     let (steps, last) = match &chosen[..] {
         [] => (Vec::new(), fit),
-        [one] => (vec![search.place(one, opening.tried, rest.clone(), &search.first)], fit),
+        [one] => (vec![place(search.own(one, &search.first), opening.tried, rest.clone())], fit),
         _ => search.settle(chosen),
     };
     let count = steps.len();
@@ -136,7 +136,7 @@ impl<'d> Search<'d, '_> {
             && (way.chosen.is_empty() || is_above(policy.further_floors, way.fit.score()))
         {
             (self.listener)(Progress::Begins(Phase::Cause(way.chosen.len() + 1)));
-            let round = self.round(&way.chosen, &way.fit, None);
+            let round = self.round(&way.chosen, &way.fit, None, f64::INFINITY);
             let mut next = self.one_more(&way, &round.tried);
             let closes = next.as_ref().is_some_and(|(_, fit)| !is_above(policy.first_floors, fit.score()));
             if let ([one], false) = (&way.chosen[..], closes) {
@@ -169,12 +169,19 @@ impl<'d> Search<'d, '_> {
     /// `chosen` fitted together, and as they stand there. The base's columns depend on the causes (with a transition its friction no longer
     /// jumps): they are taken with all of them in.
     pub(super) fn together(&self, chosen: &[Hypothesis]) -> (Vec<Hypothesis>, Fit<'d>) {
+        self.together_to_reach(f64::INFINITY, chosen)
+    }
+
+    /// The same, given up once it is clear that its cost will not fall to `reach`.
+    pub(super) fn together_to_reach(&self, reach: f64, chosen: &[Hypothesis]) -> (Vec<Hypothesis>, Fit<'d>) {
         let mut model = self.first.model.clone();
         let moves: Vec<Perturbation> =
             chosen.iter().flat_map(|hypothesis| hypothesis.put(&mut model, self.extent())).collect();
         let fit = match moves.is_empty() {
             true => self.rest.clone(),
-            false => BaseModel::new(&self.first.mask, &model, self.first.moves.clone()).fit(model, moves),
+            false => {
+                BaseModel::new(&self.first.mask, &model, self.first.moves.clone()).fit_to_reach(reach, model, moves)
+            }
         };
         let stands = |hypothesis: &Hypothesis| {
             let own: Vec<Perturbation> = hypothesis.moves().to_vec();

@@ -181,7 +181,7 @@ pub fn solve(sum: &DMatrix<f64>, rows: usize, prior: Prior<'_>) -> Solution {
 }
 
 /// Sum of products, in eight sums side by side: one alone waits for each addition.
-fn dot(a: &[f64], b: &[f64]) -> f64 {
+pub(super) fn dot(a: &[f64], b: &[f64]) -> f64 {
     let (mut sums, whole) = ([0.0; 8], a.len() / 8 * 8);
     for (x, y) in a[..whole].chunks_exact(8).zip(b[..whole].chunks_exact(8)) {
         for ((sum, x), y) in sums.iter_mut().zip(x).zip(y) {

@@ -4,12 +4,12 @@
 //! and its columns; the residual of a pair is that of both predictions and both sets of columns together.
 
 use super::base::BaseModel;
-use super::candidates::{Cause, Hypothesis, Likely, try_one};
+use super::candidates::{Cause, Hypothesis, Likely, REACH, try_one};
 use super::choose::{Forward, Search};
 use super::criteria::{Share, is_makeshift, is_tie};
 use super::fit::Fit;
 use super::folds::FOLDS;
-use super::gram::{solve, square_left};
+use super::gram::{dot, solve, square_left};
 use super::mask::Mask;
 use super::settle::all_but;
 use nalgebra::DMatrix;
@@ -102,8 +102,16 @@ impl<'d> Search<'d, '_> {
         way: &Forward<'d>,
     ) -> Option<(Vec<Hypothesis>, Fit<'d>)> {
         let likely = promising(&self.first, &way.opening.hypotheses);
-        let mut fitted: Vec<_> = likely.iter().map(|pair| self.together(pair)).collect();
+        let reach = |best: f64| best + REACH * (self.start - best).max(0.0);
+        let mut best = next.as_ref().map_or(f64::INFINITY, |(_, fit)| fit.score());
+        let fitted = |pair: &[Hypothesis; 2]| {
+            let fitted = self.together_to_reach(reach(best), pair);
+            best = best.min(fitted.1.score());
+            fitted
+        };
+        let mut fitted: Vec<_> = likely.iter().map(fitted).collect();
         fitted.sort_by(|a, b| a.1.score().total_cmp(&b.1.score()));
+        fitted.retain(|(_, fit)| fit.score() <= reach(best));
         fitted.truncate(REFINED);
         let refined = fitted
             .into_iter()
@@ -160,8 +168,11 @@ fn sums_of_folds(mask: &Mask<'_>, columns: &[Vec<f64>]) -> Vec<(DMatrix<f64>, us
         let units = || folds.units.iter().enumerate().filter(move |(at, _)| folds.fold[*at] == fold);
         let rows: Vec<usize> =
             units().flat_map(|(_, unit)| unit.clone()).filter(|i| mask.counts(*i) && i % stride == 0).collect();
-        let thinned = DMatrix::from_fn(rows.len(), columns.len(), |row, column| columns[column][rows[row]]);
-        (thinned.tr_mul(&thinned) * stride as f64, rows.len() * stride)
+        let thinned: Vec<Vec<f64>> = columns.iter().map(|column| rows.iter().map(|i| column[*i]).collect()).collect();
+        let lower = |a: usize, b: usize| if b <= a { stride as f64 * dot(&thinned[a], &thinned[b]) } else { 0.0 };
+        let mut sums = DMatrix::from_fn(columns.len(), columns.len(), lower);
+        sums.fill_upper_triangle_with_lower_triangle();
+        (sums, rows.len() * stride)
     };
     (0..FOLDS).into_par_iter().map(of_fold).collect()
 }

@@ -24,9 +24,9 @@ struct Beside<'d> {
 }
 
 impl<'d> Search<'d, '_> {
-    /// Everything, or what is `among` some causes, tried beside `known`, whose fit is `fit`: again only if the same causes stand elsewhere than
-    /// before.
-    pub fn round(&self, known: &[Hypothesis], fit: &Fit<'d>, among: Option<&[Cause]>) -> Round<'d> {
+    /// Everything, or what is `among` some causes, tried beside `known`, whose fit is `fit`, in a place where some cause is known to have
+    /// `reached` a score: again only if the same causes stand elsewhere than before.
+    pub fn round(&self, known: &[Hypothesis], fit: &Fit<'d>, among: Option<&[Cause]>, reached: f64) -> Round<'d> {
         let mut causes: Vec<_> = known.iter().map(|hypothesis| (hypothesis.cause, hypothesis.how)).collect();
         causes.sort_unstable();
         let score = fit.score();
@@ -38,7 +38,7 @@ impl<'d> Search<'d, '_> {
         let known: Vec<Cause> = known.iter().map(|hypothesis| hypothesis.cause).collect();
         let likely = self.rounds.all.borrow().first().map_or_else(Likely::new, |first| first.round.likely.clone());
         let wanted = |cause: Cause| !known.contains(&cause) && among.is_none_or(|among| among.contains(&cause));
-        let round = try_all(&self.base_of(fit), wanted, &likely, self.listener);
+        let round = try_all(&self.base_of(fit), wanted, &likely, reached, self.listener);
         if among.is_some() {
             return round;
         }

@@ -69,8 +69,9 @@ impl<'d> Search<'d, '_> {
         let others = all_but(chosen, at);
         let (others, without) = self.together(&others);
         (self.listener)(Progress::Begins(Phase::Rivals(chosen[at].cause.name())));
-        let round = self.round(&others, &without, among);
-        let step = self.place(&chosen[at], round.tried, without, &self.base_beside(&all_but(chosen, at)));
+        let own = self.own(&chosen[at], &self.base_beside(&all_but(chosen, at)));
+        let round = self.round(&others, &without, among, own.score());
+        let step = place(own, round.tried, without);
         let Some(best) = simplest(&step.tried, self.start) else { return step };
         let (own, best, first) = (&step.taken, &step.tried[best], &step.tried[0]);
         let is_simple = own.count() <= best.count();
@@ -82,27 +83,11 @@ impl<'d> Search<'d, '_> {
         Step::new(taken, step.tried, step.without)
     }
 
-    /// `hypothesis` as one of `tried`, or fitted on `base` from where it stands, whichever does better: fitted alone, the others may have
-    /// moved to where it gains nothing.
-    pub fn place(
-        &self,
-        hypothesis: &Hypothesis,
-        mut tried: Vec<FittedCause<'d>>,
-        without: Fit<'d>,
-        base: &BaseModel<'d>,
-    ) -> Step<'d> {
+    /// `hypothesis` fitted on `base` from where it stands.
+    pub fn own(&self, hypothesis: &Hypothesis, base: &BaseModel<'d>) -> FittedCause<'d> {
         let mut model = base.model.clone();
         let moves = hypothesis.put(&mut model, self.extent());
-        let own = FittedCause { cause: hypothesis.cause, how: hypothesis.how, fit: base.fit(model, moves) };
-        let is_own = |t: &FittedCause| (t.cause, t.how) == (hypothesis.cause, hypothesis.how);
-        let better = |t: &&FittedCause| t.score() <= own.score();
-        let taken = tried.iter().find(|t| is_own(t)).filter(better).cloned().unwrap_or_else(|| {
-            tried.retain(|t| !is_own(t));
-            let behind = tried.partition_point(|t| t.score() < own.score());
-            tried.insert(behind, own.clone());
-            own.clone()
-        });
-        Step::new(taken, tried, without)
+        FittedCause { cause: hypothesis.cause, how: hypothesis.how, fit: base.fit(model, moves) }
     }
 
     fn without_idle(&self, mut chosen: Vec<Hypothesis>, mut steps: Vec<Step<'d>>) -> (Vec<Step<'d>>, Fit<'d>) {
@@ -121,6 +106,20 @@ impl<'d> Search<'d, '_> {
             }
         }
     }
+}
+
+/// A cause as one of `tried`, or its `own` fit from where it stood, whichever does better: fitted alone, the others may have moved to where it
+/// gains nothing.
+pub fn place<'d>(own: FittedCause<'d>, mut tried: Vec<FittedCause<'d>>, without: Fit<'d>) -> Step<'d> {
+    let is_own = |t: &FittedCause| (t.cause, t.how) == (own.cause, own.how);
+    let better = |t: &&FittedCause| t.score() <= own.score();
+    let taken = tried.iter().find(|t| is_own(t)).filter(better).cloned().unwrap_or_else(|| {
+        tried.retain(|t| !is_own(t));
+        let behind = tried.partition_point(|t| t.score() < own.score());
+        tried.insert(behind, own.clone());
+        own.clone()
+    });
+    Step::new(taken, tried, without)
 }
 
 /// All that were chosen but number `at`.

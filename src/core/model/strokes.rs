@@ -8,9 +8,9 @@ use std::ops::Range;
 
 /// Samples over which a transition is first taken as two straight lines ...
 const SPAN: usize = 64;
-/// ... if it is as near to them as this, as a share of the way between both branches; else it is looked at more closely. Friction is
-/// known to 1e-3 of itself at best.
-const STRAIGHT: f64 = 2e-5;
+/// ... if it is as near to one as this, as a share of the way between both branches; else it is looked at more closely. Two lines are four
+/// times as near; friction is known to 1e-3 of itself at best.
+const STRAIGHT: f64 = 1e-4;
 /// See [`between`], as shares of the travel.
 const MIDWAY: std::ops::RangeInclusive<f64> = 0.2..=0.8;
 
