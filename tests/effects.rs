@@ -162,7 +162,7 @@ fn parameters_name_their_units_and_have_room() {
             assert!(has_unit || plain.contains(&p.name), "{}: {} has no unit", about.id, p.name);
             let (low, high) = p.bounds;
             assert!(low < high && low.is_finite() && high.is_finite(), "{}: {} in {low} to {high}", about.id, p.name);
-            let may_be_absent = p.role != Role::Strength || (p.allows(0.0) && low == -high);
+            let may_be_absent = p.role != Role::Strength || (low < 0.0 && 0.0 < high);
             assert!(may_be_absent, "{}: {} cannot be 0", about.id, p.name);
         }
         for other in about.trades_with {
