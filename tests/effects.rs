@@ -162,7 +162,7 @@ fn parameters_name_their_units_and_have_room() {
             assert!(has_unit || plain.contains(&p.name), "{}: {} has no unit", about.id, p.name);
             let (low, high) = p.bounds;
             assert!(low < high && low.is_finite() && high.is_finite(), "{}: {} in {low} to {high}", about.id, p.name);
-            let may_be_absent = p.role != Role::Strength || (low < 0.0 && 0.0 < high);
+            let may_be_absent = p.role != Role::Strength || (p.allows(0.0) && low == -high);
             assert!(may_be_absent, "{}: {} cannot be 0", about.id, p.name);
         }
         for other in about.trades_with {
@@ -363,6 +363,7 @@ fn numbers_that_contradict_the_name_are_told() {
         "end_stop:side=-1,stiffness_nm=4,position_rad=0.9,exponent=1.5",
         "load_dependent_friction:up=0.2,down=-0.15",
         "elastic_spring:stiffness_nm_rad=-0.3,stiffens=1,cubic_nm_rad3=-0.2",
+        "warm_up:restarts=0,cold_share=-0.5,cold_nm=0.1,time_constant_s=15,exponent=1",
         "friction_ripple:periods_per_rad=1.2,sin_1_nm=0.08",
         "torque_ripple:periods_per_rad=0.9,cos_of_load=0.1",
         "sensor_drift:restarts=0,horizon_s=40,waves=0,settle_s=5,line_nm=0.01,offset_nm=0.2",

@@ -22,7 +22,7 @@ const KEPT: usize = 2;
 /// Effects that are fitted in full: those that do best at their starts.
 const FITTED: usize = 7;
 /// What would not come within this share of the gain of the best start is not followed to its end: what ties is far nearer.
-pub const REACH: f64 = 0.3;
+const REACH: f64 = 0.3;
 
 /// Why a model differs from the joint.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
@@ -157,8 +157,8 @@ pub struct Round<'d> {
 /// Of effects whose shape was searched over all that a campaign shows: where it is likely to be.
 pub type Likely = Vec<(&'static str, Vec<Vec<f64>>)>;
 
-/// All causes that are `wanted` and that `base` has not got already, each at its best; effects without promise beside the best, or beside what
-/// is known to be `reached`, are only sketched. Shapes are looked for where they are `likely`, else everywhere.
+/// All causes that are `wanted` and that `base` has not got already, each at its best; effects without promise are only sketched, and what comes
+/// nowhere near the best start, or the score known to be `reached`, (N m)^2, is not followed to its end. Shapes are looked for where they are `likely`, else everywhere.
 pub fn try_all<'d>(
     base: &BaseModel<'d>,
     wanted: impl Fn(Cause) -> bool + Sync + Send,
@@ -183,7 +183,7 @@ pub fn try_all<'d>(
         shapes.map(|shape| (shape.effect.about().id, std::mem::take(&mut shape.promising))).collect();
     let mut place = 0..;
     initialised.retain(|initialised| place.next() < Some(FITTED) || initialised.is_shape());
-    let reach = initialised.first().map_or(f64::INFINITY, |best| reach(base, best.cost().min(reached)));
+    let reach = initialised.first().map_or(f64::INFINITY, |best| reach(alone(base), best.cost().min(reached)));
     let groups: Vec<Stale> =
         stale(&base.model, &base.data().extent).into_iter().filter(|group| wanted(Cause::Stale(group.name))).collect();
     listener(Progress::Ahead(groups.len() + initialised.len()));
@@ -302,7 +302,7 @@ fn begin(
     let is_linear = starts.first()?.2.iter().all(|way| way.is_linear);
     let followed = match effect.about().starts {
         Starts::Forms => {
-            let reach = reach(base, starts[0].0);
+            let reach = reach(alone(base), starts[0].0);
             starts.partition_point(|(cost, ..)| *cost <= reach).max(1)
         }
         Starts::PositionLines { .. } => 1,
@@ -313,10 +313,14 @@ fn begin(
     Some(Initialised { effect, starts, promising })
 }
 
-/// The cost from which on something has no prospect beside what comes to `best`.
-fn reach(base: &BaseModel<'_>, best: f64) -> f64 {
-    let (alone, _) = base.cost_beside(&[], &base.predicted_nm);
+/// The cost or score from which on something has no prospect beside what comes to `best` where `alone` is left without any, (N m)^2.
+pub fn reach(alone: f64, best: f64) -> f64 {
     best + REACH * (alone - best).max(0.0)
+}
+
+/// What `base` leaves alone, as a cost.
+fn alone(base: &BaseModel<'_>) -> f64 {
+    base.cost_beside(&[], &base.predicted_nm).0
 }
 
 /// The levels at which readings pile up, where they do, beside those that are always tried.

@@ -4,7 +4,7 @@
 //! and its columns; the residual of a pair is that of both predictions and both sets of columns together.
 
 use super::base::BaseModel;
-use super::candidates::{Cause, Hypothesis, Likely, REACH, try_one};
+use super::candidates::{Cause, Hypothesis, Likely, reach, try_one};
 use super::choose::{Forward, Search};
 use super::criteria::{Share, is_makeshift, is_tie};
 use super::fit::Fit;
@@ -102,16 +102,15 @@ impl<'d> Search<'d, '_> {
         way: &Forward<'d>,
     ) -> Option<(Vec<Hypothesis>, Fit<'d>)> {
         let likely = promising(&self.first, &way.opening.hypotheses);
-        let reach = |best: f64| best + REACH * (self.start - best).max(0.0);
         let mut best = next.as_ref().map_or(f64::INFINITY, |(_, fit)| fit.score());
         let fitted = |pair: &[Hypothesis; 2]| {
-            let fitted = self.together_to_reach(reach(best), pair);
+            let fitted = self.together_to_reach(reach(self.start, best), pair);
             best = best.min(fitted.1.score());
             fitted
         };
         let mut fitted: Vec<_> = likely.iter().map(fitted).collect();
         fitted.sort_by(|a, b| a.1.score().total_cmp(&b.1.score()));
-        fitted.retain(|(_, fit)| fit.score() <= reach(best));
+        fitted.retain(|(_, fit)| fit.score() <= reach(self.start, best));
         fitted.truncate(REFINED);
         let refined = fitted
             .into_iter()

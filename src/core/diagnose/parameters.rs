@@ -12,7 +12,7 @@ use crate::model::{Model, Term};
 const DRAWS: usize = 100;
 /// Half a 95 % interval in standard errors.
 const HALF_WIDTH: f64 = 1.96;
-/// A value within this share of its range from a bound is at it.
+/// A value within this share of its range from a bound, or of the bound where it may be negative, is at it.
 const AT_BOUND: f64 = 1e-4;
 
 /// Below this resolution a number is decided by what was assumed of its size: its interval by resampling says too little.
@@ -68,7 +68,8 @@ pub fn of_cause(resamples: &Resamples, fit: &Fit<'_>, (cause, how): (Cause, &str
                     name: parameter.own_name(&fit.model),
                     value,
                     interval: Some((a.min(b), a.max(b))),
-                    doubt: doubt(parameter, &fit.model, way.most).or((resolution < RESOLVED).then_some(UNRESOLVED)),
+                    doubt: doubt(parameter, &fit.model, way.range(parameter, &fit.model))
+                        .or((resolution < RESOLVED).then_some(UNRESOLVED)),
                 });
             }
         }
@@ -85,7 +86,7 @@ pub fn of_cause(resamples: &Resamples, fit: &Fit<'_>, (cause, how): (Cause, &str
 }
 
 /// Viscous friction below zero would help the motion, and friction that rises with speed is no Stribeck effect. A positive range is compared in its logarithm, for it spans decades.
-fn doubt(parameter: ParameterRef, model: &Model, most: f64) -> Option<&'static str> {
+fn doubt(parameter: ParameterRef, model: &Model, (low, high): (f64, f64)) -> Option<&'static str> {
     let is_positive = match parameter {
         ParameterRef::Friction(_, term) => term == Term::Viscous,
         ParameterRef::Effect(effect, at) => model.effects[effect].effect.about().parameters[at].is_positive,
@@ -94,12 +95,34 @@ fn doubt(parameter: ParameterRef, model: &Model, most: f64) -> Option<&'static s
     if is_positive && parameter.value(model) < 0.0 {
         return Some(BELOW_ZERO);
     }
-    let (low, high) = parameter.bounds(model);
-    let high = high.min(most);
     if !low.is_finite() || !high.is_finite() {
         return None;
     }
     let value = parameter.value(model);
-    let share = if low > 0.0 { (value / low).ln() / (high / low).ln() } else { (value - low) / (high - low) };
-    (!(AT_BOUND..=1.0 - AT_BOUND).contains(&share)).then_some("at its bound")
+    let is_at_bound = match low > 0.0 {
+        true => !(AT_BOUND..=1.0 - AT_BOUND).contains(&((value / low).ln() / (high / low).ln())),
+        false => [low, high].iter().any(|bound| (value - bound).abs() <= AT_BOUND * bound.abs()),
+    };
+    is_at_bound.then_some("at its bound")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::doubt;
+    use crate::diagnose::data::tests::bundled;
+    use crate::diagnose::perturbation::of_effect;
+    use crate::effects::Added;
+
+    #[test]
+    fn a_share_is_at_its_bound_where_it_is_least_and_nowhere_else() {
+        let (data, mut model) = bundled();
+        for (cold_share, expected) in [(0.4, None), (0.0, None), (-0.1, Some("at its bound"))] {
+            let text = format!("warm_up:restarts=0,cold_share={cold_share},time_constant_s=15,exponent=1");
+            model.effects = vec![Added::parse(&text).unwrap()];
+            let share = &of_effect(&model, 0, &data.extent)[0];
+            let parameter = share.parameters().next().unwrap();
+            assert_eq!(parameter.own_name(&model), "cold_share");
+            assert_eq!(doubt(parameter, &model, share.range(parameter, &model)), expected, "{text}");
+        }
+    }
 }

@@ -31,15 +31,15 @@ pub struct Perturbation {
     pub prior: f64,
     /// The largest change of the number in one step.
     pub stride: f64,
-    /// Upper limit of its parameters.
-    pub most: f64,
+    /// Limits of its parameters, beside their bounds.
+    pub limits: (f64, f64),
     /// Whether the prediction is in proportion to it, or nearly so.
     pub is_linear: bool,
 }
 
 impl Perturbation {
     pub(super) fn of(turns: Vec<(ParameterRef, Mode)>, prior: f64) -> Self {
-        Self { turns, prior, stride: f64::INFINITY, most: f64::INFINITY, is_linear: true }
+        Self { turns, prior, stride: f64::INFINITY, limits: (f64::NEG_INFINITY, f64::INFINITY), is_linear: true }
     }
 
     /// The same with a prior standard deviation of `deviation`.
@@ -50,13 +50,13 @@ impl Perturbation {
     /// Changes `model` by `x`.
     pub fn apply(&self, model: &mut Model, x: f64) {
         for (parameter, turn) in &self.turns {
-            let bounds = parameter.bounds(model);
+            let (low, high) = self.range(*parameter, model);
             if let Some(slot) = parameter.slot(model) {
                 *slot = match turn {
                     Mode::Add(step) => *slot + x * step,
                     Mode::Scale => *slot * x.exp(),
                 }
-                .clamp(bounds.0, bounds.1.min(self.most).max(bounds.0));
+                .clamp(low, high.max(low));
             }
         }
     }
@@ -84,6 +84,12 @@ impl Perturbation {
             }
         }
         varied
+    }
+
+    /// Within what it keeps `parameter`.
+    pub fn range(&self, parameter: ParameterRef, model: &Model) -> (f64, f64) {
+        let (low, high) = parameter.bounds(model);
+        (low.max(self.limits.0), high.min(self.limits.1))
     }
 
     /// The parameters that it turns.
@@ -172,10 +178,10 @@ pub fn of_effect(model: &Model, at: usize, extent: &Extent) -> Vec<Perturbation>
     let span = |(low, high): (f64, f64)| (high - low).abs().max(f64::MIN_POSITIVE);
     let one = |(index, parameter): (usize, &Parameter)| {
         let own = ParameterRef::Effect(at, index);
-        let most = model.effects[at].effect.most(index, extent);
+        let limits = model.effects[at].effect.limits(index, extent);
         let move_of = |turn, is_linear, stride| Perturbation {
             is_linear,
-            most,
+            limits,
             stride,
             ..Perturbation::of(vec![(own, turn)], f64::INFINITY)
         };

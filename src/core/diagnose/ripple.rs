@@ -132,3 +132,28 @@ impl Sums {
         2.0 * (sin * sin + cos * cos) / self.count
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::{BLOCK, Lines};
+    use std::f64::consts::TAU;
+
+    #[test]
+    fn a_line_takes_from_the_rows_slow_enough_what_its_sine_and_cosine_take() {
+        let lines = Lines { first: 0.7, spacing: 0.13 };
+        let of = |i: usize| {
+            let t = i as f64 * 0.01;
+            ((1.3 * t).sin(), (2.1 * t).cos().abs(), (5.0 * t).sin() + 0.3)
+        };
+        let rows: Vec<_> = (0..700).map(|i| of(i)).map(|(q, speed, y)| lines.row(q, speed, y)).collect();
+        let fastest_rad_s = |line: f64| 1.5 / line;
+        for (line, power) in lines.powers(&rows, 3..3 + BLOCK, fastest_rad_s) {
+            let slow: Vec<_> = (0..700).map(of).filter(|(_, speed, _)| *speed < fastest_rad_s(line)).collect();
+            let n = slow.len() as f64;
+            let mean = slow.iter().map(|(.., y)| y).sum::<f64>() / n;
+            let part = |of: fn(f64) -> f64| slow.iter().map(|(q, _, y)| of(TAU * line * q) * (y - mean)).sum::<f64>();
+            let expected = 2.0 * (part(f64::sin).powi(2) + part(f64::cos).powi(2)) / n;
+            assert!((power / expected - 1.0).abs() < 1e-9, "line {line}: {power} for {expected}");
+        }
+    }
+}

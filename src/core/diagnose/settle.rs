@@ -1,7 +1,7 @@
 //! Causes that were found one after the other, each tried again with the others in.
 
 use super::base::BaseModel;
-use super::candidates::{Cause, FittedCause, Hypothesis, REACH};
+use super::candidates::{Cause, FittedCause, Hypothesis, reach};
 use super::choose::Search;
 use super::criteria::{Share, distinctness, is_tie, simplest};
 use super::fit::Fit;
@@ -31,7 +31,7 @@ impl<'d> Step<'d> {
     /// The causes that gain nearly as much as the best: what falls far short beside causes falls short beside much the same, too.
     fn prospects(&self) -> Vec<Cause> {
         let best = self.tried.first().map_or(0.0, FittedCause::score);
-        let reach = best + REACH * (self.without.score() - best).max(0.0);
+        let reach = reach(self.without.score(), best);
         self.tried.iter().filter(|tried| tried.score() <= reach).map(|tried| tried.cause).collect()
     }
 

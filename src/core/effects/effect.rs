@@ -33,9 +33,10 @@ pub trait Effect: Along<f64> + Along<Dual> + for<'t> Along<Expression<'t>> + Syn
         0
     }
 
-    /// The most that parameter number `at` may be for a campaign to show it.
-    fn most(&self, _at: usize, _extent: &Extent) -> f64 {
-        f64::INFINITY
+    /// Limits within which a search keeps parameter number `at`, narrower than its bounds: beyond them a campaign does not show it, or the
+    /// effect would be another.
+    fn limits(&self, _at: usize, _extent: &Extent) -> (f64, f64) {
+        (f64::NEG_INFINITY, f64::INFINITY)
     }
 
     /// What it is in a simulator whose joints know a spring and an inertia.

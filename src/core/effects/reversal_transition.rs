@@ -48,7 +48,7 @@ impl Effect for ReversalTransition {
         let own_m = (extent.backlash_m > 0.0).then_some(extent.backlash_m);
         spaced(WIDTHS.0 * range_m, WIDTHS.1 * range_m, 8)
             .chain(own_m)
-            .filter(|width_m| *width_m <= self.most(0, extent))
+            .filter(|width_m| *width_m <= widest_m(extent))
             .flat_map(|width_m| [(0.3, 0.2), (0.3, 1.0), (3.0, 1.0), (0.3, 2.0)].map(|(p, n)| vec![width_m, p, n]))
             .collect()
     }
@@ -62,10 +62,14 @@ impl Effect for ReversalTransition {
         p[0] >= extent.resolution_rad * extent.pulley_radius_m
     }
 
-    /// A clearance that some trial never crosses would leave that trial without a state to begin from.
-    fn most(&self, at: usize, extent: &Extent) -> f64 {
-        if at == 0 { CROSSED * extent.stroke_rad * extent.pulley_radius_m } else { f64::INFINITY }
+    fn limits(&self, at: usize, extent: &Extent) -> (f64, f64) {
+        (f64::NEG_INFINITY, if at == 0 { widest_m(extent) } else { f64::INFINITY })
     }
+}
+
+/// A clearance that some trial never crosses would leave that trial without a state to begin from, m.
+fn widest_m(extent: &Extent) -> f64 {
+    CROSSED * extent.stroke_rad * extent.pulley_radius_m
 }
 
 impl<S: Scalar> Hooks<S> for ReversalTransition {

@@ -13,7 +13,7 @@ fn cold<S: Scalar>(p: &[S], t_s: S) -> S {
     if p[6].value() > 0.5 { (share + 1.0).powf(-p[5]) } else { (-share.powf(p[5])).exp() }
 }
 
-/// Friction is not lower when cold; where only its constant and viscous part warm up, the share of all may come out so much below 0.
+/// How much less of all friction there may seem to be when cold, beside more of its constant and viscous part.
 const LESS_MAX: f64 = 0.1;
 
 static ABOUT: About = About {
@@ -29,7 +29,7 @@ static ABOUT: About = About {
     example: "restarts=0,cold_share=0.4,time_constant_s=15,exponent=1",
     parameters: &[
         Parameter::choice("restarts", 0.0, 1.0),
-        Parameter { bounds: (-LESS_MAX, 1e9), ..Parameter::strength("cold_share") },
+        Parameter::strength("cold_share"),
         Parameter::strength("cold_nm"),
         Parameter::strength("cold_nm_s_rad"),
         Parameter::shape("time_constant_s", 1e-2, 1e6),
@@ -68,9 +68,14 @@ impl Effect for WarmUp {
         extent.clocks().flat_map(of).collect()
     }
 
-    /// Friction that is as high at the end as at the start is not this effect.
+    /// Friction that is lower when cold is not this effect; where only a part of it warms up, the share may come out slightly negative.
+    /// Nor is friction that is as high at the end as at the start.
     fn is_itself(&self, p: &[f64], extent: &Extent) -> bool {
-        varies(|t_s| cold(p, t_s), extent.horizon_s(p[0]))
+        p[1] >= -LESS_MAX && varies(|t_s| cold(p, t_s), extent.horizon_s(p[0]))
+    }
+
+    fn limits(&self, at: usize, _extent: &Extent) -> (f64, f64) {
+        (if at == 1 { -LESS_MAX } else { f64::NEG_INFINITY }, f64::INFINITY)
     }
 }
 
