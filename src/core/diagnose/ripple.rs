@@ -145,7 +145,7 @@ mod tests {
             let t = i as f64 * 0.01;
             ((1.3 * t).sin(), (2.1 * t).cos().abs(), (5.0 * t).sin() + 0.3)
         };
-        let rows: Vec<_> = (0..700).map(|i| of(i)).map(|(q, speed, y)| lines.row(q, speed, y)).collect();
+        let rows: Vec<_> = (0..700).map(of).map(|(q, speed, y)| lines.row(q, speed, y)).collect();
         let fastest_rad_s = |line: f64| 1.5 / line;
         for (line, power) in lines.powers(&rows, 3..3 + BLOCK, fastest_rad_s) {
             let slow: Vec<_> = (0..700).map(of).filter(|(_, speed, _)| *speed < fastest_rad_s(line)).collect();
