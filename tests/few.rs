@@ -5,7 +5,6 @@ use nalgebra::{DMatrix, DVector};
 use tautline::identify::{Form, FrictionFit, Identification, Route, Settings};
 use tautline::model::{Both, Status};
 use tautline::numerics::cluster;
-use tautline::report::identification::overall_rmse_nm;
 use tautline::simulate::{Plan, Sensors};
 
 fn campaign(speeds: usize, repeats: u32, seed: u64) -> tempfile::TempDir {
@@ -37,7 +36,7 @@ fn the_default_form_does_not_run_away() {
     for (speeds, repeats) in [(4, 1), (6, 1), (6, 2), (8, 1), (12, 1)] {
         for seed in [5, 13] {
             let folder = campaign(speeds, repeats, seed);
-            let rmse_nm = |form| overall_rmse_nm(&identified(folder.path(), Settings { form, ..Settings::default() }));
+            let rmse_nm = |form| identified(folder.path(), Settings { form, ..Settings::default() }).rmse_nm();
             let (default, one) = (rmse_nm(Form::Two), rmse_nm(Form::One));
             assert!(default <= 1.02 * one, "{speeds} x {repeats}, seed {seed}: {default} where one leaves {one}");
         }

@@ -56,7 +56,7 @@ fn a_measured_load_gives_a_with_gravity_or_without() {
         gravity_as_load(folder.path(), &model, share);
         let found = identified(folder.path(), Settings::default());
         assert_recovered(&found, &model);
-        let rmse_nm = tautline::report::identification::overall_rmse_nm(&found);
+        let rmse_nm = found.rmse_nm();
         assert!(rmse_nm < 8e-3, "{rmse_nm}");
         let Route::Sweeps(fits) = &found.route else { panic!("not by sweeps") };
         // Without gravity A is what the winch sees of 1 N m, with it of gravity's torque.

@@ -60,7 +60,7 @@ pub(super) fn of_identification(found: &Identification, trials: &[TrialMark], lo
             ));
         }
     }
-    all.push(error("fit.whole.rmse_nm".to_string(), whole_nm(found), of_all(found, trials, lowpass_hz)));
+    all.push(error("fit.whole.rmse_nm".to_string(), found.rmse_nm(), of_all(found, trials, lowpass_hz)));
     all.extend(parameters(&found.model));
     all
 }
@@ -188,15 +188,9 @@ fn share(independent: f64) -> f64 {
 
 /// The same of all trials of an identification: by the scatter between them where that is larger.
 fn of_all(found: &Identification, trials: &[TrialMark], lowpass_hz: f64) -> f64 {
-    let each: Vec<f64> = found.residuals.iter().map(|r| r.rmse_nm()).filter(|x| x.is_finite()).collect();
+    let each: Vec<f64> = found.residuals.iter().map(|r| r.rmse_nm).filter(|x| x.is_finite()).collect();
     let n = each.len() as f64;
     let between = SQRT_2 * student_t(n - 1.0) * standard_deviation(&each) / n.sqrt() / mean(&each);
     let independent: f64 = trials.iter().map(|mark| mark.independent(lowpass_hz)).sum();
     share(independent).max(if between.is_finite() { between } else { 0.0 })
-}
-
-/// RMSE over all samples of all trials, N m.
-fn whole_nm(found: &Identification) -> f64 {
-    let squares: f64 = found.residuals.iter().flat_map(|r| &r.residual_nm).map(|e| e * e).sum();
-    (squares / found.residuals.iter().map(|r| r.residual_nm.len()).sum::<usize>() as f64).sqrt()
 }

@@ -97,7 +97,7 @@ fn trials(common: &Common, zero_as_declared: bool, talk: &Talk) -> Result<()> {
     let mut warnings = warnings_of(&campaign, &readings);
     let sums: Vec<_> = readings.into_iter().flat_map(|r| r.legs).collect();
     let settings = Settings { zero_as_declared, ..Settings::default() };
-    let (zero, mut legs) = legs::fit_legs(&sums, settings.zero_within_rad(&campaign));
+    let (zero, mut legs) = legs::fit_legs(&sums.iter().collect::<Vec<_>>(), settings.zero_within_rad(&campaign));
     warnings.splice(0..0, zero::warning(&zero));
     let a = legs::amplitudes(&legs, legs::load_of_a_nm(&campaign), &campaign.file)?;
     legs::fix_a(&mut legs, &a);

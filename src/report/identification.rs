@@ -114,21 +114,12 @@ pub fn branch_forms(fit: &FrictionFit) -> Value {
 
 /// The model against every trial, both sides low-passed.
 fn whole(identification: &Identification) -> Value {
-    let trial = |r: &crate::identify::Residual| json!({ "file": r.file, "protocol": r.protocol.name(), "rmse_nm": r.rmse_nm() });
+    let trial =
+        |r: &crate::identify::Residual| json!({ "file": r.file, "protocol": r.protocol.name(), "rmse_nm": r.rmse_nm });
     json!({
-        "rmse_nm": overall_rmse_nm(identification),
+        "rmse_nm": identification.rmse_nm(),
         "trials": identification.residuals.iter().map(trial).collect::<Vec<Value>>(),
     })
-}
-
-/// RMSE over all samples of all trials, N m; NaN without any.
-pub fn overall_rmse_nm(identification: &Identification) -> f64 {
-    let (mut sum, mut count) = (0.0, 0.0);
-    for residual in &identification.residuals {
-        sum += residual.residual_nm.iter().map(|r| r * r).sum::<f64>();
-        count += residual.residual_nm.len() as f64;
-    }
-    (sum / count).sqrt()
 }
 
 /// The curves by name.

@@ -4,7 +4,7 @@
 //! terminal.
 
 use super::chart::{Figure, characters};
-use super::identification::{overall_rmse_nm, parameter};
+use super::identification::parameter;
 use super::number::{counted, r_squared, significant};
 use super::parameters::{Parameter, combination, friction, rests_on};
 use super::plots;
@@ -55,7 +55,7 @@ pub fn write_summary(
         writeln!(out, "  {DIM}{}{DIM:#}", wrapped(&text, 2))?;
     }
     heading(out, "Whole series")?;
-    writeln!(out, "  RMSE over all trials {}", units.torque(overall_rmse_nm(found)))?;
+    writeln!(out, "  RMSE over all trials {}", units.torque(found.rmse_nm()))?;
     if let Some(refined) = &found.refinement {
         writeln!(out, "  {}", wrapped(&refinement(refined, &units), 2))?;
     }

@@ -1,6 +1,6 @@
 //! An identification in plain words with its numbers: what was found, how certain, and its warnings.
 
-use super::identification::{overall_rmse_nm, parameter};
+use super::identification::parameter;
 use super::number::{counted, r_squared, significant};
 use super::parameters::parameters;
 use super::wording::{Units, moving};
@@ -36,7 +36,7 @@ pub fn verdict(found: &Identification) -> Verdict {
 /// How well the model meets all trials; `None` where no sample could be compared.
 fn whole_series(found: &Identification, units: &Units) -> Option<String> {
     let samples: usize = found.residuals.iter().map(|r| r.residual_nm.len()).sum();
-    let rmse = units.torque(overall_rmse_nm(found));
+    let rmse = units.torque(found.rmse_nm());
     (samples > 0)
         .then(|| format!("RMSE of the model over all trials, to which it was fitted: {rmse}, after the low-pass."))
 }

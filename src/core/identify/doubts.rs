@@ -2,24 +2,32 @@
 
 use super::Residual;
 use crate::model::{Confidence, Direction, Level, Model, Status, Term};
-use crate::numerics::statistics::{HALF_WIDTH, root_mean_square};
+use crate::numerics::statistics::HALF_WIDTH;
+use rayon::prelude::*;
 
 /// Beyond the sweeps' speeds the residual may be this many times that within before a word is due.
 const EXTRAPOLATED: f64 = 2.0;
 
 /// A word when the model does worse at speeds that no sweep reached.
 pub fn extrapolation_warning(residuals: &[Residual], fastest_rad_s: f64, refined: bool) -> Option<String> {
-    let (mut within, mut beyond) = (Vec::new(), Vec::new());
-    let mut top_rad_s = 0f64;
-    for (v, r) in residuals.iter().flat_map(|t| t.velocity_rad_s.iter().zip(&t.residual_nm)) {
-        if v.abs() > 1.1 * fastest_rad_s {
-            beyond.push(*r)
-        } else {
-            within.push(*r)
+    // Of all samples, and of those beyond: sum of squares and count; and the top speed.
+    let sums = |trial: &Residual| {
+        let mut sums = [0.0; 5];
+        for (v, r) in trial.velocity_rad_s.iter().zip(&trial.residual_nm) {
+            let beyond = f64::from(v.abs() > 1.1 * fastest_rad_s);
+            sums[0] += r * r;
+            sums[1] += 1.0;
+            sums[2] += beyond * r * r;
+            sums[3] += beyond;
+            sums[4] = sums[4].max(v.abs());
         }
-        top_rad_s = top_rad_s.max(v.abs());
-    }
-    let (here_nm, there_nm) = (root_mean_square(&within), root_mean_square(&beyond));
+        sums
+    };
+    let join = |a: [f64; 5], b: [f64; 5]| [a[0] + b[0], a[1] + b[1], a[2] + b[2], a[3] + b[3], a[4].max(b[4])];
+    let each: Vec<[f64; 5]> = residuals.par_iter().map(sums).collect();
+    let [all, count, beyond, count_beyond, top_rad_s] = each.into_iter().fold([0.0; 5], join);
+    let here_nm = ((all - beyond) / (count - count_beyond)).sqrt();
+    let there_nm = (beyond / count_beyond).sqrt();
     (there_nm > EXTRAPOLATED * here_nm).then(|| {
         let cure = if refined { "" } else { "; record faster sweeps, or try --refine" };
         format!(

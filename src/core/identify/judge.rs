@@ -7,13 +7,13 @@ use crate::model::Model;
 use rayon::prelude::*;
 
 /// RMSE of `model` with a curve fitted to it, over all samples and after reversals, N m; NaN where there are none.
-pub fn left_nm(trials: &[Prepared], mut model: Model, lowpass_hz: f64, settings: Settings) -> [f64; 2] {
+pub fn left_nm(trials: &[&Prepared], mut model: Model, lowpass_hz: f64, settings: Settings) -> [f64; 2] {
     let curve = fit_one(trials, &model, lowpass_hz, settings);
     if let Some(fit) = &curve {
         model.combination = fit.curve;
         model.joint.backlash_m = fit.backlash_m;
     }
-    let square_sum = |trial: &Prepared| {
+    let square_sum = |trial: &&Prepared| {
         let (residual, known_from) = trial.residual_nm(&model);
         let used = residual.iter().zip(&trial.series.in_range).skip(known_from).filter(|(_, ok)| **ok);
         used.fold((0.0, 0.0), |(sum, count), (r, _)| (sum + r * r, count + 1.0))

@@ -130,7 +130,7 @@ pub fn load_of_a_nm(campaign: &Campaign) -> f64 {
 
 /// Steps 2 and 3 for all legs: the zero of the position, declared within `declared_rad` (0 takes it as declared), then each
 /// leg's A and B at it.
-pub fn fit_legs(sums: &[LegSums], declared_rad: f64) -> (Zero, Vec<LegFit>) {
+pub fn fit_legs(sums: &[&LegSums], declared_rad: f64) -> (Zero, Vec<LegFit>) {
     let zero = Zero::estimate(sums, declared_rad);
     let mut legs: Vec<LegFit> = sums.iter().map(|leg| leg.fit(zero.rad)).collect();
     for direction in Direction::BOTH {
@@ -143,22 +143,27 @@ pub fn fit_legs(sums: &[LegSums], declared_rad: f64) -> (Zero, Vec<LegFit>) {
     (zero, legs)
 }
 
-/// Leaves out those of `sums`, and of what stands beside them, along which the load hardly changes: they say nothing of A. Kept is a
-/// direction in which it changes along none. How many were left out.
-pub fn keep_telling<T>(sums: &mut Vec<LegSums>, beside: &mut Vec<T>, declared_rad: f64) -> usize {
-    let (_, legs) = fit_legs(sums, declared_rad);
+/// The same without those of `sums`, and of what stands beside them, along which the load hardly changes: they say nothing of A. Kept is
+/// a direction in which it changes along none. How many were left out, the zero, and the legs that remain.
+pub fn fit_telling<T>(sums: &mut Vec<LegSums>, beside: &mut Vec<T>, declared_rad: f64) -> (usize, Zero, Vec<LegFit>) {
+    let (zero, legs) = fit_legs(&sums.iter().collect::<Vec<_>>(), declared_rad);
     let tells = |leg: &LegFit| leg.a_nm.is_finite();
     let any = Both::make(|direction| legs.iter().any(|leg| leg.direction == direction && tells(leg)));
     let keep: Vec<bool> = legs.iter().map(|leg| tells(leg) || !any.of(leg.direction)).collect();
+    let left_out = keep.iter().filter(|kept| !**kept).count();
+    if left_out == 0 {
+        return (0, zero, legs);
+    }
     let (mut of_sums, mut of_beside) = (keep.iter(), keep.iter());
     sums.retain(|_| of_sums.next() == Some(&true));
     beside.retain(|_| of_beside.next() == Some(&true));
-    keep.iter().filter(|kept| !**kept).count()
+    let (zero, legs) = fit_legs(&sums.iter().collect::<Vec<_>>(), declared_rad);
+    (left_out, zero, legs)
 }
 
 /// Standard error of the mean A of `direction` from errors that repeat at the same place in every leg, N m.
-fn position_se_nm(sums: &[LegSums], direction: Direction, zero_rad: f64) -> f64 {
-    let mine: Vec<&LegSums> = sums.iter().filter(|leg| leg.direction == direction).collect();
+fn position_se_nm(sums: &[&LegSums], direction: Direction, zero_rad: f64) -> f64 {
+    let mine: Vec<&LegSums> = sums.iter().copied().filter(|leg| leg.direction == direction).collect();
     let share = 1.0 / mine.len() as f64;
     let of_leg = |leg: &&LegSums| leg.a_by_block_nm(zero_rad).iter().map(|x| share * x).collect();
     let by_leg: Vec<Vec<f64>> = mine.iter().map(of_leg).collect();

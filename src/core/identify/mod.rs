@@ -130,6 +130,19 @@ pub struct Identification {
     pub rows: usize,
 }
 
+impl Identification {
+    /// RMSE over all samples of all trials, N m; NaN without any.
+    pub fn rmse_nm(&self) -> f64 {
+        let of_trials = self.residuals.iter().filter(|residual| !residual.residual_nm.is_empty());
+        let add = |(sum, count), residual: &Residual| {
+            let samples = residual.residual_nm.len() as f64;
+            (sum + residual.rmse_nm.powi(2) * samples, count + samples)
+        };
+        let (sum, count) = of_trials.fold((0.0, 0.0), add);
+        f64::sqrt(sum / count)
+    }
+}
+
 /// An estimated clearance larger than the declared one by more than this share asks for legs that leave out more.
 const RECUT: f64 = 1.05;
 

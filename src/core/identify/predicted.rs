@@ -5,6 +5,7 @@ use crate::effects::{Evaluated, Sample};
 use crate::model::{Asked, Direction, Model, Transition, settle};
 use crate::numerics::filter::LowPass;
 use crate::numerics::scalar::Scalar;
+use crate::numerics::statistics::extent;
 use crate::prepare::Series;
 use std::ops::Range;
 
@@ -18,13 +19,19 @@ pub struct Prepared {
     pub series: Series,
     /// The campaign's low-pass, designed for the thinned rate; `None` if that rate cannot carry it.
     lowpass: Option<LowPass>,
+    /// Samples at which the joint turns, with the direction it turns to.
+    reversals: Vec<(usize, Direction)>,
+    /// How far it goes from one reversal to the next, rad.
+    strokes_rad: Vec<f64>,
 }
 
 impl Prepared {
     /// `series` with a low-pass of `order` at `cutoff_hz`.
     pub fn new(series: Series, order: usize, cutoff_hz: f64) -> Self {
         let lowpass = LowPass::new(order, cutoff_hz, series.rate_hz);
-        Self { series, lowpass }
+        let reversals = reversals(&series);
+        let strokes_rad = strokes_rad(&series, &reversals);
+        Self { series, lowpass, reversals, strokes_rad }
     }
 
     /// Samples.
@@ -86,29 +93,15 @@ impl Prepared {
     }
 
     /// Samples at which the joint turns, with the direction it turns to.
-    pub fn reversals(&self) -> Vec<(usize, Direction)> {
-        let positions = &self.series.position_rad;
-        let Some(first) = positions.first() else { return Vec::new() };
-        let (mut extreme_rad, mut at, mut direction) = (*first, 0, None);
-        let mut turns = Vec::new();
-        for (i, x) in positions.iter().enumerate() {
-            let onward = |d: Direction| (x - extreme_rad) * d.sign();
-            match direction {
-                Some(d) if onward(d) >= 0.0 => (extreme_rad, at) = (*x, i),
-                Some(d) if onward(d) >= -self.series.deadband_rad => {}
-                _ if (x - extreme_rad).abs() > self.series.deadband_rad => {
-                    let turned = if *x > extreme_rad { Direction::Up } else { Direction::Down };
-                    if direction.is_some() {
-                        turns.push((at, turned));
-                    }
-                    direction = Some(turned);
-                    (extreme_rad, at) = (*x, i);
-                }
-                _ => {}
-            }
-        }
-        turns
+    pub fn reversals(&self) -> &[(usize, Direction)] {
+        &self.reversals
     }
+
+    /// How far it goes from one reversal to the next, rad; of a motion without a whole stroke, its range.
+    pub fn strokes_rad(&self) -> &[f64] {
+        &self.strokes_rad
+    }
+
     /// The motion cut at its reversals, with where each stroke goes; what comes before the first reversal is one too.
     pub fn strokes(&self) -> Vec<(Range<usize>, Direction)> {
         let turns = self.reversals();
@@ -120,4 +113,37 @@ impl Prepared {
         let ends = turns.iter().map(|(at, _)| *at).chain([self.len()]);
         starts.zip(ends).map(|((start, direction), end)| (start..end, direction)).collect()
     }
+}
+
+/// Samples at which the joint turns, with the direction it turns to.
+fn reversals(series: &Series) -> Vec<(usize, Direction)> {
+    let positions = &series.position_rad;
+    let Some(first) = positions.first() else { return Vec::new() };
+    let (mut extreme_rad, mut at, mut direction) = (*first, 0, None);
+    let mut turns = Vec::new();
+    for (i, x) in positions.iter().enumerate() {
+        let onward = |d: Direction| (x - extreme_rad) * d.sign();
+        match direction {
+            Some(d) if onward(d) >= 0.0 => (extreme_rad, at) = (*x, i),
+            Some(d) if onward(d) >= -series.deadband_rad => {}
+            _ if (x - extreme_rad).abs() > series.deadband_rad => {
+                let turned = if *x > extreme_rad { Direction::Up } else { Direction::Down };
+                if direction.is_some() {
+                    turns.push((at, turned));
+                }
+                direction = Some(turned);
+                (extreme_rad, at) = (*x, i);
+            }
+            _ => {}
+        }
+    }
+    turns
+}
+
+fn strokes_rad(series: &Series, turns: &[(usize, Direction)]) -> Vec<f64> {
+    if turns.len() < 2 {
+        let (low, high) = extent(&series.position_rad);
+        return vec![(high - low).max(0.0)];
+    }
+    turns.windows(2).map(|pair| (series.position_rad[pair[1].0] - series.position_rad[pair[0].0]).abs()).collect()
 }

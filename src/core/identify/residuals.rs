@@ -21,13 +21,8 @@ pub struct Residual {
     pub velocity_rad_s: Vec<f64>,
     /// Measured less predicted, N m; only samples whose K~ is known and whose sensor was in range.
     pub residual_nm: Vec<f64>,
-}
-
-impl Residual {
-    /// Root mean square, N m.
-    pub fn rmse_nm(&self) -> f64 {
-        root_mean_square(&self.residual_nm)
-    }
+    /// Its root mean square, N m.
+    pub rmse_nm: f64,
 }
 
 /// What `model` leaves of each of `trials`.
@@ -39,13 +34,15 @@ pub(super) fn residuals(trials: &[Prepared], entries: &[TrialEntry], model: &Mod
 fn residual(trial: &Prepared, file: &str, protocol: Protocol, model: &Model) -> Residual {
     let (residual, known_from) = trial.residual_nm(model);
     let used: Vec<usize> = (known_from..trial.len()).filter(|i| trial.series.in_range[*i]).collect();
-    let take = |values: &[f64]| used.iter().map(|i| values[*i]).collect();
+    let take = |values: &[f64]| -> Vec<f64> { used.iter().map(|i| values[*i]).collect() };
+    let residual_nm = take(&residual);
     Residual {
         file: file.to_string(),
         protocol,
         time_s: take(&trial.series.time_s),
         position_rad: take(&trial.series.position_rad),
         velocity_rad_s: take(&trial.series.velocity_rad_s),
-        residual_nm: take(&residual),
+        rmse_nm: root_mean_square(&residual_nm),
+        residual_nm,
     }
 }

@@ -62,23 +62,30 @@ impl Moments {
         }
     }
 
-    /// Sum over the samples of the mix `a`, of which `mean` is taken off every column.
-    fn sum(&self, a: &Mix, mean: &Mix) -> f64 {
-        (0..COLUMNS).map(|i| a[i] * (self.first[i] - self.samples * mean[i])).sum()
+    /// The same of the columns less `mean`.
+    fn about(mut self, mean: &Mix) -> Self {
+        for i in 0..COLUMNS {
+            for j in 0..=i {
+                let (first, n) = (&self.first, self.samples);
+                self.second[i][j] -= mean[i] * first[j] + first[i] * mean[j] - n * mean[i] * mean[j];
+            }
+        }
+        (0..COLUMNS).for_each(|i| self.first[i] -= self.samples * mean[i]);
+        self
     }
 
-    /// Sum of the product of the mixes `a` and `b`, of which `mean` is taken off every column.
-    fn product(&self, a: &Mix, b: &Mix, mean: &Mix) -> f64 {
+    /// Sum over the samples of the mix `a`.
+    fn sum(&self, a: &Mix) -> f64 {
+        (0..COLUMNS).map(|i| a[i] * self.first[i]).sum()
+    }
+
+    /// Sum of the product of the mixes `a` and `b`.
+    fn product(&self, a: &Mix, b: &Mix) -> f64 {
         let mut sum = 0.0;
         for i in 0..COLUMNS {
-            for j in 0..COLUMNS {
-                let weight = a[i] * b[j];
-                if weight != 0.0 {
-                    let about_zero = self.second[i.max(j)][i.min(j)];
-                    let (first, n) = (&self.first, self.samples);
-                    let shift = mean[i] * first[j] + first[i] * mean[j] - n * mean[i] * mean[j];
-                    sum += weight * (about_zero - shift);
-                }
+            sum += a[i] * b[i] * self.second[i][i];
+            for j in 0..i {
+                sum += (a[i] * b[j] + a[j] * b[i]) * self.second[i][j];
             }
         }
         sum
@@ -95,9 +102,11 @@ pub struct LegSums {
     speed_rad_s: f64,
     /// How long it lasts, s.
     pub duration_s: f64,
-    /// What was taken off the columns so that nothing is lost to rounding.
-    offset: Mix,
+    /// Means of the columns.
+    mean: Mix,
+    /// Moments of the columns less `mean`, of the leg ...
     all: Moments,
+    /// ... and of each of its blocks.
     blocks: Vec<Moments>,
     /// Mean position of each block, rad.
     positions_rad: Vec<f64>,
@@ -133,6 +142,7 @@ impl LegSums {
             let [gravity, slope, rest] = columns(trial, gravity_nm, kind, i);
             [gravity, slope, rest, trial.log.torque_nm[i], trial.torque_nm[i]]
         };
+        // Taken off first, so that nothing is lost to rounding.
         let offset = used.first().map_or([0.0; COLUMNS], |first| row(*first));
         let length = used.len().div_ceil(BLOCKS).max(1);
         let (mut all, mut blocks, mut positions_rad) = (Moments::NONE, Vec::new(), Vec::new());
@@ -148,15 +158,16 @@ impl LegSums {
             blocks.push(moments);
             positions_rad.push(position / block.len() as f64);
         }
+        let mean = all.first.map(|sum| sum / all.samples);
         Self {
             file: trial.entry.file.clone(),
             repeat: trial.entry.repeat,
             direction: leg.direction,
             speed_rad_s: trial.entry.protocol.speed_rad_s().unwrap_or(f64::NAN),
             duration_s: used.len() as f64 / trial.log.rate_hz,
-            offset,
-            all,
-            blocks,
+            mean: std::array::from_fn(|i| mean[i] + offset[i]),
+            all: all.about(&mean),
+            blocks: blocks.into_iter().map(|block| block.about(&mean)).collect(),
             positions_rad,
         }
     }
@@ -166,14 +177,9 @@ impl LegSums {
         &self.positions_rad
     }
 
-    fn mean(&self) -> Mix {
-        self.all.first.map(|sum| sum / self.all.samples)
-    }
-
-    /// Mean of a mix of the columns as they are.
+    /// Mean of a mix of the columns.
     fn mean_of(&self, mix: &Mix) -> f64 {
-        let mean = self.mean();
-        (0..COLUMNS).map(|i| mix[i] * (mean[i] + self.offset[i])).sum()
+        (0..COLUMNS).map(|i| mix[i] * self.mean[i]).sum()
     }
 
     fn line(&self, zero_rad: f64) -> Line {
@@ -181,8 +187,7 @@ impl LegSums {
         let (mut regressor, mut slope) = ([0.0; COLUMNS], [0.0; COLUMNS]);
         (regressor[GRAVITY], regressor[SLOPE], regressor[REST]) = (cos, sin, 1.0);
         (slope[GRAVITY], slope[SLOPE]) = (-sin, cos);
-        let mean = self.mean();
-        let product = |a: &Mix, b: &Mix| self.all.product(a, b, &mean);
+        let product = |a: &Mix, b: &Mix| self.all.product(a, b);
         let square = product(&regressor, &regressor);
         // A load that is constant except for noise does not determine A.
         let spread = (square.max(0.0) / self.all.samples).sqrt();
@@ -196,13 +201,12 @@ impl LegSums {
     /// Step 2 at a zero of `zero_rad`: the leg's regression.
     pub fn fit(&self, zero_rad: f64) -> LegFit {
         let line = self.line(zero_rad);
-        let mean = self.mean();
         let blocks = self.blocks.len() as f64;
         let small_sample = (blocks / f64::max(blocks - 2.0, 1.0)).sqrt();
         // Sums of errors over blocks, not single errors: neighbours are correlated, blocks hardly.
         let squares = |of: &dyn Fn(&Moments) -> f64| self.blocks.iter().map(|b| of(b).powi(2)).sum::<f64>().sqrt();
-        let slope_sum = squares(&|block| block.product(&line.regressor, &line.error, &mean));
-        let plain_sum = squares(&|block| block.sum(&line.error, &mean));
+        let slope_sum = squares(&|block| block.product(&line.regressor, &line.error));
+        let plain_sum = squares(&|block| block.sum(&line.error));
         let (mean_torque_nm, mean_sine) = (self.mean_of(&unit(RAW)), self.mean_of(&line.regressor));
         let (rmse_nm, r_squared) = self.figures(&line, FILTERED);
         LegFit {
@@ -242,18 +246,17 @@ impl LegSums {
     fn figures(&self, line: &Line, column: usize) -> (f64, f64) {
         let (mut error, own) = (unit(column), unit(column));
         (0..COLUMNS).for_each(|i| error[i] -= line.a_nm * line.regressor[i]);
-        let mean = self.mean();
         // The line goes through the mean of the torque as recorded.
         let off_nm = self.mean_of(&own) - self.mean_of(&unit(RAW));
-        let error_sum = self.all.product(&error, &error, &mean).max(0.0) + self.all.samples * off_nm * off_nm;
-        let spread_sum = self.all.product(&own, &own, &mean);
+        let error_sum = self.all.product(&error, &error).max(0.0) + self.all.samples * off_nm * off_nm;
+        let spread_sum = self.all.product(&own, &own);
         ((error_sum / self.all.samples).sqrt(), 1.0 - error_sum / spread_sum)
     }
 
     /// What each block adds to the error of the leg's A at a zero of `zero_rad`, N m.
     pub(super) fn a_by_block_nm(&self, zero_rad: f64) -> Vec<f64> {
-        let (line, mean) = (self.line(zero_rad), self.mean());
-        self.blocks.iter().map(|b| b.product(&line.regressor, &line.error, &mean) / line.square).collect()
+        let line = self.line(zero_rad);
+        self.blocks.iter().map(|b| b.product(&line.regressor, &line.error) / line.square).collect()
     }
 
     /// The leg's estimate of the zero about `zero_rad`, with its own A and B free; `None` where its load does not determine it.
@@ -261,17 +264,16 @@ impl LegSums {
     /// y = A R + A dz dR/dz + B to first order: what R leaves of dR/dz is regressed on what the line leaves of y.
     pub(super) fn zero(&self, zero_rad: f64) -> Option<ZeroOfLeg> {
         let line = self.line(zero_rad);
-        let mean = self.mean();
         let mut alone = line.slope;
         (0..COLUMNS).for_each(|i| alone[i] -= line.cross / line.square * line.regressor[i]);
-        let square = self.all.product(&alone, &alone, &mean);
-        let whole = self.all.product(&line.slope, &line.slope, &mean);
+        let square = self.all.product(&alone, &alone);
+        let whole = self.all.product(&line.slope, &line.slope);
         let is_told = square > ROUNDING * whole && line.a_nm.is_finite() && line.a_nm != 0.0;
         is_told.then(|| {
-            let strength_nm = self.all.product(&alone, &unit(RAW), &mean) / square;
+            let strength_nm = self.all.product(&alone, &unit(RAW)) / square;
             let mut error = line.error;
             (0..COLUMNS).for_each(|i| error[i] -= strength_nm * alone[i]);
-            let by_block = |block: &Moments| block.product(&alone, &error, &mean) / (line.a_nm * square);
+            let by_block = |block: &Moments| block.product(&alone, &error) / (line.a_nm * square);
             ZeroOfLeg { step_rad: strength_nm / line.a_nm, by_block_rad: self.blocks.iter().map(by_block).collect() }
         })
     }

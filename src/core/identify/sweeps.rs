@@ -21,8 +21,7 @@ pub(super) fn from_sweeps(
     let mut sums: Vec<LegSums> = readings.iter_mut().flat_map(|r| std::mem::take(&mut r.legs)).collect();
     let mut times: Vec<LegTime> = readings.iter_mut().flat_map(|r| std::mem::take(&mut r.times)).collect();
     let within_rad = settings.zero_within_rad(campaign);
-    let left_out = legs::keep_telling(&mut sums, &mut times, within_rad);
-    let (zero, mut legs) = legs::fit_legs(&sums, within_rad);
+    let (left_out, zero, mut legs) = legs::fit_telling(&mut sums, &mut times, within_rad);
     let load_nm = legs::load_of_a_nm(campaign);
     let drift = Drift::of(&legs.iter().collect::<Vec<_>>(), &times);
     let a = legs::amplitudes(&legs, load_nm, &campaign.file)?;
@@ -119,10 +118,10 @@ fn refined(
 }
 
 /// One repeat of each motion: enough to compare one friction with another.
-fn first_repeats(trials: &[Prepared], entries: &[TrialEntry]) -> Vec<Prepared> {
+fn first_repeats<'t>(trials: &'t [Prepared], entries: &[TrialEntry]) -> Vec<&'t Prepared> {
     let first = |entry: &TrialEntry| {
         let same = |other: &&TrialEntry| other.protocol == entry.protocol && other.trajectory == entry.trajectory;
         entries.iter().filter(same).all(|other| entry.repeat <= other.repeat)
     };
-    trials.iter().zip(entries).filter(|(_, entry)| first(entry)).map(|(trial, _)| trial.clone()).collect()
+    trials.iter().zip(entries).filter(|(_, entry)| first(entry)).map(|(trial, _)| trial).collect()
 }

@@ -64,9 +64,9 @@ impl Zero {
         Self { rad: 0.0, half_width_rad: 0.0, declared_rad: 0.0, by_direction: Both { up: None, down: None } };
 
     /// Estimates the zero of `legs`, declared to be 0 within `declared_rad`; 0 takes it as declared.
-    pub fn estimate(legs: &[LegSums], declared_rad: f64) -> Self {
+    pub fn estimate(legs: &[&LegSums], declared_rad: f64) -> Self {
         let pool = |rad: f64, which: &dyn Fn(&LegSums) -> bool| {
-            let told: Vec<&LegSums> = legs.iter().filter(|leg| which(leg)).collect();
+            let told: Vec<&LegSums> = legs.iter().copied().filter(|leg| which(leg)).collect();
             pooled(&told, rad)
         };
         if declared_rad == 0.0 || pool(0.0, &|_| true).is_none() {

@@ -67,4 +67,9 @@ impl Series {
         let (sin, less) = (dynamics.position_zero_rad.sin(), dynamics.position_zero_rad.cos() - 1.0);
         move |i| less * self.gravity_nm[i].0 + self.joint_torque_nm[i] + sin * self.gravity_nm[i].1
     }
+
+    /// dG/dq of gravity, the position's zero taken as right, N m/rad.
+    pub fn gravity_slope_nm_rad(&self) -> Vec<f64> {
+        self.gravity_nm.iter().map(|(_, slope_nm_rad)| *slope_nm_rad).collect()
+    }
 }

@@ -38,7 +38,7 @@ pub fn figure(found: &Identification) -> Option<Figure> {
         let (from_s, to_s) = span(trial.time_s.iter().copied());
         let y = Axis::around(format!("residual ({unit})"), [factor * ranges[i].0, factor * ranges[i].1], ROOM);
         let peak = units.torque(thin::magnitude(trial.residual_nm.iter().copied(), 0.0));
-        let figures = format!("RMSE {}, peak {peak}", units.torque(trial.rmse_nm()));
+        let figures = format!("RMSE {}, peak {peak}", units.torque(trial.rmse_nm));
         let label = if i + 1 == trials.len() { "time (s)" } else { "" };
         let mut panel = Panel::new(Axis::linear(label, from_s, to_s), y).titled(format!(
             "{} ({}), {note}: {figures}",
@@ -112,7 +112,7 @@ fn representative(residuals: &[Residual]) -> Vec<(&Residual, &'static str)> {
     let ranked = protocols.iter().map(|name| {
         let of_protocol = |i: &usize| residuals[*i].protocol.name() == *name && residuals[*i].time_s.len() > 1;
         let mut mine: Vec<usize> = (0..residuals.len()).filter(of_protocol).collect();
-        mine.sort_by(|a, b| residuals[*a].rmse_nm().total_cmp(&residuals[*b].rmse_nm()));
+        mine.sort_by(|a, b| residuals[*a].rmse_nm.total_cmp(&residuals[*b].rmse_nm));
         mine
     });
     let ranked: Vec<Vec<usize>> = ranked.filter(|mine| !mine.is_empty()).collect();

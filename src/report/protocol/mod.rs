@@ -3,7 +3,7 @@
 mod tables;
 
 use super::chart::Figure;
-use super::identification::{overall_rmse_nm, parameter};
+use super::identification::parameter;
 use super::number::{as_precise_as, count, significant};
 use super::page::{Block, Card, Page, Section, Warning};
 use super::plots::FIGURES;
@@ -152,7 +152,7 @@ fn cards(found: &Identification, units: &Units) -> Vec<Card> {
         add("change-over curve", format!("{}{own}", curve.kind.name()), note);
     }
     let note = "all trials, low-passed".to_string();
-    add("RMSE", units.torque(overall_rmse_nm(found)), note);
+    add("RMSE", units.torque(found.rmse_nm()), note);
     cards
 }
 

@@ -117,7 +117,7 @@ pub fn fit_combination(
 
 /// The curve wanted, or else arctan, fitted alone: what it takes to compare one friction with another. `None` when there is no
 /// usable reversal.
-pub fn fit_one(trials: &[Prepared], model: &Model, lowpass_hz: f64, settings: Settings) -> Option<CurveFit> {
+pub fn fit_one(trials: &[&Prepared], model: &Model, lowpass_hz: f64, settings: Settings) -> Option<CurveFit> {
     let reach = Reach::new(trials, model, settings);
     let all = reach.windows(trials, model, lowpass_hz)?;
     let (backlash_span_rad, stroke_rad) = (reach.span_rad, reach.stroke_rad);

@@ -4,8 +4,9 @@ use super::Settings;
 use crate::identify::predicted::Prepared;
 use crate::identify::windows::{Window, windows};
 use crate::model::Model;
-use crate::numerics::statistics::{extent, quantile};
+use crate::numerics::statistics::quantile;
 use rayon::prelude::*;
+use std::borrow::Borrow;
 
 /// A window follows the motion after a reversal for this many clearances.
 const REACH_BACKLASHES: f64 = 1.5;
@@ -28,7 +29,7 @@ pub(super) struct Reach {
 
 impl Reach {
     /// As `settings` ask for.
-    pub fn new(trials: &[Prepared], model: &Model, settings: Settings) -> Self {
+    pub fn new<T: Borrow<Prepared>>(trials: &[T], model: &Model, settings: Settings) -> Self {
         let stroke_rad = median_stroke_rad(trials);
         let declared_rad = model.joint.backlash_rad();
         let reach_rad = if settings.estimate_backlash {
@@ -36,36 +37,32 @@ impl Reach {
         } else {
             (REACH_BACKLASHES * declared_rad).max(REACH_LEAST * stroke_rad).min(stroke_rad)
         };
-        let deadband_rad = trials.iter().map(|t| t.series.deadband_rad).fold(0.0, f64::max);
+        let deadband_rad = trials.iter().map(|t| t.borrow().series.deadband_rad).fold(0.0, f64::max);
         let smallest_rad = (MIN_DEADBANDS * deadband_rad).max(1e-3 * reach_rad);
         Self { reach_rad, span_rad: settings.estimate_backlash.then_some((smallest_rad, reach_rad)), stroke_rad }
     }
 
     /// With the clearance as the model has it.
-    pub fn as_declared(trials: &[Prepared], model: &Model) -> Self {
+    pub fn as_declared<T: Borrow<Prepared>>(trials: &[T], model: &Model) -> Self {
         let stroke_rad = median_stroke_rad(trials);
         let reach_rad = (REACH_BACKLASHES * model.joint.backlash_rad()).min(stroke_rad);
         Self { reach_rad, span_rad: None, stroke_rad }
     }
 
     /// The windows of all trials; `None` without any.
-    pub fn windows<'a>(&self, trials: &'a [Prepared], model: &Model, lowpass_hz: f64) -> Option<Vec<Window<'a>>> {
-        let of = |trial| windows(trial, model, self.reach_rad, lowpass_hz);
+    pub fn windows<'a, T: Borrow<Prepared> + Sync>(
+        &self,
+        trials: &'a [T],
+        model: &Model,
+        lowpass_hz: f64,
+    ) -> Option<Vec<Window<'a>>> {
+        let of = |trial: &'a T| windows(trial.borrow(), model, self.reach_rad, lowpass_hz);
         let all: Vec<Window> = trials.par_iter().flat_map_iter(of).collect();
         (!all.is_empty()).then_some(all)
     }
 }
 
-fn median_stroke_rad(trials: &[Prepared]) -> f64 {
-    let mut strokes: Vec<f64> = Vec::new();
-    for trial in trials {
-        let turns = trial.reversals();
-        let at = |i: usize| trial.series.position_rad[turns[i].0];
-        strokes.extend((1..turns.len()).map(|i| (at(i) - at(i - 1)).abs()));
-        if turns.len() < 2 {
-            let (low, high) = extent(&trial.series.position_rad);
-            strokes.push((high - low).max(0.0));
-        }
-    }
+fn median_stroke_rad<T: Borrow<Prepared>>(trials: &[T]) -> f64 {
+    let mut strokes: Vec<f64> = trials.iter().flat_map(|trial| trial.borrow().strokes_rad()).copied().collect();
     quantile(&mut strokes, 0.5)
 }

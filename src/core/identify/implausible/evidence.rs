@@ -4,14 +4,13 @@ use super::super::legs::{amplitude, fit_legs, load_of_a_nm};
 use super::super::reading::Reading;
 use super::super::sums::LegSums;
 use super::ZERO_MOST_RAD;
-use crate::dynamics::{Dynamics, JointKind};
+use crate::dynamics::JointKind;
 use crate::log::{Campaign, Protocol};
 use crate::model::Direction;
 use crate::numerics::linear::solve;
 use crate::numerics::statistics::{extent, mean, root_mean_square};
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
-use std::f64::consts::FRAC_PI_2;
 
 /// Samples used at most.
 const SAMPLES: usize = 6000;
@@ -51,7 +50,7 @@ pub(super) type Row = [f64; 5];
 pub fn evidence(campaign: &Campaign, readings: &[Reading]) -> Option<Evidence> {
     let rows = rows_of(campaign, readings);
     let legs = legs_of(readings);
-    Some(by_legs(campaign, fit(&rows.concat(), !legs.is_empty())?, &legs))
+    Some(by_legs(campaign, fit(&rows, !legs.is_empty())?, &legs))
 }
 
 /// The moving samples of each of `readings`.
@@ -59,12 +58,12 @@ pub(super) fn rows_of(campaign: &Campaign, readings: &[Reading]) -> Vec<Vec<Row>
     readings.par_iter().map(|reading| moving(campaign, reading)).collect()
 }
 
-pub(super) fn legs_of(readings: &[Reading]) -> Vec<LegSums> {
-    readings.iter().flat_map(|reading| &reading.legs).cloned().collect()
+pub(super) fn legs_of(readings: &[Reading]) -> Vec<&LegSums> {
+    readings.iter().flat_map(|reading| &reading.legs).collect()
 }
 
 /// `found` with the gain of A over the legs of sweeps, where there are any and the zero is not far off.
-pub(super) fn by_legs(campaign: &Campaign, found: Evidence, legs: &[LegSums]) -> Evidence {
+pub(super) fn by_legs(campaign: &Campaign, found: Evidence, legs: &[&LegSums]) -> Evidence {
     let scale = campaign.joint.transmission() * load_of_a_nm(campaign);
     let within_rad = if campaign.joint.kind == JointKind::Revolute { ZERO_MOST_RAD } else { 0.0 };
     let (_, fits) = fit_legs(legs, within_rad);
@@ -86,14 +85,9 @@ fn moving(campaign: &Campaign, reading: &Reading) -> Vec<Row> {
     let series = &reading.prepared.series;
     let ratio = campaign.joint.transmission();
     let load_nm = series.joint_torque_nm(&campaign.dynamics);
-    // Turned by a quarter either way it differs by twice its derivative.
-    let turned = |by_rad: f64| Dynamics { position_zero_rad: by_rad, ..campaign.dynamics };
-    let (before_nm, after_nm) =
-        (series.joint_torque_nm(&turned(-FRAC_PI_2)), series.joint_torque_nm(&turned(FRAC_PI_2)));
-    let slope_nm_rad = |i: usize| (after_nm(i) - before_nm(i)) / 2.0;
     let all = 0..series.torque_nm.len();
-    let low_passed = |of: &dyn Fn(usize) -> f64| reading.prepared.low_pass(&all.clone().map(of).collect::<Vec<f64>>());
-    let (load_nm, slope_nm_rad) = (low_passed(&load_nm), low_passed(&slope_nm_rad));
+    let load_nm = reading.prepared.low_pass(&all.clone().map(load_nm).collect::<Vec<f64>>());
+    let slope_nm_rad = reading.prepared.low_pass(&series.gravity_slope_nm_rad());
     let velocity_rad_s = reading.prepared.low_pass(&reading.speeds_rad_s());
     let fastest = velocity_rad_s.iter().fold(0.0, |most: f64, v| most.max(v.abs()));
     let (low, high) = extent(&series.position_rad);
@@ -124,10 +118,10 @@ fn since_reversal(position_rad: &[f64], velocity_rad_s: &[f64]) -> Vec<f64> {
     passed.collect()
 }
 
-/// The regression over `rows`, which are `of_sweeps` or of motion at all speeds.
-pub(super) fn fit(rows: &[Row], of_sweeps: bool) -> Option<Evidence> {
-    let step = rows.len().div_ceil(SAMPLES).max(1);
-    let rows: Vec<Row> = rows.iter().step_by(step).copied().collect();
+/// The regression over the rows of `trials`, which are `of_sweeps` or of motion at all speeds.
+pub(super) fn fit(trials: &[Vec<Row>], of_sweeps: bool) -> Option<Evidence> {
+    let step = trials.iter().map(Vec::len).sum::<usize>().div_ceil(SAMPLES).max(1);
+    let rows: Vec<Row> = trials.iter().flatten().step_by(step).copied().collect();
     if rows.len() < 50 || [1.0, -1.0].iter().any(|sign| rows.iter().all(|row| row[2] != *sign)) {
         return None;
     }
@@ -189,7 +183,7 @@ mod tests {
             [q.sin(), q.cos(), v.signum(), v.abs(), q.sin() + v.signum() * (0.3 + 0.6 * slow) + 0.1 * slow]
         };
         let rows: Vec<Row> = (0..4000).map(row).filter(|row| row[3] > 0.04).collect();
-        let found = fit(&rows, false).unwrap();
+        let found = fit(&[rows], false).unwrap();
         assert!((found.gain - 1.0).abs() < 0.01 && found.zero_rad.abs() < 0.003, "{found:?}");
     }
 

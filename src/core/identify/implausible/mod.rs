@@ -87,7 +87,7 @@ impl Doubt {
 pub fn implausible(campaign: &Campaign, readings: &[Reading]) -> Vec<Doubt> {
     let rows = rows_of(campaign, readings);
     let legs = legs_of(readings);
-    let Some(found) = fit(&rows.concat(), !legs.is_empty()) else { return Vec::new() };
+    let Some(found) = fit(&rows, !legs.is_empty()) else { return Vec::new() };
     let mut doubts = Vec::new();
     doubts.extend(sign(&found));
     let is_scaled = campaign.columns.torque_from.is_none_or(|from| from.is_scaled());

@@ -7,6 +7,7 @@ use super::{Cause, Doubt, Evidence, ZERO_MOST_RAD};
 use crate::dynamics::JointKind;
 use crate::log::Campaign;
 use crate::numerics::statistics::quantile;
+use std::slice;
 
 /// A zero that is off by more than this, beyond its own scatter, is reported, rad: 3 deg.
 const ZERO_RAD: f64 = 0.052;
@@ -18,7 +19,7 @@ const ZERO_ERRORS: f64 = 3.0;
 const ZERO_TRIALS: usize = 3;
 
 /// A load that leads or lags the declared one.
-pub(super) fn zero(campaign: &Campaign, found: &Evidence, rows: &[Vec<Row>], legs: &[LegSums]) -> Option<Doubt> {
+pub(super) fn zero(campaign: &Campaign, found: &Evidence, rows: &[Vec<Row>], legs: &[&LegSums]) -> Option<Doubt> {
     if campaign.joint.kind != JointKind::Revolute || campaign.dynamics.gravity_nm == 0.0 {
         return None;
     }
@@ -47,7 +48,7 @@ pub(super) fn zero(campaign: &Campaign, found: &Evidence, rows: &[Vec<Row>], leg
 
 /// Whether the trials agree on a zero that is off like `zero_rad`.
 fn is_off_in_all(zero_rad: f64, rows: &[Vec<Row>]) -> bool {
-    let each: Vec<f64> = rows.iter().filter_map(|rows| Some(fit(rows, false)?.zero_rad)).collect();
+    let each: Vec<f64> = rows.iter().filter_map(|rows| Some(fit(slice::from_ref(rows), false)?.zero_rad)).collect();
     if each.len() < ZERO_TRIALS {
         return false;
     }

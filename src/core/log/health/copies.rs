@@ -7,7 +7,7 @@
 
 use crate::log::Campaign;
 use crate::problem::{Problem, Problems, Result};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, HashMap};
 
 /// Readings in a stretch.
 const STRETCH: usize = 16;
@@ -84,7 +84,7 @@ pub fn refuse_copies(campaign: &Campaign, prints: &[(usize, Fingerprint)]) -> Re
 
 /// Of each log of `fingerprints` that holds the same recording as an earlier one, that one's place.
 pub(super) fn originals(fingerprints: &[&Fingerprint]) -> Vec<Option<usize>> {
-    let mut first: BTreeMap<(u64, u64), usize> = BTreeMap::new();
+    let mut first: HashMap<(u64, u64), usize> = HashMap::new();
     let mut found = Vec::with_capacity(fingerprints.len());
     for (place, print) in fingerprints.iter().enumerate() {
         let mut shared: BTreeMap<usize, usize> = BTreeMap::new();
