@@ -407,6 +407,14 @@ fn a_late_reading_is_the_same_curve_later() {
 }
 
 #[test]
+fn what_leaves_the_joint_behind_says_so() {
+    for added in examples() {
+        let lag_rad = added.hooks().position_lag_rad(&added.parameters, 1.0, 1.0);
+        assert_eq!(lag_rad != 0.0, added.effect.lags(), "{}: {lag_rad}", added.id());
+    }
+}
+
+#[test]
 fn every_effect_reads_back_from_a_model() {
     let folder = tempfile::TempDir::new().unwrap();
     let file = folder.path().join("model.json");

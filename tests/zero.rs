@@ -86,7 +86,7 @@ fn the_model_predicts_at_the_zero_that_was_found() {
         identified(folder.path(), Settings::default()),
         identified(folder.path(), Settings { zero_as_declared: true, ..Settings::default() }),
     );
-    let worst = |found: &Identification| found.residuals.iter().map(|r| r.rmse_nm()).fold(0.0, f64::max);
+    let worst = |found: &Identification| found.residuals.iter().map(|r| r.rmse_nm).fold(0.0, f64::max);
     assert!(worst(&fitted) < 0.5 * worst(&declared), "{} and {}", worst(&fitted), worst(&declared));
     assert_eq!(declared.model.dynamics.position_zero_rad, 0.0);
     // What is written reads back.

@@ -8,6 +8,7 @@ use crate::effects::{Added, Carried, Evaluated, Family, Sample};
 use crate::log::{Campaign, Log};
 use crate::model::{Asked, Model, Strokes, combined, settle};
 use crate::numerics::dual::{Dual, VARIABLES};
+use crate::numerics::fill;
 use crate::numerics::filter::LowPass;
 use crate::numerics::scalar::Scalar;
 use crate::predict::{forgotten, torque_nm};
@@ -199,9 +200,16 @@ impl Record {
         branches: impl Fn(usize) -> Both<S>,
     ) -> Vec<S> {
         let mut torque_nm: Vec<S> = Vec::with_capacity(self.own.len() + BLOCK);
+        let none = S::from(0.0);
+        let (mut y_nm, mut own_k_tilde) = ([none; BLOCK], [none; BLOCK]);
+        let mut asked = [Asked { torque_nm: none, slope_nm_rad: none }; BLOCK];
+        let mut own_branches = [Both { up: none, down: none }; BLOCK];
         self.in_blocks(|at, samples| {
-            let asked = at.map(|i| self.asked(i, model));
-            torque_nm.extend(model.driven_along_nm(samples, &asked, &at.map(&k_tilde), &at.map(&branches)));
+            fill(&mut asked, |j| self.asked(at[j], model));
+            fill(&mut own_k_tilde, |j| k_tilde(at[j]));
+            fill(&mut own_branches, |j| branches(at[j]));
+            model.drive_along(samples, &asked, &own_k_tilde, &own_branches, &mut y_nm);
+            torque_nm.extend_from_slice(&y_nm);
         });
         torque_nm.truncate(self.own.len());
         if model.effects.iter().any(|added| added.effect.about().family == Family::Fault) {
@@ -214,22 +222,18 @@ impl Record {
     /// Calls `then` for all thinned samples, a block at a time; where they end before the last block does, that goes on with the last of them.
     fn in_blocks<S: Scalar>(&self, mut then: impl FnMut(&[usize; BLOCK], &[Sample<'_, S>; BLOCK])) {
         let (last, joints) = (self.own.len() - 1, self.others.len());
-        let mut others = vec![Motion::default().over::<S>(); BLOCK * joints];
+        let others: Vec<Motion<S>> = (0..=last).flat_map(|i| self.others.iter().map(move |of| of[i].over())).collect();
+        let (none, own) = (S::from(0.0), Motion::default().over());
+        let mut samples = [Sample { time_s: none, elapsed_s: none, own, others: &[] }; BLOCK];
         for from in (0..=last).step_by(BLOCK) {
             let at: [usize; BLOCK] = from_fn(|j| (from + j).min(last));
-            let slots = others.chunks_exact_mut(joints.max(1)).zip(at);
-            slots.for_each(|(slot, i)| {
-                slot.iter_mut().zip(&self.others).for_each(|(own, other)| *own = other[i].over())
+            fill(&mut samples, |j| Sample {
+                time_s: S::from(self.time_s[at[j]]),
+                elapsed_s: S::from(self.elapsed_s(at[j])),
+                own: self.own[at[j]].over(),
+                others: &others[at[j] * joints..][..joints],
             });
-            then(
-                &at,
-                &from_fn(|j| Sample {
-                    time_s: S::from(self.time_s[at[j]]),
-                    elapsed_s: S::from(self.elapsed_s(at[j])),
-                    own: self.own[at[j]].over(),
-                    others: &others[j * joints..][..joints],
-                }),
-            );
+            then(&at, &samples);
         }
     }
 
@@ -274,14 +278,16 @@ impl Record {
         let transmission = model.joint.transmission();
         let (hooks, p) = (added.hooks(), &added.parameters[..]);
         let mut slopes_nm = Vec::with_capacity(self.own.len() + BLOCK);
+        let none = Dual::from(0.0);
+        let neither = Both { up: none, down: none };
+        let mut carried = [Carried { load_nm: none, friction_nm: neither }; BLOCK];
         self.in_blocks(|at, samples| {
-            let carried = at.map(|i| Carried {
-                load_nm: Dual::from(transmission * self.asked(i, model).torque_nm),
-                friction_nm: Both { up: Dual::from(branches[i].up), down: Dual::from(branches[i].down) },
+            fill(&mut carried, |j| {
+                let Both { up, down } = branches[at[j]];
+                let load_nm = Dual::from(transmission * self.asked(at[j], model).torque_nm);
+                Carried { load_nm, friction_nm: Both { up: Dual::from(up), down: Dual::from(down) } }
             });
-            let none = Dual::from(0.0);
-            let (mut friction_nm, mut at_joint_nm, mut beside_nm) =
-                ([Both { up: none, down: none }; BLOCK], [none; BLOCK], [none; BLOCK]);
+            let (mut friction_nm, mut at_joint_nm, mut beside_nm) = ([neither; BLOCK], [none; BLOCK], [none; BLOCK]);
             hooks.add_friction(p, samples, &carried, &mut friction_nm);
             hooks.add_joint_torque(p, samples, &mut at_joint_nm);
             hooks.read(p, samples, &mut beside_nm);

@@ -31,6 +31,10 @@ impl Effect for CableElasticity {
         false
     }
 
+    fn lags(&self) -> bool {
+        true
+    }
+
     fn starts(&self, _extent: &Extent) -> Vec<Vec<f64>> {
         vec![vec![0.0, 0.0], vec![1.0, 0.0]]
     }

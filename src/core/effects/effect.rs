@@ -59,6 +59,11 @@ pub trait Effect: Along<f64> + Along<Dual> + for<'t> Along<Expression<'t>> + Syn
         false
     }
 
+    /// Whether it leaves the joint behind the measured position.
+    fn lags(&self) -> bool {
+        false
+    }
+
     /// Whether its reading is the end of a range, which noise cannot pass either: it acts after all others.
     fn clips(&self) -> bool {
         false
@@ -88,7 +93,7 @@ pub trait Hooks<S: Scalar>: Sync {
         S::from(0.0)
     }
 
-    /// How far the joint is behind the measured position, rad: under a load of `load_nm` at the joint, the cable pulling with
+    /// How far the joint is behind the measured position where the effect [`Effect::lags`], rad: under a load of `load_nm` at the joint, the cable pulling with
     /// `pull_nm` there, friction and all.
     fn position_lag_rad(&self, _p: &[S], _load_nm: S, _pull_nm: S) -> S {
         S::from(0.0)

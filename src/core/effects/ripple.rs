@@ -40,9 +40,13 @@ pub(super) fn ripple_nm<S: Scalar>(p: &[S], sample: &Sample<'_, S>) -> (S, S) {
     // The angle of each harmonic is the one before turned on by the fundamental.
     let (mut s, mut c, mut sum) = (sin, cos, S::from(0.0));
     let (always, by_load) = p[1..].split_at(2 * HARMONICS);
-    for pair in always.chunks_exact(2) {
+    let pairs = always.chunks_exact(2);
+    let used = pairs.clone().rposition(|pair| !(pair[0].is_zero() && pair[1].is_zero())).map_or(0, |at| at + 1);
+    for (at, pair) in pairs.take(used).enumerate() {
+        if at > 0 {
+            (s, c) = (s * cos + c * sin, c * cos - s * sin);
+        }
         sum += pair[0] * s + pair[1] * c;
-        (s, c) = (s * cos + c * sin, c * cos - s * sin);
     }
     (sum, by_load[0] * sin + by_load[1] * cos)
 }

@@ -11,8 +11,9 @@ use super::{Both, Direction, Model, combined};
 use crate::dynamics::Motion;
 use crate::effects::{Carried, Evaluated, Sample};
 use crate::numerics::causal::Lag;
+use crate::numerics::fill;
 use crate::numerics::resample::shifted;
-use std::array::{from_fn, from_ref};
+use std::array::from_ref;
 
 /// What a sample asks of the joint.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -102,54 +103,65 @@ impl<S: Evaluated> Model<S> {
         k_tilde: S,
         branches: Both<S>,
     ) -> Components<S> {
-        let [torque_nm] = self.driven_along_nm(from_ref(sample), &[asked], &[k_tilde], &[branches]);
+        let mut y_nm = [S::from(0.0)];
+        self.drive_along(from_ref(sample), &[asked], &[k_tilde], &[branches], &mut y_nm);
+        let [torque_nm] = y_nm;
         let rigid_nm = asked.torque_nm * self.joint.transmission();
         Components { torque_nm, rigid_nm, friction_nm: torque_nm - rigid_nm }
     }
 
-    /// y of [`Self::driven_by_nm`] at `N` samples, each effect asked once for all of them, N m.
-    pub fn driven_along_nm<const N: usize>(
+    /// y of [`Self::driven_by_nm`] at `N` samples, each effect asked once for all of them, into `y_nm`, N m. All arrays are filled in place: of
+    /// numbers with slopes they are too large to be moved about.
+    pub fn drive_along<const N: usize>(
         &self,
         samples: &[Sample<'_, S>; N],
         asked: &[Asked<S>; N],
         k_tilde: &[S; N],
         branches: &[Both<S>; N],
-    ) -> [S; N] {
-        let transmission = self.joint.transmission();
-        let (mut factor, mut joint_nm) = ([S::from(1.0); N], asked.map(|asked| asked.torque_nm));
+        y_nm: &mut [S; N],
+    ) {
+        let (none, transmission) = (S::from(0.0), self.joint.transmission());
+        let (mut factor, mut joint_nm) = ([S::from(1.0); N], [none; N]);
+        fill(&mut joint_nm, |i| asked[i].torque_nm);
         for e in &self.effects {
             e.hooks().add_joint_torque(&e.parameters, samples, &mut joint_nm);
             e.hooks().multiply_friction(&e.parameters, samples, &mut factor);
         }
-        let joint_nm = joint_nm.map(|nm| nm.named("joint_nm"));
-        let load_nm = |i: usize| (joint_nm[i] * transmission).named("load_nm");
-        let carried: [Carried<S>; N] = from_fn(|i| Carried { load_nm: load_nm(i), friction_nm: branches[i] });
-        let (mut winch_nm, mut friction_nm) = ([S::from(0.0); N], *branches);
+        let mut carried = [Carried { load_nm: none, friction_nm: Both { up: none, down: none } }; N];
+        for i in 0..N {
+            joint_nm[i] = joint_nm[i].named("joint_nm");
+            carried[i] = Carried { load_nm: (joint_nm[i] * transmission).named("load_nm"), friction_nm: branches[i] };
+        }
+        let (mut winch_nm, mut branches_nm, mut friction_nm) = ([none; N], *branches, [none; N]);
         for e in &self.effects {
             e.hooks().add_winch_torque(&e.parameters, samples, &carried, &mut winch_nm);
-            e.hooks().add_friction(&e.parameters, samples, &carried, &mut friction_nm);
+            e.hooks().add_friction(&e.parameters, samples, &carried, &mut branches_nm);
         }
-        let friction_nm: [S; N] = from_fn(|i| {
-            let Both { up, down } = friction_nm[i];
+        fill(&mut friction_nm, |i| {
+            let Both { up, down } = branches_nm[i];
             let both = Both { up: up.named("up_nm"), down: down.named("down_nm") };
             (factor[i] * combined(both, k_tilde[i])).named("friction_nm")
         });
-        let torque_nm = |lag_rad: [S; N]| -> [S; N] {
-            from_fn(|i| {
+        let balance = |lag_rad: &[S; N], y_nm: &mut [S; N]| {
+            fill(y_nm, |i| {
                 let load_nm = (joint_nm[i] - asked[i].slope_nm_rad * lag_rad[i]) * transmission;
                 self.balance_nm(load_nm, friction_nm[i], k_tilde[i]) + winch_nm[i]
-            })
+            });
         };
-        let lag_rad = |y_nm: [S; N]| {
-            let (pull_nm, mut lag_rad) = (y_nm.map(|y| y / transmission), [S::from(0.0); N]);
-            self.effects.iter().for_each(|e| e.hooks().add_lag(&e.parameters, &joint_nm, &pull_nm, &mut lag_rad));
-            lag_rad
-        };
-        let mut y_nm = torque_nm([S::from(0.0); N]);
-        if !self.effects.is_empty() && !lag_rad(y_nm).iter().all(|lag| lag.is_zero()) {
-            (0..SETTLING).for_each(|_| y_nm = torque_nm(lag_rad(y_nm)));
+        balance(&[none; N], y_nm);
+        if !self.effects.iter().any(|e| e.effect.lags()) {
+            return;
         }
-        y_nm
+        let mut pull_nm = [none; N];
+        for _ in 0..SETTLING {
+            let mut lag_rad = [none; N];
+            fill(&mut pull_nm, |i| y_nm[i] / transmission);
+            self.effects.iter().for_each(|e| e.hooks().add_lag(&e.parameters, &joint_nm, &pull_nm, &mut lag_rad));
+            if lag_rad.iter().all(|lag| lag.is_zero()) {
+                break;
+            }
+            balance(&lag_rad, y_nm);
+        }
     }
 
     /// The sensor's reading of `torque_nm`, without its delay, N m.

@@ -44,3 +44,9 @@ pub mod dual;
 
 /// Numbers that remember how they came about, to be printed as code.
 pub mod expression;
+
+/// Puts `of` each place into `slots`, without moving an array.
+#[inline(always)]
+pub fn fill<T, const N: usize>(slots: &mut [T; N], of: impl Fn(usize) -> T) {
+    slots.iter_mut().enumerate().for_each(|(i, slot)| *slot = of(i));
+}
