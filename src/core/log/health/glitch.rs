@@ -9,6 +9,7 @@
 //! too, where they hide in the noise.
 
 use crate::numerics::statistics::quantile;
+use std::cell::OnceCell;
 use std::ops::Range;
 
 /// A glitch lasts no longer than this, s: no torque behind a joint's inertia and no joint comes and goes so fast ...
@@ -139,18 +140,22 @@ impl Usual {
 /// Where the speed of a position jumps from one sample to the next: mass asks for a torque there that lasts no longer.
 pub(super) struct Corners<'a> {
     position: &'a [f64],
-    unusual: f64,
+    rate_hz: f64,
+    /// The second difference that is no noise, known once it is asked for: few logs have a glitch.
+    unusual: OnceCell<f64>,
 }
 
 impl<'a> Corners<'a> {
     /// The corners of `position`, sampled at `rate_hz`.
     pub fn of(position: &'a [f64], rate_hz: f64) -> Self {
-        Self { position, unusual: Usual::of(position, rate_hz).map_or(f64::INFINITY, |usual| usual.unusual) }
+        Self { position, rate_hz, unusual: OnceCell::new() }
     }
 
     fn are_at(&self, run: &Range<usize>) -> bool {
+        let usual = || Usual::of(self.position, self.rate_hz).map_or(f64::INFINITY, |usual| usual.unusual);
+        let unusual = *self.unusual.get_or_init(usual);
         let places = run.start.saturating_sub(1).max(1)..(run.end + 1).min(self.position.len() - 1);
-        places.into_iter().any(|i| second(self.position, i) > self.unusual)
+        places.into_iter().any(|i| second(self.position, i) > unusual)
     }
 }
 

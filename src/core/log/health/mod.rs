@@ -17,7 +17,7 @@ pub use copies::{Fingerprint, copies, refuse_copies};
 
 use super::columns::Wanted;
 use super::readings::{Readings, Rows};
-use super::{POSITION, TIME, TORQUE, checks};
+use super::{POSITION, TIME, TORQUE};
 use crate::problem::Problem;
 use std::ops::Range;
 use std::path::Path;
@@ -151,8 +151,8 @@ impl Finding {
 
 /// Replaces glitches and drop-outs of position and torque, as recorded, by straight lines; all that was found in them.
 pub(super) fn mend(recorded: &mut Readings, wanted: &[Wanted]) -> Vec<Finding> {
-    let Some(period) = checks::median_period(&recorded.columns[TIME]) else { return Vec::new() };
-    let rate_hz = 1.0 / (period * wanted[TIME].factor());
+    let [first, .., last] = recorded.columns[TIME][..] else { return Vec::new() };
+    let rate_hz = (recorded.columns[TIME].len() - 1) as f64 / ((last - first) * wanted[TIME].factor());
     let mut findings = Vec::new();
     for column in [POSITION, TORQUE] {
         let want = &wanted[column];
