@@ -47,5 +47,6 @@ mod robots;
 mod schema;
 mod simulate;
 mod trajectory;
+mod transition;
 mod validate;
 mod zero;

@@ -6,7 +6,7 @@ use super::data::DataSet;
 use super::flexible::{self, Flexible};
 use super::mask::Mask;
 use super::policy::Policy;
-use super::record::Record;
+use crate::dynamics::Motion;
 use crate::numerics::statistics::quantile;
 use std::ops::Range;
 
@@ -35,8 +35,7 @@ pub fn find(base: &BaseModel<'_>, columns: &[Vec<f64>], target_nm: &[f64]) -> (V
     let mut events = Vec::new();
     for _ in 0..ROUNDS {
         let found = stretches(mask, &fitted.residual_nm);
-        let rows: usize = found.iter().map(|event| event.rows.len()).sum();
-        if found == events || rows as f64 > mask.data.policy.contact_rows_share_max * mask.rows() as f64 {
+        if found == events {
             break;
         }
         events = found;
@@ -144,29 +143,23 @@ pub fn keep_unexplained(mask: &Mask<'_>, events: &mut Vec<ContactEvent>, before_
     events.retain(|event| square(after_nm, event) > least * square(before_nm, event));
 }
 
-/// Position, velocity and travel since the last reversal at each row.
-fn states(data: &DataSet) -> Vec<[f64; 3]> {
-    let of = |record: &Record| {
-        let travel = record.travel_rad();
-        record.rows.iter().map(|i| [record.own[*i].position, record.own[*i].velocity, travel[*i]]).collect::<Vec<_>>()
-    };
-    data.records.all.iter().flat_map(of).collect()
+/// The motion at each row.
+fn states(data: &DataSet) -> Vec<Motion> {
+    data.records.all.iter().flat_map(|record| record.rows.iter().map(|i| record.own[*i])).collect()
 }
 
 /// Whether the joint, when it is there again in the same motion, shows the like.
-fn is_repeated(data: &DataSet, states: &[[f64; 3]], residual_nm: &[f64], event: &ContactEvent) -> bool {
+fn is_repeated(data: &DataSet, states: &[Motion], residual_nm: &[f64], event: &ContactEvent) -> bool {
     let range = data.extent.position_rad.1 - data.extent.position_rad.0;
-    let [q, v, travel] = states[peak_row(residual_nm, event)];
+    let Motion { position, velocity, .. } = states[peak_row(residual_nm, event)];
     let policy = &data.policy;
-    let (near, settled) = (policy.contact_near_share * range, policy.contact_travel_share * range);
+    let (near, slow_rad_s) = (policy.same_place_share * range, policy.same_place_share * data.extent.speed_rad_s.1);
     let speeds = 1.0 / policy.contact_speed_factor..policy.contact_speed_factor;
-    let slow_rad_s = policy.contact_slow_share * data.extent.speed_rad_s.1;
     let same = |i: &usize| {
-        let [other_q, other_v, other_travel] = states[*i];
-        let slow = v.abs() < slow_rad_s && other_v.abs() < slow_rad_s;
-        let alike = slow || (v != 0.0 && speeds.contains(&(other_v / v)));
-        let both_settled = other_travel > settled && travel > settled;
-        (other_q - q).abs() < near && alike && (both_settled || (other_travel - travel).abs() < near)
+        let other = states[*i];
+        let both_slow = velocity.abs() < slow_rad_s && other.velocity.abs() < slow_rad_s;
+        let alike = both_slow || (velocity != 0.0 && speeds.contains(&(other.velocity / velocity)));
+        (other.position - position).abs() < near && alike
     };
     let far = |i: &usize| *i + 10 < event.rows.start || *i > event.rows.end + 10;
     let mut others: Vec<f64> = (0..states.len()).filter(far).filter(same).map(|i| residual_nm[i].abs()).collect();
@@ -184,7 +177,7 @@ fn is_of_encoder(policy: &Policy, encoder_nm: &[f64], event: &ContactEvent) -> b
 /// same direction.
 fn recurs(
     data: &DataSet,
-    states: &[[f64; 3]],
+    states: &[Motion],
     residual_nm: &[f64],
     events: &[ContactEvent],
     event: &ContactEvent,
@@ -194,10 +187,10 @@ fn recurs(
     let repeats: Vec<usize> = (0..data.records.all.len()).filter(is_repeat).collect();
     let range = data.extent.position_rad.1 - data.extent.position_rad.0;
     let (repeated, same_place) = (data.policy.contact_repeated_share, data.policy.same_place_share * range);
-    let [q, v, _] = states[peak_row(residual_nm, event)];
+    let Motion { position, velocity, .. } = states[peak_row(residual_nm, event)];
     let like = |other: &&ContactEvent| {
-        let [other_q, other_v, _] = states[peak_row(residual_nm, other)];
-        let is_there = (other_q - q).abs() < same_place && other_v * v >= 0.0;
+        let there = states[peak_row(residual_nm, other)];
+        let is_there = (there.position - position).abs() < same_place && there.velocity * velocity >= 0.0;
         is_there && (repeated..1.0 / repeated).contains(&(other.peak_nm / event.peak_nm))
     };
     let has_like = |record: &&usize| events.iter().filter(|other| other.record == **record).any(|other| like(&other));

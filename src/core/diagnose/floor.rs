@@ -15,11 +15,10 @@ use crate::numerics::statistics::{extent, quantile};
 
 /// Independent samples in a block.
 const BLOCK: f64 = 10.0;
-/// Independent samples over which slow differences are removed; the same share of white noise is removed with them.
-const SLOW: f64 = 20.0;
 /// The same once the causes are known, and a drift is explained: noise that is not white has its slow part, too.
 const BLOCK_LATER: f64 = 40.0;
-const SLOW_LATER: f64 = 80.0;
+/// Blocks over which slow differences are removed; the same share of white noise is removed with them.
+const SLOW_BLOCKS: f64 = 2.0;
 /// Repeats are aligned within this many independent samples.
 const LAG_MAX: f64 = 10.0;
 /// Fewer blocks do not determine a floor.
@@ -102,7 +101,7 @@ impl FloorSource {
 /// The floor of noise alone; some fit leaves `most_square` on held-out units: where the density extrapolated below the low-pass exceeds
 /// that, it was not all noise, and only its lowest part is used.
 pub fn of_noise(data: &DataSet, residual_nm: &[f64], most_square: f64) -> Floor {
-    let mut blocks = repeats_blocks(data, residual_nm, BLOCK, SLOW);
+    let mut blocks = repeats_blocks(data, residual_nm, BLOCK);
     if blocks.len() >= BLOCKS_MIN {
         let rms_nm = differing_square(&mut blocks).sqrt();
         let chance = (std::f64::consts::PI / (BLOCK * blocks.len() as f64)).sqrt();
@@ -124,14 +123,14 @@ fn of_encoder(data: &DataSet, model: &Model) -> f64 {
     let Some(again) = data.again() else { return 0.0 };
     let (encoder_nm, scored) = (data.encoder_nm(model), data.scored(model));
     let counted: Vec<f64> = encoder_nm.iter().zip(scored).filter(|(_, scored)| *scored).map(|(x, _)| *x).collect();
-    let mut blocks = repeats_blocks(again, &encoder_nm, BLOCK, SLOW);
+    let mut blocks = repeats_blocks(again, &encoder_nm, BLOCK);
     let in_repeats = if blocks.len() >= BLOCKS_MIN { differing_square(&mut blocks) } else { 0.0 };
     if counted.is_empty() { 0.0 } else { (mean_square(&counted) - in_repeats).max(0.0) }
 }
 
 /// Mean square of one of two series whose quick differences have these mean squares in blocks.
 fn differing_square(blocks: &mut [f64]) -> f64 {
-    median_square(blocks) / 2.0 / (1.0 - 1.0 / SLOW)
+    median_square(blocks) / 2.0 / kept_of_noise(BLOCK)
 }
 
 /// The floor under `left_nm`, the residual at all rows of `after`, the model with its causes, oscillations left out; it includes slow noise.
@@ -154,9 +153,9 @@ pub fn settled(
         let all = Floor::of_noise(noise_square.sqrt(), FloorSource::Unforeseen, policy.floor_spectrum_error);
         return all.with_encoder(policy, encoder_square, left_square);
     }
-    let blocks = repeats_blocks(data, left_nm, BLOCK_LATER, SLOW_LATER);
+    let blocks = repeats_blocks(data, left_nm, BLOCK_LATER);
     let whole_square = match blocks.len() >= BLOCKS_MIN {
-        true => usual_mean(blocks, policy.floor_outlier) / 2.0 / (1.0 - 1.0 / SLOW_LATER),
+        true => usual_mean(blocks, policy.floor_outlier) / 2.0 / kept_of_noise(BLOCK_LATER),
         false => noise_square,
     };
     let rms_nm = whole_square.sqrt().min(policy.floor_rise_max * fast.rms_nm).max(fast.rms_nm);
@@ -166,10 +165,10 @@ pub fn settled(
 }
 
 /// Mean squares of the differences between repeats, in blocks, slow differences removed.
-fn repeats_blocks(data: &DataSet, residual_nm: &[f64], block: f64, slow: f64) -> Vec<f64> {
+fn repeats_blocks(data: &DataSet, residual_nm: &[f64], block: f64) -> Vec<f64> {
     let (records, apart) = (&data.records, data.policy.same_place_share);
     let rows = |independent: f64| (independent * records.rows_per_independent).round() as usize;
-    let spans = Spans { block: rows(block), slow: rows(slow), lag: rows(LAG_MAX) as isize, apart };
+    let spans = Spans { block: rows(block), slow: rows(SLOW_BLOCKS * block), lag: rows(LAG_MAX) as isize, apart };
     let mut blocks = Vec::new();
     for (a, first) in records.all.iter().enumerate() {
         for (b, second) in records.all.iter().enumerate().skip(a + 1) {
@@ -180,6 +179,11 @@ fn repeats_blocks(data: &DataSet, residual_nm: &[f64], block: f64, slow: f64) ->
         }
     }
     blocks
+}
+
+/// The share of white noise's square that is left once slow differences are removed with blocks of `block` independent samples.
+fn kept_of_noise(block: f64) -> f64 {
+    1.0 - 1.0 / (SLOW_BLOCKS * block)
 }
 
 /// The mean over blocks without those above `outlier` times their median, such as a contact in one repeat.

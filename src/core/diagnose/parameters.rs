@@ -7,11 +7,10 @@ use super::fit::Fit;
 use super::parameter_ref::ParameterRef;
 use super::stale::holds;
 use crate::model::{Model, Term};
+use crate::numerics::statistics::HALF_WIDTH;
 
 /// Resamplings for a parameter's error.
 const DRAWS: usize = 100;
-/// Half a 95 % interval in standard errors.
-const HALF_WIDTH: f64 = 1.96;
 /// A value within this share of its range from a bound, or of the bound where it may be negative, is at it.
 const AT_BOUND: f64 = 1e-4;
 

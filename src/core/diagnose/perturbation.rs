@@ -8,11 +8,10 @@ use crate::dynamics::Direction;
 use crate::effects::{Added, Extent, Parameter, Role};
 use crate::model::{Combination, Model, Term};
 use crate::numerics::dual::Dual;
+use crate::numerics::statistics::HALF_WIDTH;
 
 /// Confidence of a parameter for which none is given, as a share of it: the 95 % interval reaches so far to either side.
 const UNKNOWN_SHARE: f64 = 0.05;
-/// Half a 95 % interval in standard deviations.
-const HALF_WIDTH: f64 = 1.96;
 
 /// How a parameter changes with the number of its perturbation.
 #[derive(Debug, Clone, Copy, PartialEq)]

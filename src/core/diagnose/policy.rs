@@ -93,8 +93,6 @@ pub struct Policy {
     pub contact_misfit_floors: f64,
     /// Multiple of the usual level: a contact event lasts as long as it stays above this.
     pub contact_edge: f64,
-    /// Share of the rows: what stands out in more of them is not contact.
-    pub contact_rows_share_max: f64,
     /// Share of a contact event's square: a model that leaves less of it predicts it, and it was no contact.
     pub contact_left_share: f64,
     /// Share of a contact event's peak: a residual that reaches this in the same state elsewhere repeats, and was no contact; between
@@ -103,14 +101,8 @@ pub struct Policy {
     /// Quantile of the residual in the same state elsewhere: this one is compared with `contact_repeated_share`, so one row of five must
     /// reach that.
     pub contact_repeated_quantile: f64,
-    /// Share of the range of positions: the same state is no further away than this.
-    pub contact_near_share: f64,
-    /// Share of the range of positions: after this much travel since the reversal, how far it is no longer distinguishes two states.
-    pub contact_travel_share: f64,
     /// Factor: speeds within it belong to the same state.
     pub contact_speed_factor: f64,
-    /// Share of the largest speed: two speeds below this belong to the same state, whatever their ratio and sign.
-    pub contact_slow_share: f64,
     /// Multiple: the encoder's errors may be this many times as large as one simulation of them; an event below that was no contact.
     pub contact_over_encoder: f64,
     /// Lobes of alternating sign: a residual with so many oscillates, and was no contact.
@@ -125,7 +117,7 @@ pub struct Policy {
     /// Multiple, RMS: contact is not needed where causes leave at most this times, over all rows, what they leave without the rows of contact
     /// events.
     pub contact_needless_factor: f64,
-    /// Share of the range of positions: repeats of one motion that are further apart are not at the same place.
+    /// Share of the range of positions, and of the largest speed: what is no further apart is in the same place, or as slow.
     pub same_place_share: f64,
     /// Multiple of the median: blocks of differences between repeats that exceed it hold more than noise.
     pub floor_outlier: f64,
@@ -191,14 +183,10 @@ impl Default for Policy {
             contact_peak: 4.0,
             contact_misfit_floors: 1.5,
             contact_edge: 1.8,
-            contact_rows_share_max: 0.35,
             contact_left_share: 0.5,
             contact_repeated_share: 0.4,
             contact_repeated_quantile: 0.8,
-            contact_near_share: 0.05,
-            contact_travel_share: 0.2,
             contact_speed_factor: 1.6,
-            contact_slow_share: 0.02,
             contact_over_encoder: 2.5,
             contact_swings: 4.0,
             contact_swing_share: 0.25,
@@ -230,7 +218,7 @@ pub struct Threshold {
 }
 
 /// All thresholds, in the order of the fields.
-pub const ENTRIES: [Threshold; 60] = [
+pub const ENTRIES: [Threshold; 56] = [
     Threshold { name: "first_floors", field: |policy| &mut policy.first_floors },
     Threshold { name: "further_floors", field: |policy| &mut policy.further_floors },
     Threshold { name: "first_gap_share", field: |policy| &mut policy.first_gap_share },
@@ -265,14 +253,10 @@ pub const ENTRIES: [Threshold; 60] = [
     Threshold { name: "contact_peak", field: |policy| &mut policy.contact_peak },
     Threshold { name: "contact_misfit_floors", field: |policy| &mut policy.contact_misfit_floors },
     Threshold { name: "contact_edge", field: |policy| &mut policy.contact_edge },
-    Threshold { name: "contact_rows_share_max", field: |policy| &mut policy.contact_rows_share_max },
     Threshold { name: "contact_left_share", field: |policy| &mut policy.contact_left_share },
     Threshold { name: "contact_repeated_share", field: |policy| &mut policy.contact_repeated_share },
     Threshold { name: "contact_repeated_quantile", field: |policy| &mut policy.contact_repeated_quantile },
-    Threshold { name: "contact_near_share", field: |policy| &mut policy.contact_near_share },
-    Threshold { name: "contact_travel_share", field: |policy| &mut policy.contact_travel_share },
     Threshold { name: "contact_speed_factor", field: |policy| &mut policy.contact_speed_factor },
-    Threshold { name: "contact_slow_share", field: |policy| &mut policy.contact_slow_share },
     Threshold { name: "contact_over_encoder", field: |policy| &mut policy.contact_over_encoder },
     Threshold { name: "contact_swings", field: |policy| &mut policy.contact_swings },
     Threshold { name: "contact_swing_share", field: |policy| &mut policy.contact_swing_share },

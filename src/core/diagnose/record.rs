@@ -19,7 +19,7 @@ use std::ops::Range;
 
 /// Samples kept per period of the low-pass: the filter redesigned for the thinned rate then differs from the declared one by
 /// less than 1 % up to 1.2 times its cut-off.
-const SAMPLES_PER_PERIOD: f64 = 10.0;
+pub(super) const SAMPLES_PER_PERIOD: f64 = 10.0;
 /// Rows compared per period of the low-pass, beyond which hardly anything passes.
 const ROWS_PER_PERIOD: f64 = 4.0;
 /// Samples that effects are asked about at once.

@@ -41,9 +41,6 @@ impl Effect for ReversalTransition {
     }
 
     fn starts(&self, extent: &Extent) -> Vec<Vec<f64>> {
-        if extent.has_curve {
-            return Vec::new();
-        }
         let range_m = (extent.position_rad.1 - extent.position_rad.0) * extent.pulley_radius_m;
         let own_m = (extent.backlash_m > 0.0).then_some(extent.backlash_m);
         spaced(WIDTHS.0 * range_m, WIDTHS.1 * range_m, 8)

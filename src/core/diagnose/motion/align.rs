@@ -6,6 +6,7 @@
 
 use super::controller;
 use super::pairs::Pair;
+use crate::diagnose::record::SAMPLES_PER_PERIOD;
 use crate::log::{Campaign, read_trial};
 use crate::numerics::filter::LowPass;
 use crate::numerics::resample::between;
@@ -13,8 +14,6 @@ use crate::numerics::statistics::root_mean_square;
 use crate::prepare::{Trial, prepare};
 use crate::problem::Result;
 
-/// Samples kept per period of the low-pass.
-const SAMPLES_PER_PERIOD: f64 = 10.0;
 /// The largest shift looked for, s ...
 const LAG_MAX_S: f64 = 5.0;
 /// ... and the largest as a share of the shorter log.
