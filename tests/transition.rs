@@ -15,7 +15,7 @@ fn a_change_over_of_another_shape_than_the_model_has_is_found() {
         own: Path { start_rad: 0.2, segments: segments.map(cosine).to_vec() },
         others: Vec::new(),
     };
-    // The model's own: 0.8 mm with p = 2.05. No other width of it begins as slowly as this one.
+    // The model's own: 0.8 mm with p = 2.05. With that p no width rises so slowly at first.
     let late = "reversal_transition:backlash_m=0.006,p=0.4,n=2.5";
     let found = diagnosed_with((&truth(), &truth()), 0.01, &[late], swings, 7);
     let named: Vec<&str> = found.verdict.effects.iter().map(|cause| cause.name()).collect();

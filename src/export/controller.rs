@@ -126,7 +126,7 @@ fn parts(model: &Model, language: Language, settings: &Settings) -> Result<Parts
 
 /// Whether any effect takes the joint away from where its encoder is.
 fn stretches(model: &Model) -> bool {
-    model.effects.iter().any(|e| e.hooks().position_lag_rad(&e.parameters, 1.0, 1.0) != 0.0)
+    model.effects.iter().any(|e| e.effect.lags())
 }
 
 /// What stands in a comment: nothing that would end it or begin another, on one line, in the order in which it is read.

@@ -17,7 +17,7 @@ use crate::numerics::statistics::{extent, quantile};
 const BLOCK: f64 = 10.0;
 /// The same once the causes are known, and a drift is explained: noise that is not white has its slow part, too.
 const BLOCK_LATER: f64 = 40.0;
-/// Blocks over which slow differences are removed; the same share of white noise is removed with them.
+/// Slow differences are averaged over this many blocks and removed; [`kept_of_noise`] says what white noise is left.
 const SLOW_BLOCKS: f64 = 2.0;
 /// Repeats are aligned within this many independent samples.
 const LAG_MAX: f64 = 10.0;

@@ -117,7 +117,8 @@ pub struct Policy {
     /// Multiple, RMS: contact is not needed where causes leave at most this times, over all rows, what they leave without the rows of contact
     /// events.
     pub contact_needless_factor: f64,
-    /// Share of the range of positions, and of the largest speed: what is no further apart is in the same place, or as slow.
+    /// Share of the range of positions: closer positions are the same place, within one motion and between its repeats. As a share of the largest
+    /// speed: two speeds below it count as equal, whatever their ratio and sign.
     pub same_place_share: f64,
     /// Multiple of the median: blocks of differences between repeats that exceed it hold more than noise.
     pub floor_outlier: f64,

@@ -222,16 +222,20 @@ impl Record {
     /// Calls `then` for all thinned samples, a block at a time; where they end before the last block does, that goes on with the last of them.
     fn in_blocks<S: Scalar>(&self, mut then: impl FnMut(&[usize; BLOCK], &[Sample<'_, S>; BLOCK])) {
         let (last, joints) = (self.own.len() - 1, self.others.len());
-        let others: Vec<Motion<S>> = (0..=last).flat_map(|i| self.others.iter().map(move |of| of[i].over())).collect();
-        let (none, own) = (S::from(0.0), Motion::default().over());
-        let mut samples = [Sample { time_s: none, elapsed_s: none, own, others: &[] }; BLOCK];
+        let (none, still) = (S::from(0.0), Motion::default().over::<S>());
+        let mut others = vec![still; BLOCK * joints];
         for from in (0..=last).step_by(BLOCK) {
             let at: [usize; BLOCK] = from_fn(|j| (from + j).min(last));
+            let slots = others.chunks_exact_mut(joints.max(1)).zip(at);
+            slots.for_each(|(slot, i)| {
+                slot.iter_mut().zip(&self.others).for_each(|(own, other)| *own = other[i].over())
+            });
+            let mut samples = [Sample { time_s: none, elapsed_s: none, own: still, others: &[] }; BLOCK];
             fill(&mut samples, |j| Sample {
                 time_s: S::from(self.time_s[at[j]]),
                 elapsed_s: S::from(self.elapsed_s(at[j])),
                 own: self.own[at[j]].over(),
-                others: &others[at[j] * joints..][..joints],
+                others: &others[j * joints..][..joints],
             });
             then(&at, &samples);
         }

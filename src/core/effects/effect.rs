@@ -93,8 +93,8 @@ pub trait Hooks<S: Scalar>: Sync {
         S::from(0.0)
     }
 
-    /// How far the joint is behind the measured position where the effect [`Effect::lags`], rad: under a load of `load_nm` at the joint, the cable pulling with
-    /// `pull_nm` there, friction and all.
+    /// How far the joint is behind the measured position, rad: under a load of `load_nm` at the joint, the cable pulling with `pull_nm` there,
+    /// friction and all. Asked only of an effect that [`Effect::lags`].
     fn position_lag_rad(&self, _p: &[S], _load_nm: S, _pull_nm: S) -> S {
         S::from(0.0)
     }

@@ -1,6 +1,7 @@
 //! Warnings on an identification: what is outside physics, extrapolated, or not known by itself.
 
 use super::Residual;
+use super::whole::rmse_nm;
 use crate::model::{Confidence, Direction, Level, Model, Status, Term};
 use crate::numerics::statistics::HALF_WIDTH;
 use rayon::prelude::*;
@@ -10,24 +11,19 @@ const EXTRAPOLATED: f64 = 2.0;
 
 /// A word when the model does worse at speeds that no sweep reached.
 pub fn extrapolation_warning(residuals: &[Residual], fastest_rad_s: f64, refined: bool) -> Option<String> {
-    // Of all samples, and of those beyond: sum of squares and count; and the top speed.
+    // Sum of squares and count within and beyond, and the top speed.
     let sums = |trial: &Residual| {
-        let mut sums = [0.0; 5];
+        let (mut parts, mut top_rad_s) = ([(0.0, 0.0); 2], 0f64);
         for (v, r) in trial.velocity_rad_s.iter().zip(&trial.residual_nm) {
-            let beyond = f64::from(v.abs() > 1.1 * fastest_rad_s);
-            sums[0] += r * r;
-            sums[1] += 1.0;
-            sums[2] += beyond * r * r;
-            sums[3] += beyond;
-            sums[4] = sums[4].max(v.abs());
+            let (sum, count) = &mut parts[usize::from(v.abs() > 1.1 * fastest_rad_s)];
+            (*sum, *count) = (*sum + r * r, *count + 1.0);
+            top_rad_s = top_rad_s.max(v.abs());
         }
-        sums
+        (parts, top_rad_s)
     };
-    let join = |a: [f64; 5], b: [f64; 5]| [a[0] + b[0], a[1] + b[1], a[2] + b[2], a[3] + b[3], a[4].max(b[4])];
-    let each: Vec<[f64; 5]> = residuals.par_iter().map(sums).collect();
-    let [all, count, beyond, count_beyond, top_rad_s] = each.into_iter().fold([0.0; 5], join);
-    let here_nm = ((all - beyond) / (count - count_beyond)).sqrt();
-    let there_nm = (beyond / count_beyond).sqrt();
+    let each: Vec<([(f64, f64); 2], f64)> = residuals.par_iter().map(sums).collect();
+    let [here_nm, there_nm] = [0, 1].map(|at| rmse_nm(&each.iter().map(|(parts, _)| parts[at]).collect::<Vec<_>>()));
+    let top_rad_s = each.iter().fold(0.0, |top: f64, (_, of_trial)| top.max(*of_trial));
     (there_nm > EXTRAPOLATED * here_nm).then(|| {
         let cure = if refined { "" } else { "; record faster sweeps, or try --refine" };
         format!(

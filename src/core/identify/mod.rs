@@ -134,12 +134,11 @@ impl Identification {
     /// RMSE over all samples of all trials, N m; NaN without any.
     pub fn rmse_nm(&self) -> f64 {
         let of_trials = self.residuals.iter().filter(|residual| !residual.residual_nm.is_empty());
-        let add = |(sum, count), residual: &Residual| {
+        let of_trial = |residual: &Residual| {
             let samples = residual.residual_nm.len() as f64;
-            (sum + residual.rmse_nm.powi(2) * samples, count + samples)
+            (residual.rmse_nm.powi(2) * samples, samples)
         };
-        let (sum, count) = of_trials.fold((0.0, 0.0), add);
-        f64::sqrt(sum / count)
+        whole::rmse_nm(&of_trials.map(of_trial).collect::<Vec<_>>())
     }
 }
 

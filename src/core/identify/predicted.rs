@@ -19,9 +19,7 @@ pub struct Prepared {
     pub series: Series,
     /// The campaign's low-pass, designed for the thinned rate; `None` if that rate cannot carry it.
     lowpass: Option<LowPass>,
-    /// Samples at which the joint turns, with the direction it turns to.
     reversals: Vec<(usize, Direction)>,
-    /// How far it goes from one reversal to the next, rad.
     strokes_rad: Vec<f64>,
 }
 
@@ -115,7 +113,6 @@ impl Prepared {
     }
 }
 
-/// Samples at which the joint turns, with the direction it turns to.
 fn reversals(series: &Series) -> Vec<(usize, Direction)> {
     let positions = &series.position_rad;
     let Some(first) = positions.first() else { return Vec::new() };

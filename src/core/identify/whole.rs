@@ -43,7 +43,7 @@ pub struct WholeFit {
     pub stopped: Stopped,
 }
 
-/// Root mean square over all strokes of their sums of squares and numbers of samples, N m.
+/// Root mean square over all parts (strokes, trials) of their sums of squares and numbers of samples, N m; NaN without any.
 pub fn rmse_nm(sums: &[(f64, f64)]) -> f64 {
     let (sum, count) = sums.iter().fold((0.0, 0.0), |(sum, count), part| (sum + part.0, count + part.1));
     (sum / count).sqrt()

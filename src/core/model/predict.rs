@@ -149,17 +149,12 @@ impl<S: Evaluated> Model<S> {
             });
         };
         balance(&[none; N], y_nm);
-        if !self.effects.iter().any(|e| e.effect.lags()) {
-            return;
-        }
+        let settling = if self.effects.iter().any(|e| e.effect.lags()) { SETTLING } else { 0 };
         let mut pull_nm = [none; N];
-        for _ in 0..SETTLING {
+        for _ in 0..settling {
             let mut lag_rad = [none; N];
             fill(&mut pull_nm, |i| y_nm[i] / transmission);
             self.effects.iter().for_each(|e| e.hooks().add_lag(&e.parameters, &joint_nm, &pull_nm, &mut lag_rad));
-            if lag_rad.iter().all(|lag| lag.is_zero()) {
-                break;
-            }
             balance(&lag_rad, y_nm);
         }
     }

@@ -45,7 +45,7 @@ pub mod dual;
 /// Numbers that remember how they came about, to be printed as code.
 pub mod expression;
 
-/// Puts `of` each place into `slots`, without moving an array.
+/// Sets each of `slots` to `of` its index, in place: no array is moved.
 #[inline(always)]
 pub fn fill<T, const N: usize>(slots: &mut [T; N], of: impl Fn(usize) -> T) {
     slots.iter_mut().enumerate().for_each(|(i, slot)| *slot = of(i));

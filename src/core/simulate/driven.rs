@@ -2,7 +2,7 @@
 
 use super::course::{Course, Motions};
 use crate::dynamics::{Chain, Motion};
-use crate::effects::{Added, Evaluated};
+use crate::effects::Evaluated;
 use crate::model::{Asked, Direction, Model, Passage};
 
 /// y along `course` before the sensor, N m; `chain` takes the place of the model's own gravity and inertia.
@@ -41,8 +41,7 @@ pub(super) fn asked<S: Evaluated>(model: &Model<S>, chain: Option<&Chain>, own: 
     match chain {
         Some(chain) => {
             // Only a joint that lags its encoder asks for the slope, and a chain's takes as long as its torque.
-            let lag_rad = |e: &Added<S>| e.hooks().position_lag_rad(&e.parameters, S::from(1.0), S::from(1.0));
-            let lags = model.effects.iter().any(|e| !lag_rad(e).is_zero());
+            let lags = model.effects.iter().any(|e| e.effect.lags());
             let needs_slope = lags || !dynamics.position_zero_rad.is_zero();
             let slope_nm_rad = if needs_slope { chain.gravity_slope_nm_rad(own.position, others) } else { 0.0 };
             let rigid = chain.torque(own, others);

@@ -34,6 +34,8 @@ const QUANTA: f64 = 3.0;
 const RANGE_SHARE: f64 = 1e-3;
 /// The readings before and after a glitch differ by less than this share of it.
 const RETURN: f64 = 1.0 / 3.0;
+/// The mean rate of a log that lacks single samples is too low by up to this share.
+const RATE_ERROR: f64 = 0.01;
 /// Second differences below this share of the range are rounding of binary numbers.
 const DIGITS: f64 = 1e-13;
 /// Second differences looked at to tell what is usual.
@@ -132,7 +134,7 @@ impl Usual {
         let quantum = 2.0 * steps.fold(f64::INFINITY, f64::min);
         let unusual = (GLOBAL * tail).max(QUANTA * quantum);
         let smallest = unusual.max(RANGE_SHARE * range);
-        let longest = ((LONGEST_S * rate_hz) as usize).clamp(1, LONGEST);
+        let longest = ((LONGEST_S * rate_hz * (1.0 + RATE_ERROR)) as usize).clamp(1, LONGEST);
         Some(Self { trigger: 0.4 * smallest, unusual, smallest, longest }).filter(|usual| usual.smallest.is_finite())
     }
 }

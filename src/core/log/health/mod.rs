@@ -152,6 +152,7 @@ impl Finding {
 /// Replaces glitches and drop-outs of position and torque, as recorded, by straight lines; all that was found in them.
 pub(super) fn mend(recorded: &mut Readings, wanted: &[Wanted]) -> Vec<Finding> {
     let [first, .., last] = recorded.columns[TIME][..] else { return Vec::new() };
+    // The mean: only how many samples a glitch may last depends on it.
     let rate_hz = (recorded.columns[TIME].len() - 1) as f64 / ((last - first) * wanted[TIME].factor());
     let mut findings = Vec::new();
     for column in [POSITION, TORQUE] {
