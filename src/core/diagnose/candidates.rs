@@ -158,7 +158,8 @@ pub struct Round<'d> {
 pub type Likely = Vec<(&'static str, Vec<Vec<f64>>)>;
 
 /// All causes that are `wanted` and that `base` has not got already, each at its best; effects without promise are only sketched, and what comes
-/// nowhere near the best start, or the score known to be `reached`, (N m)^2, is not followed to its end. Shapes are looked for where they are `likely`, else everywhere.
+/// nowhere near the best start, or the score known to be `reached`, (N m)^2, is not followed to its end. Shapes are looked for where they are
+/// `likely`, else everywhere.
 pub fn try_all<'d>(
     base: &BaseModel<'d>,
     wanted: impl Fn(Cause) -> bool + Sync + Send,

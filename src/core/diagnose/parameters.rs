@@ -84,7 +84,8 @@ pub fn of_cause(resamples: &Resamples, fit: &Fit<'_>, (cause, how): (Cause, &str
     found
 }
 
-/// Viscous friction below zero would help the motion, and friction that rises with speed is no Stribeck effect. A positive range is compared in its logarithm, for it spans decades.
+/// Viscous friction below zero would help the motion, and friction that rises with speed is no Stribeck effect. A positive range is compared in
+/// its logarithm, for it spans decades.
 fn doubt(parameter: ParameterRef, model: &Model, (low, high): (f64, f64)) -> Option<&'static str> {
     let is_positive = match parameter {
         ParameterRef::Friction(_, term) => term == Term::Viscous,

@@ -8,7 +8,7 @@ use crate::effects::{Added, Carried, Evaluated, Family, Sample};
 use crate::log::{Campaign, Log};
 use crate::model::{Asked, Model, Strokes, combined, settle};
 use crate::numerics::dual::{Dual, VARIABLES};
-use crate::numerics::fill;
+use crate::numerics::fill::fill;
 use crate::numerics::filter::LowPass;
 use crate::numerics::scalar::Scalar;
 use crate::predict::{forgotten, torque_nm};

@@ -11,7 +11,7 @@ use super::{Both, Direction, Model, combined};
 use crate::dynamics::Motion;
 use crate::effects::{Carried, Evaluated, Sample};
 use crate::numerics::causal::Lag;
-use crate::numerics::fill;
+use crate::numerics::fill::fill;
 use crate::numerics::resample::shifted;
 use std::array::from_ref;
 
@@ -110,8 +110,7 @@ impl<S: Evaluated> Model<S> {
         Components { torque_nm, rigid_nm, friction_nm: torque_nm - rigid_nm }
     }
 
-    /// y of [`Self::driven_by_nm`] at `N` samples, each effect asked once for all of them, into `y_nm`, N m. All arrays are filled in place: of
-    /// numbers with slopes they are too large to be moved about.
+    /// y of [`Self::driven_by_nm`] at `N` samples, each effect asked once for all of them, into `y_nm`, N m.
     pub fn drive_along<const N: usize>(
         &self,
         samples: &[Sample<'_, S>; N],

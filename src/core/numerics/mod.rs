@@ -45,8 +45,5 @@ pub mod dual;
 /// Numbers that remember how they came about, to be printed as code.
 pub mod expression;
 
-/// Sets each of `slots` to `of` its index, in place: no array is moved.
-#[inline(always)]
-pub fn fill<T, const N: usize>(slots: &mut [T; N], of: impl Fn(usize) -> T) {
-    slots.iter_mut().enumerate().for_each(|(i, slot)| *slot = of(i));
-}
+/// Arrays filled in place.
+pub mod fill;
