@@ -7,7 +7,7 @@ use super::criteria::{Share, distinctness, is_tie, simplest};
 use super::fit::Fit;
 use super::progress::{Phase, Progress};
 
-/// Rounds over the causes found in which each is tried again.
+/// Rounds over the causes found in which each is tried again beside others than before.
 const SWEEPS: usize = 2;
 
 /// A cause taken, with what it was chosen from.
@@ -18,6 +18,8 @@ pub struct Step<'d> {
     pub tried: Vec<FittedCause<'d>>,
     /// The fit of the others alone.
     pub without: Fit<'d>,
+    /// The others.
+    beside: Vec<Cause>,
     /// How far the cause is ahead of every other that was tried, as a share of its gain on what was left then.
     pub distinctness: f64,
 }
@@ -25,7 +27,7 @@ pub struct Step<'d> {
 impl<'d> Step<'d> {
     fn new(taken: FittedCause<'d>, tried: Vec<FittedCause<'d>>, without: Fit<'d>) -> Self {
         let distinctness = distinctness(&taken, &tried, without.score());
-        Self { taken, tried, without, distinctness }
+        Self { taken, tried, without, beside: Vec::new(), distinctness }
     }
 
     /// The causes that gain nearly as much as the best: what falls far short beside causes falls short beside much the same, too.
@@ -45,22 +47,20 @@ impl<'d> Search<'d, '_> {
     /// Tries each cause again with the others in, until all stay: an early compromise is replaced by the causes that it stood for. Leaves
     /// out what the others explain as well without it. Returns the causes, and the fit of all.
     pub fn settle(&self, mut chosen: Vec<Hypothesis>) -> (Vec<Step<'d>>, Fit<'d>) {
-        let mut steps: Vec<Step<'d>> = Vec::new();
-        for _ in 0..SWEEPS {
-            let before: Vec<Cause> = chosen.iter().map(|hypothesis| hypothesis.cause).collect();
-            let prospects: Vec<Vec<Cause>> = steps.drain(..).map(|step| step.prospects()).collect();
-            for at in 0..chosen.len() {
-                let step = self.again(&chosen, at, prospects.get(at).map(Vec::as_slice));
-                if let Some(hypothesis) = step.taken.hypothesis() {
-                    chosen[at] = hypothesis;
-                }
-                steps.push(step);
+        let mut steps: Vec<Option<Step<'d>>> = chosen.iter().map(|_| None).collect();
+        for at in (0..chosen.len()).cycle().take(SWEEPS * chosen.len()) {
+            let beside: Vec<Cause> = all_but(&chosen, at).iter().map(|hypothesis| hypothesis.cause).collect();
+            if steps[at].as_ref().is_some_and(|step| step.beside == beside) {
+                continue;
             }
-            if chosen.iter().map(|hypothesis| hypothesis.cause).eq(before) {
-                break;
+            let prospects = steps[at].take().map(|step| step.prospects());
+            let step = self.again(&chosen, at, prospects.as_deref());
+            if let Some(hypothesis) = step.taken.hypothesis() {
+                chosen[at] = hypothesis;
             }
+            steps[at] = Some(Step { beside, ..step });
         }
-        self.without_idle(chosen, steps)
+        self.without_idle(chosen, steps.into_iter().flatten().collect())
     }
 
     /// The best in the place of number `at`, of all causes or only of those `among` which it is sought. What stands there stays unless
