@@ -1,4 +1,4 @@
-//! A series at a log's full rate, summed over what each thinned sample stands for: many samples at a time where it stays the same.
+//! A series at a log's full rate, summed over what each thinned sample stands for: many samples at a time where their sum is known.
 
 use crate::numerics::scalar::Scalar;
 use std::ops::Range;
@@ -35,12 +35,12 @@ impl<S: Scalar> Bins<S> {
         self.end(at) - at.checked_sub(1).map_or(0, |before| self.end(before))
     }
 
-    /// `value` at `samples`, which follow those before.
-    pub fn add(&mut self, samples: Range<usize>, value: S) {
+    /// What comes to `sum` of any range of `samples`, which follow those before.
+    pub fn add(&mut self, samples: Range<usize>, sum: impl Fn(Range<usize>) -> S) {
         let mut from = samples.start;
         while from < samples.end {
             let to = samples.end.min(self.until);
-            self.sums[self.at] += value * (to - from) as f64;
+            self.sums[self.at] += sum(from..to);
             from = to;
             if to == self.until && to < self.samples {
                 self.at += 1;
@@ -61,7 +61,7 @@ mod tests {
             let mut bins = Bins::<f64>::new(count, step, early, samples);
             let values: Vec<f64> = (0..samples).map(|i| ((i / 3) % 4) as f64).collect();
             values.chunk_by(|a, b| a == b).fold(0, |from, run| {
-                bins.add(from..from + run.len(), run[0]);
+                bins.add(from..from + run.len(), |range| run[0] * range.len() as f64);
                 from + run.len()
             });
             assert_eq!((0..count).map(|at| bins.samples(at)).sum::<usize>(), samples);

@@ -180,7 +180,7 @@ impl Record {
         let mut halves = vec![bins((self.step - 1) / 2), bins(self.step / 2)];
         halves.truncate(if self.step.is_multiple_of(2) { 2 } else { 1 });
         model.k_tilde_along(&self.strokes, |samples, k_tilde| {
-            halves.iter_mut().for_each(|bins| bins.add(samples.clone(), k_tilde));
+            halves.iter_mut().for_each(|bins| bins.add(samples.clone(), |range| k_tilde.sum(range)));
         });
         let weight = |at: usize| halves.iter().map(|bins| bins.samples(at)).sum::<usize>().max(1) as f64;
         let sum = |at: usize| halves.iter().fold(S::from(0.0), |sum, bins| sum + bins.sums[at]);

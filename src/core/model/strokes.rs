@@ -27,6 +27,32 @@ pub struct Strokes {
     moving: Vec<i8>,
 }
 
+/// K~ along some samples: a straight line over the travel.
+#[derive(Debug, Clone, Copy)]
+pub struct Line<'m, S> {
+    value: S,
+    per_rad: S,
+    /// Where it has that value, rad.
+    at_rad: f64,
+    /// The travel at each sample of the motion, rad; empty where K~ is constant.
+    way_rad: &'m [f32],
+}
+
+impl<S: Scalar> Line<'_, S> {
+    fn constant(value: S) -> Self {
+        Self { value, per_rad: S::from(0.0), at_rad: 0.0, way_rad: &[] }
+    }
+
+    /// Its sum over `samples`.
+    pub fn sum(&self, samples: Range<usize>) -> S {
+        let sum = self.value * samples.len() as f64;
+        match self.way_rad.get(samples) {
+            Some(way_rad) => sum + self.per_rad * way_rad.iter().map(|rad| f64::from(*rad) - self.at_rad).sum::<f64>(),
+            None => sum,
+        }
+    }
+}
+
 /// Motion in one direction.
 #[derive(Debug, Clone)]
 struct Stroke {
@@ -86,15 +112,15 @@ impl Strokes {
     }
 
     /// Tells `then` what `of` the travel comes to at each of `rows`, along which it is smooth.
-    fn along<S: Scalar>(
-        way_rad: &[f32],
+    fn along<'m, S: Scalar>(
+        way_rad: &'m [f32],
         rows: Range<usize>,
         of: &impl Fn(f64) -> S,
-        then: &mut impl FnMut(Range<usize>, S),
+        then: &mut impl FnMut(Range<usize>, Line<'m, S>),
     ) {
         let Some(last) = rows.end.checked_sub(1).filter(|last| *last >= rows.start) else { return };
         let mut from = (rows.start, of(f64::from(way_rad[rows.start])));
-        then(rows.start..rows.start + 1, from.1);
+        then(rows.start..rows.start + 1, Line::constant(from.1));
         while from.0 < last {
             let to = (from.0 + SPAN).min(last);
             let to = (to, of(f64::from(way_rad[to])));
@@ -105,16 +131,16 @@ impl Strokes {
 }
 
 /// The samples after `from` up to `to`, where the values are known.
-fn between<S: Scalar>(
-    way_rad: &[f32],
+fn between<'m, S: Scalar>(
+    way_rad: &'m [f32],
     from: (usize, S),
     to: (usize, S),
     of: &impl Fn(f64) -> S,
-    then: &mut impl FnMut(Range<usize>, S),
+    then: &mut impl FnMut(Range<usize>, Line<'m, S>),
 ) {
     let middle = (from.0 + to.0) / 2;
     if middle == from.0 {
-        return then(to.0..to.0 + 1, to.1);
+        return then(to.0..to.0 + 1, Line::constant(to.1));
     }
     let share = |from: usize, to: usize, at: usize| {
         let [from_rad, to_rad, at_rad] = [from, to, at].map(|i| f64::from(way_rad[i]));
@@ -131,15 +157,14 @@ fn between<S: Scalar>(
     for (from, to) in [(from, seen), (seen, to)] {
         let [from_rad, to_rad] = [from.0, to.0].map(|i| f64::from(way_rad[i]));
         let per_rad = if to_rad == from_rad { S::from(0.0) } else { (to.1 - from.1) / (to_rad - from_rad) };
-        let rows = from.0 + 1..=to.0;
-        rows.for_each(|at| then(at..at + 1, from.1 + per_rad * (f64::from(way_rad[at]) - from_rad)));
+        then(from.0 + 1..to.0 + 1, Line { value: from.1, per_rad, at_rad: from_rad, way_rad });
     }
 }
 
 impl<S: Evaluated> Model<S> {
-    /// K~ along `motion`: calls `then` for all samples in order, many at a time where it is constant. It agrees with [`super::Passage`],
-    /// sample by sample, to within 1e-4.
-    pub fn k_tilde_along(&self, motion: &Strokes, mut then: impl FnMut(Range<usize>, S)) {
+    /// K~ along `motion`: calls `then` for all samples in order, many at a time where it is straight over the travel. It agrees with
+    /// [`super::Passage`], sample by sample, to within 1e-4.
+    pub fn k_tilde_along<'m>(&self, motion: &'m Strokes, mut then: impl FnMut(Range<usize>, Line<'m, S>)) {
         let backlash_rad = self.backlash_m() / self.joint.pulley_radius_m;
         let (added, presliding) = (self.added_curve(), self.presliding());
         let jumps = added.is_none() && matches!(self.combination, Combination::Sign);
@@ -164,7 +189,7 @@ impl<S: Evaluated> Model<S> {
                     Strokes::along(&motion.onward_rad, passing.clone(), &on_curve, &mut then);
                     match jumps {
                         true => motion.by_speed(settled.clone(), arrived, &mut then),
-                        false if !settled.is_empty() => then(settled.clone(), arrived),
+                        false if !settled.is_empty() => then(settled.clone(), Line::constant(arrived)),
                         false => (),
                     }
                 }
@@ -173,7 +198,7 @@ impl<S: Evaluated> Model<S> {
                     for at in passing.clone() {
                         let [onward_rad, to_rad] = [&motion.onward_rad, &motion.travel_rad].map(|of| f64::from(of[at]));
                         bent.follow(presliding, on_curve(onward_rad), to_rad);
-                        then(at..at + 1, bent.k_tilde);
+                        then(at..at + 1, Line::constant(bent.k_tilde));
                     }
                     bent.settle(presliding, arrived, motion, settled.clone(), &mut then);
                 }
@@ -191,11 +216,16 @@ impl<S: Evaluated> Model<S> {
 
 impl Strokes {
     /// K~ that follows the sign of the speed alone, as (20) has it; at rest the last motion's, `arrived`.
-    fn by_speed<S: Scalar>(&self, rows: Range<usize>, arrived: S, then: &mut impl FnMut(Range<usize>, S)) {
+    fn by_speed<'m, S: Scalar>(
+        &'m self,
+        rows: Range<usize>,
+        arrived: S,
+        then: &mut impl FnMut(Range<usize>, Line<'m, S>),
+    ) {
         for at in rows {
             let k_tilde =
                 if self.moving[at] == 0 { arrived } else { S::from(f64::from(u8::from(self.moving[at] > 0))) };
-            then(at..at + 1, k_tilde);
+            then(at..at + 1, Line::constant(k_tilde));
         }
     }
 }
@@ -216,19 +246,19 @@ impl<S: Scalar> Bent<S> {
     }
 
     /// On through `rows`, over which the branch stays at `target`.
-    fn settle(
+    fn settle<'m>(
         &mut self,
         presliding: &Presliding<S>,
         target: S,
-        motion: &Strokes,
+        motion: &'m Strokes,
         rows: Range<usize>,
-        then: &mut impl FnMut(Range<usize>, S),
+        then: &mut impl FnMut(Range<usize>, Line<'m, S>),
     ) {
         let Some(last) = rows.end.checked_sub(1).filter(|_| !rows.is_empty()) else { return };
         let (behind, from_rad) = (self.k_tilde - target, self.at_rad);
         if Presliding::has_arrived(behind.abs()) {
             *self = Self { k_tilde: target, at_rad: f64::from(motion.travel_rad[last]) };
-            return then(rows, target);
+            return then(rows, Line::constant(target));
         }
         let left = presliding.relaxing(behind.abs());
         let k_tilde = |travel_rad: f64| {
@@ -239,7 +269,7 @@ impl<S: Scalar> Bent<S> {
         let bending = rows.start..rows.start + motion.travel_rad[rows.clone()].partition_point(is_behind);
         Strokes::along(&motion.travel_rad, bending.clone(), &k_tilde, then);
         if bending.end < rows.end {
-            then(bending.end..rows.end, target);
+            then(bending.end..rows.end, Line::constant(target));
         }
         let at_rad = f64::from(motion.travel_rad[last]);
         *self = Self { k_tilde: if bending.end < rows.end { target } else { k_tilde(at_rad) }, at_rad };
@@ -294,7 +324,7 @@ mod tests {
                     let mut along = Vec::new();
                     model.k_tilde_along(&motion, |rows, k_tilde| {
                         assert_eq!(rows.start, along.len());
-                        along.resize(rows.end, k_tilde);
+                        along.extend(rows.map(|at| k_tilde.sum(at..at + 1)));
                     });
                     assert_eq!(along.len(), positions_rad.len());
                     let after = known_from + 200;
