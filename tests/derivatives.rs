@@ -8,7 +8,6 @@ use tautline::dynamics::Motion;
 use tautline::effects::{Added, Evaluated, LIBRARY, Role, Sample};
 use tautline::model::{Combination, Direction, Model, Passage, Term};
 use tautline::numerics::dual::Dual;
-use tautline::numerics::scalar::Scalar;
 
 const RATE_HZ: f64 = 100.0;
 const SAMPLES: usize = 600;
@@ -45,22 +44,12 @@ fn motions(random: &mut ChaCha8Rng) -> Vec<[Motion; 2]> {
     (0..SAMPLES).map(at).collect()
 }
 
-fn over<S: Scalar>(motion: Motion) -> Motion<S> {
-    Motion {
-        position: S::from(motion.position),
-        velocity: S::from(motion.velocity),
-        acceleration: S::from(motion.acceleration),
-    }
-}
-
 /// What the sensor reads along `motions`: passage, torque, delay and reading, as prediction and simulation have them.
-fn readings_nm<S: Evaluated>(model: &Model<S>, motions: &[[Motion; 2]]) -> Vec<S> {
+fn readings_nm<S: Evaluated<Given = f64>>(model: &Model<S>, motions: &[[Motion; 2]]) -> Vec<S> {
     let mut passage = Passage::after(model, Direction::Up, motions[0][0].position, 0.0);
-    let others: Vec<[Motion<S>; 1]> = motions.iter().map(|[_, other]| [over(*other)]).collect();
     let sample = |i: usize| {
         let time_s = i as f64 / RATE_HZ;
-        let (time_s, elapsed_s) = (S::from(time_s), S::from(3.0 + time_s));
-        Sample { time_s, elapsed_s, own: over(motions[i][0]), others: &others[i] }
+        Sample { time_s, elapsed_s: 3.0 + time_s, own: motions[i][0], others: &motions[i][1..] }
     };
     let driven = |i: usize| {
         let k_tilde = passage.step(motions[i][0].position, motions[i][0].velocity);

@@ -133,7 +133,7 @@ fn half_width_nm(model: &Model, fit: &FrictionFit, speed_rad_s: f64) -> f64 {
     let slope = |term: &Term| {
         let mut moving = model.over::<Dual>();
         moving.friction.of_mut(fit.direction)[*term] = Dual::variable(fit.friction[*term], 0);
-        moving.b_nm(fit.direction, Dual::from(speed_rad_s)).slopes[0]
+        moving.b_nm(fit.direction, speed_rad_s).slopes[0]
     };
     let slopes: Vec<f64> = covariance.parameters.iter().map(slope).collect();
     let n = slopes.len();

@@ -14,7 +14,6 @@ use crate::numerics::scalar::Scalar;
 use crate::predict::{forgotten, torque_nm};
 use crate::prepare::{REST_RAD, REST_S, Trial, prepare, rests};
 use crate::problem::{Problem, Result};
-use std::array::from_fn;
 use std::ops::Range;
 
 /// Samples kept per period of the low-pass: the filter redesigned for the thinned rate then differs from the declared one by
@@ -54,8 +53,10 @@ pub struct Record {
     pub warnings: Vec<String>,
     /// When it began, s since the campaign did.
     pub began_s: f64,
-    /// Motion of each other joint.
-    pub others: Vec<Vec<Motion>>,
+    /// Other joints that are recorded.
+    pub joints: usize,
+    /// Motion of the other joints, sample after sample.
+    others: Vec<Motion>,
     load_nm: Vec<f64>,
     /// Gravity at each thinned sample as a share of the largest, and its slope, 1/rad: the position stays what it is, whatever
     /// the model.
@@ -131,7 +132,8 @@ impl Record {
             spectral_floor,
             warnings: trial.log.warnings.iter().map(ToString::to_string).collect(),
             began_s: 0.0,
-            others: trial.others.iter().map(|other| at.iter().map(|i| other[*i]).collect()).collect(),
+            joints: trial.others.len(),
+            others: at.iter().flat_map(|i| trial.others.iter().map(|other| other[*i])).collect(),
             load_nm: at.iter().map(|i| trial.load_nm(*i)).collect(),
             gravity_shares: at.iter().map(|i| model.joint.kind.gravity_share(trial.position_rad[*i])).collect(),
             chain: OnChain::of(campaign, model, trial, &at),
@@ -149,7 +151,12 @@ impl Record {
 
     /// Another joint's motion.
     pub fn other(&self, joint: usize, i: usize) -> Motion {
-        self.others.get(joint).map_or(Motion::default(), |other| other[i])
+        self.others_at(i).get(joint).copied().unwrap_or_default()
+    }
+
+    /// The other joints' motion.
+    fn others_at(&self, i: usize) -> &[Motion] {
+        &self.others[i * self.joints..][..self.joints]
     }
 
     /// Gravity, inertia and measured load at the joint under `model`, N m.
@@ -188,12 +195,12 @@ impl Record {
     }
 
     /// The unloaded friction of both branches at each thinned sample.
-    pub fn branches<S: Evaluated>(&self, model: &Model<S>) -> Vec<Both<S>> {
-        self.own.iter().map(|own| model.branches_nm(S::from(own.velocity))).collect()
+    pub fn branches<S: Evaluated<Given = f64>>(&self, model: &Model<S>) -> Vec<Both<S>> {
+        self.own.iter().map(|own| model.branches_nm(own.velocity)).collect()
     }
 
     /// y at each thinned sample, N m.
-    fn torque_nm<S: Evaluated>(
+    fn torque_nm<S: Evaluated<Given = f64>>(
         &self,
         model: &Model<S>,
         k_tilde: impl Fn(usize) -> S,
@@ -220,22 +227,17 @@ impl Record {
     }
 
     /// Calls `then` for all thinned samples, a block at a time; where they end before the last block does, that goes on with the last of them.
-    fn in_blocks<S: Scalar>(&self, mut then: impl FnMut(&[usize; BLOCK], &[Sample<'_, S>; BLOCK])) {
-        let (last, joints) = (self.own.len() - 1, self.others.len());
-        let (none, still) = (S::from(0.0), Motion::default().over::<S>());
-        let mut others = vec![still; BLOCK * joints];
+    fn in_blocks(&self, mut then: impl FnMut(&[usize; BLOCK], &[Sample<'_>; BLOCK])) {
+        let last = self.own.len() - 1;
+        let mut at = [0; BLOCK];
+        let mut samples = [Sample { time_s: 0.0, elapsed_s: 0.0, own: Motion::default(), others: &[] }; BLOCK];
         for from in (0..=last).step_by(BLOCK) {
-            let at: [usize; BLOCK] = from_fn(|j| (from + j).min(last));
-            let slots = others.chunks_exact_mut(joints.max(1)).zip(at);
-            slots.for_each(|(slot, i)| {
-                slot.iter_mut().zip(&self.others).for_each(|(own, other)| *own = other[i].over())
-            });
-            let mut samples = [Sample { time_s: none, elapsed_s: none, own: still, others: &[] }; BLOCK];
+            fill(&mut at, |j| (from + j).min(last));
             fill(&mut samples, |j| Sample {
-                time_s: S::from(self.time_s[at[j]]),
-                elapsed_s: S::from(self.elapsed_s(at[j])),
-                own: self.own[at[j]].over(),
-                others: &others[j * joints..][..joints],
+                time_s: self.time_s[at[j]],
+                elapsed_s: self.elapsed_s(at[j]),
+                own: self.own[at[j]],
+                others: self.others_at(at[j]),
             });
             then(&at, &samples);
         }

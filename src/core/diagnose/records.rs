@@ -182,6 +182,6 @@ impl Records {
 
     /// How many other joints are recorded.
     pub fn others(&self) -> usize {
-        self.all.iter().map(|record| record.others.len()).max().unwrap_or(0)
+        self.all.iter().map(|record| record.joints).max().unwrap_or(0)
     }
 }

@@ -5,7 +5,6 @@
 //! Bodies are rigid and joints ideal; rotors' inertia is not in a URDF and so not here.
 
 use super::{JointKind, NUMBERS, Payload};
-use crate::numerics::scalar::Scalar;
 use nalgebra::{Matrix3, Rotation3, Unit, Vector3};
 
 /// Standard gravity as Pinocchio and most simulators have it, m/s^2, along -z of the root.
@@ -60,17 +59,6 @@ pub struct Motion<S = f64> {
     pub velocity: S,
     /// Acceleration.
     pub acceleration: S,
-}
-
-impl Motion {
-    /// The same over another kind of number, each of its own a constant.
-    pub fn over<S: Scalar>(self) -> Motion<S> {
-        Motion {
-            position: S::from(self.position),
-            velocity: S::from(self.velocity),
-            acceleration: S::from(self.acceleration),
-        }
-    }
 }
 
 /// A joint's row of the equation of motion, N m (N for a prismatic joint).

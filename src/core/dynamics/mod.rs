@@ -81,12 +81,12 @@ impl<S: Scalar> Dynamics<S> {
     }
 
     /// dG/dq at the joint, N m/rad.
-    pub fn gravity_slope_nm_rad(&self, kind: JointKind, position_rad: S) -> S {
+    pub fn gravity_slope_nm_rad(&self, kind: JointKind, position_rad: S::Given) -> S {
         self.gravity_nm * kind.gravity_share(position_rad + self.position_zero_rad).1
     }
 
     /// G at the joint, N m: zero when a revolute joint hangs at theta = 0.
-    pub fn gravity_nm(&self, kind: JointKind, position_rad: S) -> S {
+    pub fn gravity_nm(&self, kind: JointKind, position_rad: S::Given) -> S {
         self.gravity_nm * kind.gravity_share(position_rad + self.position_zero_rad).0
     }
 }

@@ -8,17 +8,23 @@ use crate::numerics::scalar::Scalar;
 /// [`Hooks`] at every one of `samples`; the other slices are as long.
 pub trait Along<S: Scalar>: Hooks<S> {
     /// Adds [`Hooks::joint_torque_nm`] to `torque_nm`.
-    fn add_joint_torque(&self, p: &[S], samples: &[Sample<'_, S>], torque_nm: &mut [S]) {
+    fn add_joint_torque(&self, p: &[S], samples: &[Sample<'_, S::Given>], torque_nm: &mut [S]) {
         samples.iter().zip(torque_nm).for_each(|(sample, nm)| *nm += self.joint_torque_nm(p, sample));
     }
 
     /// Multiplies `factors` by [`Hooks::friction_factor`].
-    fn multiply_friction(&self, p: &[S], samples: &[Sample<'_, S>], factors: &mut [S]) {
+    fn multiply_friction(&self, p: &[S], samples: &[Sample<'_, S::Given>], factors: &mut [S]) {
         samples.iter().zip(factors).for_each(|(sample, factor)| *factor *= self.friction_factor(p, sample));
     }
 
     /// Adds [`Hooks::friction_nm`] to `friction_nm`.
-    fn add_friction(&self, p: &[S], samples: &[Sample<'_, S>], carried: &[Carried<S>], friction_nm: &mut [Both<S>]) {
+    fn add_friction(
+        &self,
+        p: &[S],
+        samples: &[Sample<'_, S::Given>],
+        carried: &[Carried<S>],
+        friction_nm: &mut [Both<S>],
+    ) {
         for ((sample, carried), nm) in samples.iter().zip(carried).zip(friction_nm) {
             let Both { up, down } = self.friction_nm(p, sample, *carried);
             nm.up += up;
@@ -27,7 +33,7 @@ pub trait Along<S: Scalar>: Hooks<S> {
     }
 
     /// Adds [`Hooks::winch_torque_nm`] to `torque_nm`.
-    fn add_winch_torque(&self, p: &[S], samples: &[Sample<'_, S>], carried: &[Carried<S>], torque_nm: &mut [S]) {
+    fn add_winch_torque(&self, p: &[S], samples: &[Sample<'_, S::Given>], carried: &[Carried<S>], torque_nm: &mut [S]) {
         for ((sample, carried), nm) in samples.iter().zip(carried).zip(torque_nm) {
             *nm += self.winch_torque_nm(p, sample, carried.load_nm);
         }
@@ -41,7 +47,7 @@ pub trait Along<S: Scalar>: Hooks<S> {
     }
 
     /// Replaces `torque_nm` by [`Hooks::reading_nm`] of it.
-    fn read(&self, p: &[S], samples: &[Sample<'_, S>], torque_nm: &mut [S]) {
+    fn read(&self, p: &[S], samples: &[Sample<'_, S::Given>], torque_nm: &mut [S]) {
         samples.iter().zip(torque_nm).for_each(|(sample, nm)| *nm = self.reading_nm(p, sample, *nm));
     }
 }

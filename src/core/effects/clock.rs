@@ -10,8 +10,8 @@ const SCANNED: usize = 64;
 const VARIES: f64 = 0.1;
 
 /// `time_s` or `elapsed_s` of `sample`: a clock that starts anew with each trial, or runs through the campaign.
-pub(super) fn clock_s<S: Scalar>(restarts: S, sample: &Sample<'_, S>) -> S {
-    if restarts.value() > 0.5 { sample.time_s } else { sample.elapsed_s }
+pub(super) fn clock_s<S: Scalar>(restarts: f64, sample: &Sample<'_, S>) -> S {
+    if restarts > 0.5 { sample.time_s } else { sample.elapsed_s }
 }
 
 /// `law` at even times up to `horizon_s`.

@@ -73,23 +73,23 @@ pub trait Effect: Along<f64> + Along<Dual> + for<'t> Along<Expression<'t>> + Syn
 /// What an effect does at one sample. `p` holds its parameters in the order of [`super::About::parameters`].
 pub trait Hooks<S: Scalar>: Sync {
     /// Added to gravity and inertia, N m at the joint.
-    fn joint_torque_nm(&self, _p: &[S], _sample: &Sample<'_, S>) -> S {
+    fn joint_torque_nm(&self, _p: &[S], _sample: &Sample<'_, S::Given>) -> S {
         S::from(0.0)
     }
 
     /// Added to the two branches, N m at the winch, for a load of `load_nm` there; the one of `down` is negative where it
     /// resists.
-    fn friction_nm(&self, _p: &[S], _sample: &Sample<'_, S>, _carried: Carried<S>) -> Both<S> {
+    fn friction_nm(&self, _p: &[S], _sample: &Sample<'_, S::Given>, _carried: Carried<S>) -> Both<S> {
         Both { up: S::from(0.0), down: S::from(0.0) }
     }
 
     /// Multiplies the friction of both branches.
-    fn friction_factor(&self, _p: &[S], _sample: &Sample<'_, S>) -> S {
+    fn friction_factor(&self, _p: &[S], _sample: &Sample<'_, S::Given>) -> S {
         S::from(1.0)
     }
 
     /// Added to y, N m at the winch, for a load of `load_nm` there.
-    fn winch_torque_nm(&self, _p: &[S], _sample: &Sample<'_, S>, _load_nm: S) -> S {
+    fn winch_torque_nm(&self, _p: &[S], _sample: &Sample<'_, S::Given>, _load_nm: S) -> S {
         S::from(0.0)
     }
 
@@ -120,7 +120,7 @@ pub trait Hooks<S: Scalar>: Sync {
     }
 
     /// What the sensor reads of `torque_nm`, N m.
-    fn reading_nm(&self, _p: &[S], _sample: &Sample<'_, S>, torque_nm: S) -> S {
+    fn reading_nm(&self, _p: &[S], _sample: &Sample<'_, S::Given>, torque_nm: S) -> S {
         torque_nm
     }
 }

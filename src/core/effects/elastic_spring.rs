@@ -70,8 +70,8 @@ impl Effect for ElasticSpring {
 }
 
 impl<S: Scalar> Hooks<S> for ElasticSpring {
-    fn joint_torque_nm(&self, p: &[S], sample: &Sample<'_, S>) -> S {
+    fn joint_torque_nm(&self, p: &[S], sample: &Sample<'_, S::Given>) -> S {
         let beyond = sample.own.position - p[4];
-        p[0] * sample.own.position + p[1] + p[3] * (beyond * beyond.squared())
+        sample.own.position * p[0] + p[1] + p[3] * (beyond * beyond.squared())
     }
 }

@@ -59,8 +59,8 @@ impl Effect for EndStop {
 }
 
 impl<S: Scalar> Hooks<S> for EndStop {
-    fn joint_torque_nm(&self, p: &[S], sample: &Sample<'_, S>) -> S {
-        let depth_rad = p[0] * (sample.own.position - p[2]);
+    fn joint_torque_nm(&self, p: &[S], sample: &Sample<'_, S::Given>) -> S {
+        let depth_rad = (sample.own.position - p[2]) * p[0];
         let pushed_nm = || {
             let direction = (sample.own.velocity / RESTING_RAD_S).tanh();
             (p[0] * p[1] + direction * p[4]) * depth_rad.powf(p[3])

@@ -40,7 +40,7 @@ impl Effect for FrictionRipple {
 }
 
 impl<S: Scalar> Hooks<S> for FrictionRipple {
-    fn friction_nm(&self, p: &[S], sample: &Sample<'_, S>, carried: Carried<S>) -> Both<S> {
+    fn friction_nm(&self, p: &[S], sample: &Sample<'_, S::Given>, carried: Carried<S>) -> Both<S> {
         let (always_nm, share) = ripple_nm(p, sample);
         Both { up: always_nm + share * carried.friction_nm.up, down: -always_nm + share * carried.friction_nm.down }
     }

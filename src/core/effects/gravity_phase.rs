@@ -39,8 +39,8 @@ impl Effect for GravityPhase {
 }
 
 impl<S: Scalar> Hooks<S> for GravityPhase {
-    fn joint_torque_nm(&self, p: &[S], sample: &Sample<'_, S>) -> S {
+    fn joint_torque_nm(&self, p: &[S], sample: &Sample<'_, S::Given>) -> S {
         let (sin, cos) = sample.own.position.sin_cos();
-        p[0] * cos + ((p[1] * p[1] - p[0] * p[0]).max(S::from(0.0)).sqrt() - p[1]) * sin
+        cos * p[0] + sin * ((p[1] * p[1] - p[0] * p[0]).max(S::from(0.0)).sqrt() - p[1])
     }
 }

@@ -52,18 +52,18 @@ impl Effect for JointCoupling {
 }
 
 impl<S: Scalar> Hooks<S> for JointCoupling {
-    fn winch_torque_nm(&self, p: &[S], sample: &Sample<'_, S>, _load_nm: S) -> S {
+    fn winch_torque_nm(&self, p: &[S], sample: &Sample<'_, S::Given>, _load_nm: S) -> S {
         let Some(other) = followed(p[0].value()).and_then(|joint| sample.others.get(joint)) else {
             return S::from(0.0);
         };
         let q = sample.own.position;
-        p[1] * other.position
-            + p[2] * other.velocity
-            + p[3] * (other.velocity / RESTING_RAD_S).tanh()
-            + p[4] * other.acceleration
-            + p[5] * ((q + other.position).sin() - q.sin())
-            + p[6] * q.cos() * other.acceleration
-            + p[7] * other.position * other.position
+        other.position * p[1]
+            + other.velocity * p[2]
+            + (other.velocity / RESTING_RAD_S).tanh() * p[3]
+            + other.acceleration * p[4]
+            + ((q + other.position).sin() - q.sin()) * p[5]
+            + (q.cos() * other.acceleration) * p[6]
+            + (other.position * other.position) * p[7]
             + p[8]
     }
 }

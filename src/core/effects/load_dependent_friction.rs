@@ -74,7 +74,7 @@ impl Effect for LoadDependentFriction {
 }
 
 impl<S: Scalar> Hooks<S> for LoadDependentFriction {
-    fn friction_nm(&self, p: &[S], _sample: &Sample<'_, S>, carried: Carried<S>) -> Both<S> {
+    fn friction_nm(&self, p: &[S], _sample: &Sample<'_, S::Given>, carried: Carried<S>) -> Both<S> {
         let Both { up, down } = carried.friction_nm;
         let borne_nm = |own_nm: S| {
             let tension_nm = (carried.load_nm + p[2] * own_nm).hypot(p[3]);

@@ -46,19 +46,22 @@ impl Effect for QuadraticViscous {
 }
 
 impl<S: Scalar> Hooks<S> for QuadraticViscous {
-    fn friction_nm(&self, p: &[S], sample: &Sample<'_, S>, _carried: Carried<S>) -> Both<S> {
+    fn friction_nm(&self, p: &[S], sample: &Sample<'_, S::Given>, _carried: Carried<S>) -> Both<S> {
         if p[3].value() > 0.5 {
             return Both { up: S::from(0.0), down: S::from(0.0) };
         }
-        let power = sample.own.velocity.abs().powf(p[2]);
+        let speed: S = sample.own.velocity.abs().into();
+        let power = speed.powf(p[2]);
         Both { up: p[0] * power, down: -p[1] * power }
     }
 
-    fn winch_torque_nm(&self, p: &[S], sample: &Sample<'_, S>, _load_nm: S) -> S {
+    fn winch_torque_nm(&self, p: &[S], sample: &Sample<'_, S::Given>, _load_nm: S) -> S {
         if p[3].value() <= 0.5 {
             return S::from(0.0);
         }
-        let power = sample.own.velocity.abs().powf(p[2]);
-        sample.own.velocity.if_positive(|| p[0] * power, || -p[1] * power)
+        let speed: S = sample.own.velocity.abs().into();
+        let power = speed.powf(p[2]);
+        let velocity: S = sample.own.velocity.into();
+        velocity.if_positive(|| p[0] * power, || -p[1] * power)
     }
 }

@@ -35,8 +35,8 @@ const PERIODS_MIN: f64 = 1.5;
 const PERIODS_MAX: f64 = 150.0;
 
 /// The ripple at `sample`, N m: what is always there, and what there is of it in each N m that the cable carries.
-pub(super) fn ripple_nm<S: Scalar>(p: &[S], sample: &Sample<'_, S>) -> (S, S) {
-    let (sin, cos) = (p[0] * TAU * sample.own.position).sin_cos();
+pub(super) fn ripple_nm<S: Scalar>(p: &[S], sample: &Sample<'_, S::Given>) -> (S, S) {
+    let (sin, cos) = (sample.own.position * (p[0] * TAU)).sin_cos();
     // The angle of each harmonic is the one before turned on by the fundamental.
     let (mut s, mut c, mut sum) = (sin, cos, S::from(0.0));
     let (always, by_load) = p[1..].split_at(2 * HARMONICS);

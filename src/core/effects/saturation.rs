@@ -56,7 +56,7 @@ impl Effect for Saturation {
 }
 
 impl<S: Scalar> Hooks<S> for Saturation {
-    fn reading_nm(&self, p: &[S], _sample: &Sample<'_, S>, torque_nm: S) -> S {
+    fn reading_nm(&self, p: &[S], _sample: &Sample<'_, S::Given>, torque_nm: S) -> S {
         torque_nm.min(p[1]).max(p[0])
     }
 }

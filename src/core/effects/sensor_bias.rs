@@ -38,7 +38,7 @@ impl Effect for SensorBias {
 }
 
 impl<S: Scalar> Hooks<S> for SensorBias {
-    fn reading_nm(&self, p: &[S], _sample: &Sample<'_, S>, torque_nm: S) -> S {
+    fn reading_nm(&self, p: &[S], _sample: &Sample<'_, S::Given>, torque_nm: S) -> S {
         torque_nm + p[0]
     }
 }

@@ -88,13 +88,13 @@ impl Effect for SensorDrift {
 }
 
 impl<S: Scalar> Hooks<S> for SensorDrift {
-    fn reading_nm(&self, p: &[S], sample: &Sample<'_, S>, torque_nm: S) -> S {
-        torque_nm + offset_nm(p, clock_s(p[0], sample))
+    fn reading_nm(&self, p: &[S], sample: &Sample<'_, S::Given>, torque_nm: S) -> S {
+        torque_nm + offset_nm(p, clock_s(p[0].value(), sample))
     }
 }
 
 /// The offset `t_s` on its clock, N m.
-fn offset_nm<S: Scalar>(p: &[S], t_s: S) -> S {
+fn offset_nm<S: Scalar>(p: &[S], t_s: S::Given) -> S {
     let share = t_s / p[1];
     // cos(k x) from the two before: a smooth drift needs no more.
     let first = (share * PI).cos();

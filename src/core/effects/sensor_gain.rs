@@ -60,7 +60,7 @@ impl Effect for SensorGain {
 }
 
 impl<S: Scalar> Hooks<S> for SensorGain {
-    fn reading_nm(&self, p: &[S], _sample: &Sample<'_, S>, torque_nm: S) -> S {
+    fn reading_nm(&self, p: &[S], _sample: &Sample<'_, S::Given>, torque_nm: S) -> S {
         (p[0] + 1.0) * torque_nm
     }
 }

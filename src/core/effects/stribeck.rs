@@ -64,7 +64,7 @@ impl Effect for Stribeck {
 }
 
 impl<S: Scalar> Hooks<S> for Stribeck {
-    fn friction_nm(&self, p: &[S], sample: &Sample<'_, S>, _carried: Carried<S>) -> Both<S> {
+    fn friction_nm(&self, p: &[S], sample: &Sample<'_, S::Given>, _carried: Carried<S>) -> Both<S> {
         let decay = (-(sample.own.velocity.abs() / p[2]).powf(p[3])).exp();
         Both { up: p[0] * decay, down: -p[1] * decay }
     }

@@ -38,7 +38,7 @@ impl Effect for TorqueRipple {
 }
 
 impl<S: Scalar> Hooks<S> for TorqueRipple {
-    fn winch_torque_nm(&self, p: &[S], sample: &Sample<'_, S>, load_nm: S) -> S {
+    fn winch_torque_nm(&self, p: &[S], sample: &Sample<'_, S::Given>, load_nm: S) -> S {
         let (always_nm, by_load) = ripple_nm(p, sample);
         always_nm + by_load * load_nm
     }

@@ -8,8 +8,8 @@ use crate::dynamics::Both;
 use crate::numerics::scalar::Scalar;
 
 /// How cold the joint still is `t_s` on its clock, 1 at first.
-fn cold<S: Scalar>(p: &[S], t_s: S) -> S {
-    let share = t_s.max(S::from(0.0)) / p[4];
+fn cold<S: Scalar>(p: &[S], t_s: S::Given) -> S {
+    let share = t_s.max(S::Given::from(0.0)) / p[4];
     if p[6].value() > 0.5 { (share + 1.0).powf(-p[5]) } else { (-share.powf(p[5])).exp() }
 }
 
@@ -80,15 +80,15 @@ impl Effect for WarmUp {
 }
 
 impl<S: Scalar> Hooks<S> for WarmUp {
-    fn friction_factor(&self, p: &[S], sample: &Sample<'_, S>) -> S {
-        if p[1].is_zero() { S::from(1.0) } else { p[1] * cold(p, clock_s(p[0], sample)) + 1.0 }
+    fn friction_factor(&self, p: &[S], sample: &Sample<'_, S::Given>) -> S {
+        if p[1].is_zero() { S::from(1.0) } else { p[1] * cold(p, clock_s(p[0].value(), sample)) + 1.0 }
     }
 
-    fn friction_nm(&self, p: &[S], sample: &Sample<'_, S>, _carried: Carried<S>) -> Both<S> {
+    fn friction_nm(&self, p: &[S], sample: &Sample<'_, S::Given>, _carried: Carried<S>) -> Both<S> {
         if p[2].is_zero() && p[3].is_zero() {
             return Both { up: S::from(0.0), down: S::from(0.0) };
         }
-        let more_nm = (p[2] + p[3] * sample.own.velocity.abs()) * cold(p, clock_s(p[0], sample));
+        let more_nm = (p[2] + sample.own.velocity.abs() * p[3]) * cold(p, clock_s(p[0].value(), sample));
         Both { up: more_nm, down: -more_nm }
     }
 }

@@ -67,15 +67,15 @@ impl Prepared {
 
     /// y predicted by `model` at any sample, friction combined by `k_tilde` there, before the low-pass, N m. Of effects it has at most
     /// friction that goes with the load, which knows no acceleration.
-    pub fn torque_nm<S: Evaluated>(&self, model: &Model<S>) -> impl Fn(usize, S) -> S {
+    pub fn torque_nm<S: Evaluated<Given = f64>>(&self, model: &Model<S>) -> impl Fn(usize, S) -> S {
         let load_nm = self.series.joint_torque_nm(&model.dynamics);
         move |i, k_tilde| {
-            let velocity = S::from(self.series.velocity_rad_s[i]);
+            let velocity = self.series.velocity_rad_s[i];
             if model.effects.is_empty() {
                 return model.torque_nm(load_nm(i), velocity, k_tilde).torque_nm;
             }
-            let (time_s, position) = (S::from(self.series.time_s[i]), S::from(self.series.position_rad[i]));
-            let own = Motion { position, velocity, acceleration: S::from(0.0) };
+            let (time_s, position) = (self.series.time_s[i], self.series.position_rad[i]);
+            let own = Motion { position, velocity, acceleration: 0.0 };
             let sample = Sample { time_s, elapsed_s: time_s, own, others: &[] };
             model.driven_nm(&sample, Asked { torque_nm: load_nm(i), slope_nm_rad: S::from(0.0) }, k_tilde).torque_nm
         }

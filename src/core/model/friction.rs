@@ -206,10 +206,16 @@ impl<S: Scalar> Friction<S> {
     ///
     /// The branch is evaluated at its own sign of speed (`+|v|` on up, `-|v|` on down): in a transition the other
     /// branch would otherwise be evaluated at the wrong sign and explode.
-    pub fn unloaded_nm(&self, direction: Direction, speed_rad_s: S, winch_radius_m: f64, pulley_radius_m: f64) -> S {
+    pub fn unloaded_nm(
+        &self,
+        direction: Direction,
+        speed_rad_s: S::Given,
+        winch_radius_m: f64,
+        pulley_radius_m: f64,
+    ) -> S {
         let v = speed_rad_s.abs() * direction.sign();
         let stribeck = stribeck_n(self.b_c, self.c_c * pulley_radius_m, v) + stribeck_n(self.b_j, self.c_j, v);
-        (self.a_j + stribeck + self.d * v) * winch_radius_m
+        (self.a_j + stribeck + v * self.d) * winch_radius_m
     }
 
     /// The share of the cable's tension that its own friction leaves: 1 - mu_c, by which (17) to (19) divide.
@@ -224,13 +230,13 @@ pub fn loss<S: Scalar>(mu_c: S) -> S {
 }
 
 /// b exp(-c v), N; skipped when b = 0, which saves most of the time of a model without it.
-fn stribeck_n<S: Scalar>(b_n: S, c_s_rad: S, v_rad_s: S) -> S {
+fn stribeck_n<S: Scalar>(b_n: S, c_s_rad: S, v_rad_s: S::Given) -> S {
     if b_n.is_zero() { S::from(0.0) } else { b_n * decayed(c_s_rad, v_rad_s) }
 }
 
 /// What is left of a Stribeck term of rate `c_s_rad` at speed `v_rad_s`: exp(-c v).
-pub fn decayed<S: Scalar>(c_s_rad: S, v_rad_s: S) -> S {
-    (-c_s_rad * v_rad_s).exp()
+pub fn decayed<S: Scalar>(c_s_rad: S, v_rad_s: S::Given) -> S {
+    (v_rad_s * -c_s_rad).exp()
 }
 
 impl<S: Scalar> Both<Friction<S>> {

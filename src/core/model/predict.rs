@@ -41,7 +41,7 @@ pub struct Components<S = f64> {
 impl<S: Evaluated> Model<S> {
     /// y for a rigid-body torque `joint_torque_nm` at the joint (gravity, inertia, measured load), at `velocity_rad_s` and
     /// with friction combined by `k_tilde`, without effects.
-    pub fn torque_nm(&self, joint_torque_nm: S, velocity_rad_s: S, k_tilde: S) -> Components<S> {
+    pub fn torque_nm(&self, joint_torque_nm: S, velocity_rad_s: S::Given, k_tilde: S) -> Components<S> {
         let branch = |direction| self.branch_nm(direction, velocity_rad_s);
         // Fully on one branch, as nearly always, the other's exponentials are not needed.
         let friction_nm = match k_tilde {
@@ -67,30 +67,30 @@ impl<S: Evaluated> Model<S> {
     }
 
     /// B(v) of (19): y of one branch without any load, N m.
-    pub fn b_nm(&self, direction: Direction, speed_rad_s: S) -> S {
+    pub fn b_nm(&self, direction: Direction, speed_rad_s: S::Given) -> S {
         self.branch_nm(direction, speed_rad_s) / self.friction.of(direction).loss()
     }
 
     /// What mass and a measured load of `load_nm` ask of a joint that moves alone.
-    pub fn asked_alone(&self, own: Motion<S>, load_nm: S) -> Asked<S> {
+    pub fn asked_alone(&self, own: Motion<S::Given>, load_nm: S) -> Asked<S> {
         let (kind, dynamics) = (self.joint.kind, &self.dynamics);
-        let rigid_nm = dynamics.gravity_nm(kind, own.position) + dynamics.inertia_kg_m2 * own.acceleration;
+        let rigid_nm = dynamics.gravity_nm(kind, own.position) + own.acceleration * dynamics.inertia_kg_m2;
         Asked { torque_nm: rigid_nm + load_nm, slope_nm_rad: dynamics.gravity_slope_nm_rad(kind, own.position) }
     }
 
     /// y with everything that the model's effects add to the joint, before the sensor: what `asked` and `sample` come to with
     /// friction combined by `k_tilde`. The formula is the one of `effects`.
-    pub fn driven_nm(&self, sample: &Sample<'_, S>, asked: Asked<S>, k_tilde: S) -> Components<S> {
+    pub fn driven_nm(&self, sample: &Sample<'_, S::Given>, asked: Asked<S>, k_tilde: S) -> Components<S> {
         self.driven_by_nm(sample, asked, k_tilde, self.branches_nm(sample.own.velocity))
     }
 
     /// The unloaded friction of both branches at a speed, N m at the winch.
-    pub fn branches_nm(&self, velocity_rad_s: S) -> Both<S> {
+    pub fn branches_nm(&self, velocity_rad_s: S::Given) -> Both<S> {
         Both::make(|direction| self.branch_nm(direction, velocity_rad_s))
     }
 
     /// The unloaded friction of one branch at a speed, N m at the winch.
-    pub fn branch_nm(&self, direction: Direction, velocity_rad_s: S) -> S {
+    pub fn branch_nm(&self, direction: Direction, velocity_rad_s: S::Given) -> S {
         let (r1, r2) = (self.joint.winch_radius_m, self.joint.pulley_radius_m);
         self.friction.of(direction).unloaded_nm(direction, velocity_rad_s, r1, r2)
     }
@@ -98,7 +98,7 @@ impl<S: Evaluated> Model<S> {
     /// [`Self::driven_nm`] with the branches known already: most of the work is in their exponentials.
     pub fn driven_by_nm(
         &self,
-        sample: &Sample<'_, S>,
+        sample: &Sample<'_, S::Given>,
         asked: Asked<S>,
         k_tilde: S,
         branches: Both<S>,
@@ -113,7 +113,7 @@ impl<S: Evaluated> Model<S> {
     /// y of [`Self::driven_by_nm`] at `N` samples, each effect asked once for all of them, into `y_nm`, N m.
     pub fn drive_along<const N: usize>(
         &self,
-        samples: &[Sample<'_, S>; N],
+        samples: &[Sample<'_, S::Given>; N],
         asked: &[Asked<S>; N],
         k_tilde: &[S; N],
         branches: &[Both<S>; N],
@@ -159,12 +159,12 @@ impl<S: Evaluated> Model<S> {
     }
 
     /// The sensor's reading of `torque_nm`, without its delay, N m.
-    pub fn reading_nm(&self, sample: &Sample<'_, S>, torque_nm: S) -> S {
+    pub fn reading_nm(&self, sample: &Sample<'_, S::Given>, torque_nm: S) -> S {
         self.noisy_reading_nm(sample, torque_nm, S::from(0.0))
     }
 
     /// The same with the sensor's noise of `noise_nm`: noise is measured along with the torque, a range that ends clips both.
-    pub fn noisy_reading_nm(&self, sample: &Sample<'_, S>, torque_nm: S, noise_nm: S) -> S {
+    pub fn noisy_reading_nm(&self, sample: &Sample<'_, S::Given>, torque_nm: S, noise_nm: S) -> S {
         let mut reading_nm = [torque_nm];
         self.read_by(false, from_ref(sample), &mut reading_nm);
         reading_nm[0] += noise_nm;
@@ -173,13 +173,13 @@ impl<S: Evaluated> Model<S> {
     }
 
     /// Replaces `torque_nm` at each of `samples` by the sensor's reading of it, without its delay, N m.
-    pub fn read_along(&self, samples: &[Sample<'_, S>], torque_nm: &mut [S]) {
+    pub fn read_along(&self, samples: &[Sample<'_, S::Given>], torque_nm: &mut [S]) {
         self.read_by(false, samples, torque_nm);
         self.read_by(true, samples, torque_nm);
     }
 
     /// What of the reading is up to the effects that are the end of a range (`clips`), or to all others.
-    fn read_by(&self, clips: bool, samples: &[Sample<'_, S>], torque_nm: &mut [S]) {
+    fn read_by(&self, clips: bool, samples: &[Sample<'_, S::Given>], torque_nm: &mut [S]) {
         let effects = self.effects.iter().filter(|e| e.effect.clips() == clips);
         effects.for_each(|e| e.hooks().read(&e.parameters, samples, torque_nm));
     }

@@ -137,6 +137,43 @@ impl Div<f64> for Dual {
     }
 }
 
+impl Add<Dual> for f64 {
+    type Output = Dual;
+
+    #[inline]
+    fn add(self, other: Dual) -> Dual {
+        other + self
+    }
+}
+
+impl Sub<Dual> for f64 {
+    type Output = Dual;
+
+    #[inline]
+    fn sub(self, other: Dual) -> Dual {
+        other.chain(self - other.value, -1.0)
+    }
+}
+
+impl Mul<Dual> for f64 {
+    type Output = Dual;
+
+    #[inline]
+    fn mul(self, other: Dual) -> Dual {
+        other * self
+    }
+}
+
+impl Div<Dual> for f64 {
+    type Output = Dual;
+
+    #[inline]
+    fn div(self, other: Dual) -> Dual {
+        let value = self / other.value;
+        other.chain(value, -value / other.value)
+    }
+}
+
 impl AddAssign for Dual {
     #[inline]
     fn add_assign(&mut self, other: Self) {
@@ -164,6 +201,8 @@ fn or_zero(slope: f64) -> f64 {
 }
 
 impl Scalar for Dual {
+    type Given = f64;
+
     #[inline]
     fn value(self) -> f64 {
         self.value

@@ -238,6 +238,8 @@ impl MulAssign for Expression<'_> {
 }
 
 impl Scalar for Expression<'_> {
+    type Given = Self;
+
     fn value(self) -> f64 {
         if let Self::Number(x) = self { x } else { f64::NAN }
     }

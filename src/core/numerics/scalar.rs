@@ -5,7 +5,7 @@
 use std::fmt::Debug;
 use std::ops::{Add, AddAssign, Div, Mul, MulAssign, Neg, Sub, SubAssign};
 
-/// A number of a formula.
+/// A number of a formula; `given * number` and the like are the operations between both.
 pub trait Scalar:
     Copy
     + Debug
@@ -23,6 +23,14 @@ pub trait Scalar:
     + SubAssign
     + MulAssign
 {
+    /// What a formula is given and no variable changes, as the motion of a joint: a plain number where derivatives are taken.
+    type Given: Scalar<Given = Self::Given>
+        + Into<Self>
+        + Add<Self, Output = Self>
+        + Sub<Self, Output = Self>
+        + Mul<Self, Output = Self>
+        + Div<Self, Output = Self>;
+
     /// Its value; NaN of an expression that is no number by itself.
     fn value(self) -> f64;
 
@@ -88,6 +96,8 @@ pub trait Scalar:
 }
 
 impl Scalar for f64 {
+    type Given = Self;
+
     #[inline]
     fn value(self) -> f64 {
         self

@@ -3,7 +3,6 @@
 use crate::dynamics::Motion;
 use crate::effects::Sample;
 use crate::numerics::difference::{acceleration, velocity};
-use crate::numerics::scalar::Scalar;
 
 /// What happens in a trial, sample by sample.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -37,11 +36,11 @@ impl Motions {
     }
 
     /// Sample `i` as effects see it; `others` is room for the other joints' motions.
-    pub fn sample<'o, S: Scalar>(&self, i: usize, others: &'o mut Vec<Motion<S>>) -> Sample<'o, S> {
+    pub fn sample<'o>(&self, i: usize, others: &'o mut Vec<Motion>) -> Sample<'o> {
         others.clear();
-        others.extend(self.others.iter().map(|other| other[i].over::<S>()));
+        others.extend(self.others.iter().map(|other| other[i]));
         let time_s = i as f64 / self.rate_hz;
-        Sample { time_s: S::from(time_s), elapsed_s: S::from(self.began_s + time_s), own: self.own[i].over(), others }
+        Sample { time_s, elapsed_s: self.began_s + time_s, own: self.own[i], others }
     }
 }
 

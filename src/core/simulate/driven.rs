@@ -6,7 +6,7 @@ use crate::effects::Evaluated;
 use crate::model::{Asked, Direction, Model, Passage};
 
 /// y along `course` before the sensor, N m; `chain` takes the place of the model's own gravity and inertia.
-pub(super) fn torque_nm<S: Evaluated>(
+pub(super) fn torque_nm<S: Evaluated<Given = f64>>(
     model: &Model<S>,
     chain: Option<&Chain>,
     course: &Course,
@@ -14,11 +14,11 @@ pub(super) fn torque_nm<S: Evaluated>(
 ) -> Vec<S> {
     let Some(first) = motions.own.first() else { return Vec::new() };
     let mut passage = Passage::after(model, start(&course.position_rad), first.position, 0.0);
-    let (mut others, mut over) = (Vec::new(), Vec::new());
+    let mut others = Vec::new();
     let torque = |i: usize| {
-        let sample = motions.sample::<S>(i, &mut over);
+        let sample = motions.sample(i, &mut others);
         let own = motions.own[i];
-        let asked = asked(model, chain, own, motions.sample::<f64>(i, &mut others).others);
+        let asked = asked(model, chain, own, sample.others);
         let k_tilde = passage.step(own.position, own.velocity);
         let contact_nm = course.contact_nm.get(i).copied().unwrap_or(0.0);
         model.driven_nm(&sample, asked, k_tilde).torque_nm + contact_nm
@@ -36,7 +36,12 @@ pub(super) fn start(positions_rad: &[f64]) -> Direction {
 }
 
 /// What mass asks of the joint.
-pub(super) fn asked<S: Evaluated>(model: &Model<S>, chain: Option<&Chain>, own: Motion, others: &[Motion]) -> Asked<S> {
+pub(super) fn asked<S: Evaluated<Given = f64>>(
+    model: &Model<S>,
+    chain: Option<&Chain>,
+    own: Motion,
+    others: &[Motion],
+) -> Asked<S> {
     let dynamics = &model.dynamics;
     match chain {
         Some(chain) => {
@@ -49,6 +54,6 @@ pub(super) fn asked<S: Evaluated>(model: &Model<S>, chain: Option<&Chain>, own: 
                 dynamics.at_true_position(S::from(rigid.gravity_nm), S::from(slope_nm_rad));
             Asked { torque_nm: gravity_nm + rigid.inertia_nm + rigid.coriolis_nm, slope_nm_rad }
         }
-        None => model.asked_alone(own.over(), S::from(0.0)),
+        None => model.asked_alone(own, S::from(0.0)),
     }
 }

@@ -52,7 +52,12 @@ pub fn torque_nm(model: &Model, positions_rad: &[f64], rate_hz: f64) -> Vec<f64>
 }
 
 /// The same along `course`, N m: over any number, to be differentiated; `chain` takes the place of the model's own gravity and inertia.
-pub fn readings_along<S: Evaluated>(model: &Model<S>, chain: Option<&Chain>, course: &Course, rate_hz: f64) -> Vec<S> {
+pub fn readings_along<S: Evaluated<Given = f64>>(
+    model: &Model<S>,
+    chain: Option<&Chain>,
+    course: &Course,
+    rate_hz: f64,
+) -> Vec<S> {
     let motions = Motions::new(course, rate_hz);
     readings_nm(model, &motions, driven::torque_nm(model, chain, course, &motions), || 0.0)
 }
@@ -95,7 +100,7 @@ fn recorded(
 }
 
 /// The sensor's readings of `torque_nm`: delay, scale, offset, noise, then clipping.
-fn readings_nm<S: Evaluated>(
+fn readings_nm<S: Evaluated<Given = f64>>(
     model: &Model<S>,
     motions: &Motions,
     torque_nm: Vec<S>,
