@@ -324,7 +324,9 @@ mod tests {
                     let mut along = Vec::new();
                     model.k_tilde_along(&motion, |rows, k_tilde| {
                         assert_eq!(rows.start, along.len());
+                        let (from, whole) = (along.len(), k_tilde.sum(rows.clone()));
                         along.extend(rows.map(|at| k_tilde.sum(at..at + 1)));
+                        assert!((along[from..].iter().sum::<f64>() - whole).abs() < 1e-9);
                     });
                     assert_eq!(along.len(), positions_rad.len());
                     let after = known_from + 200;
