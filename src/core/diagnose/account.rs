@@ -278,7 +278,7 @@ mod tests {
     use super::{Account, Rows, rows};
     use crate::diagnose::base::BaseModel;
     use crate::diagnose::bootstrap::Resamples;
-    use crate::diagnose::contact_events::ContactEvent;
+    use crate::diagnose::contact_events::{self, ContactEvent};
     use crate::diagnose::data::tests::bundled;
     use crate::diagnose::explain::Explanation;
     use crate::diagnose::floor::{Floor, FloorSource};
@@ -294,7 +294,7 @@ mod tests {
         let base = BaseModel::new(&Mask::new(&data, data.scored(&model), FLOOR_NM), &model, within_confidence(&model));
         let rest_nm = base.residual_nm();
         let events = [500..900, 2000..2100].map(|rows| ContactEvent { rows, record: 0, peak_nm: 1.0 }).to_vec();
-        let mask = base.mask.without(&events);
+        let mask = base.mask.without(contact_events::rows(&events));
         // One of the two is predicted after all: it was set aside, and is no contact.
         let contact = events[..1].to_vec();
         let explanation = Explanation::of(&mask, &model, events, &rest_nm, &|_| ()).with_events(contact);

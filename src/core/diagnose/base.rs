@@ -165,7 +165,6 @@ fn curve_of(model: &Model) -> (Combination, f64, Option<Curve>, Option<Preslidin
 #[cfg(test)]
 mod tests {
     use super::BaseModel;
-    use crate::diagnose::contact_events::ContactEvent;
     use crate::diagnose::data::tests::bundled;
     use crate::diagnose::mask::Mask;
     use crate::diagnose::perturbation::within_confidence;
@@ -173,17 +172,17 @@ mod tests {
     #[test]
     fn rows_set_aside_have_no_part_in_what_the_base_leaves_elsewhere() {
         let (mut data, model) = bundled();
-        let event = ContactEvent { rows: 500..900, record: 0, peak_nm: 1.0 };
+        let aside = 500..900;
         let left_nm = |data: &_| {
-            let mask = Mask::new(data, data.scored(&model), 0.01).without(std::slice::from_ref(&event));
+            let mask = Mask::new(data, data.scored(&model), 0.01).without([aside.clone()]);
             BaseModel::new(&mask, &model, within_confidence(&model)).residual_nm()
         };
         let as_recorded_nm = left_nm(&data);
         // As if the joint had been pushed there.
-        data.measured_nm[event.rows.clone()].iter_mut().for_each(|y| *y += 1.0);
+        data.measured_nm[aside.clone()].iter_mut().for_each(|y| *y += 1.0);
         let pushed_nm = left_nm(&data);
         for (row, (before, after)) in as_recorded_nm.iter().zip(&pushed_nm).enumerate() {
-            let added_nm = if event.rows.contains(&row) { 1.0 } else { 0.0 };
+            let added_nm = if aside.contains(&row) { 1.0 } else { 0.0 };
             assert!((after - before - added_nm).abs() < 1e-9, "row {row}: {before} then {after}");
         }
     }

@@ -1,7 +1,7 @@
 //! Every cause that the library and the model offer, fitted on one base.
 
 use super::base::BaseModel;
-use super::criteria::is_tie;
+use super::compare::is_tie;
 use super::data::DataSet;
 use super::fit::Fit;
 use super::parameter_ref::ParameterRef;

@@ -2,16 +2,14 @@
 
 use super::base::BaseModel;
 use super::candidates::{Cause, FittedCause, Hypothesis, Round};
-use super::criteria::{Decision, Requirement, Share, requirements, rivals, seconds, simplest};
+use super::criteria::{Decision, Requirement, Share, rivals, seconds, simplest};
 use super::fit::Fit;
 use super::mask::Mask;
-use super::perturbation::{Perturbation, within_confidence};
+use super::perturbation::within_confidence;
 use super::progress::{Listener, Phase, Progress};
-use super::rounds::Rounds;
+use super::search::{Forward, Search};
 use super::settle::{Step, place};
-use crate::effects::Extent;
 use crate::model::Model;
-use std::cell::OnceCell;
 use std::sync::Arc;
 
 /// Most causes that are looked for.
@@ -72,9 +70,8 @@ pub struct Found<'d> {
 pub fn choose<'d>(mask: &Arc<Mask<'d>>, model: &Model, listener: Listener<'_>) -> Choice<'d> {
     let first = BaseModel::new(mask, model, within_confidence(model));
     let rest = first.alone();
-    let start = rest.score();
-    let search =
-        Search { first, rest: rest.clone(), again: OnceCell::new(), start, rounds: Rounds::default(), listener };
+    let search = Search::new(first, rest.clone(), listener);
+    let start = search.start;
     let Forward { chosen, fit, opening, refused } = search.forward(&rest);
     // Causes that were not promising enough alone to be fitted count as explaining nothing alone.
     let scores: Vec<(Cause, f64)> = opening.tried.iter().map(|tried| (tried.cause, tried.score())).collect();
@@ -99,30 +96,6 @@ pub fn choose<'d>(mask: &Arc<Mask<'d>>, model: &Model, listener: Listener<'_>) -
     found.sort_by(|a, b| alone(a.cause).total_cmp(&alone(b.cause)));
     let decisions = search.decisions(&found, &last, &refused);
     Choice { found, base: search.first, rest, refused, last, decisions, given_up: None }
-}
-
-/// What the way forward found.
-pub(super) struct Forward<'d> {
-    chosen: Vec<Hypothesis>,
-    /// All of them together.
-    pub(super) fit: Fit<'d>,
-    /// What was tried first.
-    pub(super) opening: Round<'d>,
-    /// What was tried last, without success.
-    refused: Vec<FittedCause<'d>>,
-}
-
-/// What all rounds share.
-pub(super) struct Search<'d, 's> {
-    pub(super) first: BaseModel<'d>,
-    /// The same over the motions as the encoder would have read them once more, of a joint like the model: made when it is first asked for.
-    again: OnceCell<Option<BaseModel<'d>>>,
-    /// The base alone.
-    rest: Fit<'d>,
-    /// What it leaves, (N m)^2.
-    pub(super) start: f64,
-    pub(super) rounds: Rounds<'d>,
-    pub(super) listener: Listener<'s>,
 }
 
 impl<'d> Search<'d, '_> {
@@ -166,51 +139,6 @@ impl<'d> Search<'d, '_> {
         Some(self.together(&chosen))
     }
 
-    /// `chosen` fitted together, and as they stand there. The base's columns depend on the causes (with a transition its friction no longer
-    /// jumps): they are taken with all of them in.
-    pub(super) fn together(&self, chosen: &[Hypothesis]) -> (Vec<Hypothesis>, Fit<'d>) {
-        self.together_to_reach(f64::INFINITY, chosen)
-    }
-
-    /// The same, given up once it is clear that its cost will not fall to `reach`.
-    pub(super) fn together_to_reach(&self, reach: f64, chosen: &[Hypothesis]) -> (Vec<Hypothesis>, Fit<'d>) {
-        let mut model = self.first.model.clone();
-        let moves: Vec<Perturbation> =
-            chosen.iter().flat_map(|hypothesis| hypothesis.put(&mut model, self.extent())).collect();
-        let fit = match moves.is_empty() {
-            true => self.rest.clone(),
-            false => {
-                BaseModel::new(&self.first.mask, &model, self.first.moves.clone()).fit_to_reach(reach, model, moves)
-            }
-        };
-        let stands = |hypothesis: &Hypothesis| {
-            let own: Vec<Perturbation> = hypothesis.moves().to_vec();
-            Hypothesis::of((hypothesis.cause, hypothesis.how), &fit.model, &own)
-        };
-        (chosen.iter().filter_map(stands).collect(), fit)
-    }
-
-    /// The base that a fit makes for further causes: its own free within their strides.
-    pub(super) fn base_of(&self, fit: &Fit<'d>) -> BaseModel<'d> {
-        if fit.moves.is_empty() {
-            return self.first.clone();
-        }
-        self.base_with(&fit.model, &fit.moves)
-    }
-
-    /// The base that `others` make as they stand, free within their strides.
-    pub(super) fn base_beside(&self, others: &[Hypothesis]) -> BaseModel<'d> {
-        let mut model = self.first.model.clone();
-        let moves: Vec<Perturbation> =
-            others.iter().flat_map(|hypothesis| hypothesis.put(&mut model, self.extent())).collect();
-        self.base_with(&model, &moves)
-    }
-
-    fn base_with(&self, model: &Model, moves: &[Perturbation]) -> BaseModel<'d> {
-        let free = moves.iter().map(|way| way.clone().believed_within(way.stride));
-        BaseModel::new(&self.first.mask, model, self.first.moves.iter().cloned().chain(free).collect())
-    }
-
     /// What each cause that was found reaches, and in what the best of those refused fall short.
     fn decisions(&self, found: &[Found<'d>], last: &Fit<'d>, refused: &[FittedCause<'d>]) -> Vec<Decision> {
         let limit = self.first.data().policy.distinct_share;
@@ -226,30 +154,5 @@ impl<'d> Search<'d, '_> {
             all.into_iter().filter(|r| !r.is_met()).map(|short| short.decision(tried.cause.name(), "refused"))
         });
         named.chain(in_vain).collect()
-    }
-
-    pub(super) fn extent(&self) -> &Extent {
-        &self.first.data().extent
-    }
-
-    pub(super) fn is_material(&self, with: &Fit<'d>, without: &Fit<'d>, share: Share) -> bool {
-        self.requirements(with, without, share).iter().all(Requirement::is_met)
-    }
-
-    fn requirements(&self, with: &Fit<'d>, without: &Fit<'d>, share: Share) -> Vec<Requirement> {
-        let of_encoder = || {
-            let again = self.again.get_or_init(|| {
-                let base = &self.first;
-                base.mask.again().map(|mask| BaseModel::new(&mask, &base.model, base.moves.clone()))
-            });
-            let left = |base: &BaseModel<'_>, fit: &Fit<'_>| base.square_left(&fit.model, &fit.moves);
-            let gain = |base: &BaseModel<'d>| {
-                let gain = left(base, without) - left(base, with);
-                // A simulation that leaves more than the recordings do has too much of it.
-                gain * (without.held_out_square() / left(base, &self.rest).max(f64::MIN_POSITIVE)).min(1.0)
-            };
-            again.as_ref().map_or(0.0, gain)
-        };
-        requirements(with, without, self.start, share, of_encoder)
     }
 }

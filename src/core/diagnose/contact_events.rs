@@ -28,6 +28,11 @@ pub struct ContactEvent {
     pub peak_nm: f64,
 }
 
+/// The rows of `events`.
+pub fn rows(events: &[ContactEvent]) -> impl Iterator<Item = Range<usize>> {
+    events.iter().map(|event| event.rows.clone())
+}
+
 /// The events in `target_nm`, the residual of `base`, and the flexible fit without them.
 pub fn find(base: &BaseModel<'_>, columns: &[Vec<f64>], target_nm: &[f64]) -> (Vec<ContactEvent>, Flexible) {
     let mask = &base.mask;
@@ -39,7 +44,7 @@ pub fn find(base: &BaseModel<'_>, columns: &[Vec<f64>], target_nm: &[f64]) -> (V
             break;
         }
         events = found;
-        fitted = flexible::fit(&mask.without(&events), columns, target_nm);
+        fitted = flexible::fit(&mask.without(rows(&events)), columns, target_nm);
     }
     let data = base.data();
     let (states, encoder_nm) = (states(data), data.encoder_nm(&base.model));

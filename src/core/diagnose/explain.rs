@@ -42,7 +42,7 @@ pub fn explain<'d>(
 ) -> Explanation<'d> {
     let count = suspected.len();
     let of = |events: Vec<ContactEvent>| {
-        Explanation::of(&base.mask.without(&events), &base.model, events, rest_nm, listener)
+        Explanation::of(&base.mask.without(contact_events::rows(&events)), &base.model, events, rest_nm, listener)
     };
     let mut first = of(suspected);
     if first.events.len() < count {

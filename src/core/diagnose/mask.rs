@@ -3,9 +3,9 @@
 //! Everything that is computed for one choice of rows holds its mask, so that sums of one cannot be solved with the row counts of
 //! another.
 
-use super::contact_events::ContactEvent;
 use super::data::DataSet;
 use super::gram::Prior;
+use std::ops::Range;
 use std::sync::Arc;
 
 /// The rows that count.
@@ -30,10 +30,10 @@ impl<'d> Mask<'d> {
         Arc::new(Self { floor_nm, ..self.clone() })
     }
 
-    /// The same without the rows of `events`.
-    pub fn without(&self, events: &[ContactEvent]) -> Arc<Self> {
+    /// The same without the rows of `stretches`.
+    pub fn without(&self, stretches: impl IntoIterator<Item = Range<usize>>) -> Arc<Self> {
         let mut used = self.used.clone();
-        events.iter().for_each(|event| used[event.rows.clone()].fill(false));
+        stretches.into_iter().for_each(|rows| used[rows].fill(false));
         Self::new(self.data, used, self.floor_nm)
     }
 

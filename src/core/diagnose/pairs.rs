@@ -5,12 +5,13 @@
 
 use super::base::BaseModel;
 use super::candidates::{Cause, Hypothesis, Likely, reach, try_one};
-use super::choose::{Forward, Search};
-use super::criteria::{Share, is_makeshift, is_tie};
+use super::compare::is_tie;
+use super::criteria::{Share, is_makeshift};
 use super::fit::Fit;
 use super::folds::FOLDS;
 use super::gram::{dot, solve, square_left};
 use super::mask::Mask;
+use super::search::{Forward, Search};
 use super::settle::all_but;
 use nalgebra::DMatrix;
 use rayon::prelude::*;

@@ -1,8 +1,6 @@
-//! Every cause tried beside those that are known, and not twice in the same place.
+//! What was tried beside which causes, so that nothing is tried twice in the same place.
 
-use super::candidates::{Cause, Hypothesis, Likely, Round, try_all};
-use super::choose::Search;
-use super::fit::Fit;
+use super::candidates::{Cause, Likely, Round};
 use std::cell::RefCell;
 
 /// Causes whose squares differ by less than this share keep their order.
@@ -23,26 +21,21 @@ struct Beside<'d> {
     round: Round<'d>,
 }
 
-impl<'d> Search<'d, '_> {
-    /// Everything, or what is `among` some causes, tried beside `known`, whose fit is `fit`, in a place where some cause is known to have
-    /// `reached` a score: again only if the same causes stand elsewhere than before.
-    pub fn round(&self, known: &[Hypothesis], fit: &Fit<'d>, among: Option<&[Cause]>, reached: f64) -> Round<'d> {
-        let mut causes: Vec<_> = known.iter().map(|hypothesis| (hypothesis.cause, hypothesis.how)).collect();
-        causes.sort_unstable();
-        let score = fit.score();
+impl<'d> Rounds<'d> {
+    /// What was tried beside `causes` (in order) where they left as much as now, `score`, (N m)^2.
+    pub fn known(&self, causes: &[(Cause, &'static str)], score: f64) -> Option<Round<'d>> {
         let stand_there =
             |beside: &&Beside<'d>| beside.causes == causes && (beside.score - score).abs() <= SAME_SCORE * score;
-        if let Some(beside) = self.rounds.all.borrow().iter().find(stand_there) {
-            return beside.round.clone();
-        }
-        let known: Vec<Cause> = known.iter().map(|hypothesis| hypothesis.cause).collect();
-        let likely = self.rounds.all.borrow().first().map_or_else(Likely::new, |first| first.round.likely.clone());
-        let wanted = |cause: Cause| !known.contains(&cause) && among.is_none_or(|among| among.contains(&cause));
-        let round = try_all(&self.base_of(fit), wanted, &likely, reached, self.listener);
-        if among.is_some() {
-            return round;
-        }
-        self.rounds.all.borrow_mut().push(Beside { causes, score, round: round.clone() });
-        round
+        self.all.borrow().iter().find(stand_there).map(|beside| beside.round.clone())
+    }
+
+    /// Where to look for the shapes of effects: where the first round found them likely.
+    pub fn likely(&self) -> Likely {
+        self.all.borrow().first().map_or_else(Likely::new, |first| first.round.likely.clone())
+    }
+
+    /// Keeps what was tried beside `causes` (in order), which left `score`, (N m)^2.
+    pub fn keep(&self, causes: Vec<(Cause, &'static str)>, score: f64, round: &Round<'d>) {
+        self.all.borrow_mut().push(Beside { causes, score, round: round.clone() });
     }
 }

@@ -2,10 +2,11 @@
 
 use super::base::BaseModel;
 use super::candidates::{Cause, FittedCause, Hypothesis, reach};
-use super::choose::Search;
-use super::criteria::{Share, distinctness, is_tie, simplest};
+use super::compare::is_tie;
+use super::criteria::{Share, distinctness, simplest};
 use super::fit::Fit;
 use super::progress::{Phase, Progress};
+use super::search::Search;
 
 /// Rounds over the causes found in which each is tried again beside others than before.
 const SWEEPS: usize = 2;

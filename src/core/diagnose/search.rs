@@ -1,0 +1,139 @@
+//! What a search for causes goes by: the base model, the fits of causes together, what was tried beside which, and what is asked of a cause.
+
+use super::base::BaseModel;
+use super::candidates::{Cause, FittedCause, Hypothesis, Round, try_all};
+use super::criteria::{Requirement, Share, requirements};
+use super::fit::Fit;
+use super::perturbation::Perturbation;
+use super::progress::Listener;
+use super::rounds::Rounds;
+use crate::effects::Extent;
+use crate::model::Model;
+use std::cell::OnceCell;
+
+/// What all rounds share.
+pub struct Search<'d, 's> {
+    /// The base model.
+    pub first: BaseModel<'d>,
+    /// The same over the motions as the encoder would have read them once more, of a joint like the model: made when it is first asked for.
+    again: OnceCell<Option<BaseModel<'d>>>,
+    /// The base alone.
+    rest: Fit<'d>,
+    /// What it leaves, (N m)^2.
+    pub start: f64,
+    rounds: Rounds<'d>,
+    /// Who hears what it is at.
+    pub listener: Listener<'s>,
+}
+
+/// How far a search has come.
+pub struct Forward<'d> {
+    /// The causes.
+    pub chosen: Vec<Hypothesis>,
+    /// All of them together.
+    pub fit: Fit<'d>,
+    /// What was tried first.
+    pub opening: Round<'d>,
+    /// What was tried last, without success.
+    pub refused: Vec<FittedCause<'d>>,
+}
+
+impl<'d, 's> Search<'d, 's> {
+    /// Of causes beside `first`, which leaves `rest` alone.
+    pub fn new(first: BaseModel<'d>, rest: Fit<'d>, listener: Listener<'s>) -> Self {
+        let start = rest.score();
+        Self { first, rest, again: OnceCell::new(), start, rounds: Rounds::default(), listener }
+    }
+
+    /// `chosen` fitted together, and as they stand there. The base's columns depend on the causes (with a transition its friction no longer
+    /// jumps): they are taken with all of them in.
+    pub fn together(&self, chosen: &[Hypothesis]) -> (Vec<Hypothesis>, Fit<'d>) {
+        self.together_to_reach(f64::INFINITY, chosen)
+    }
+
+    /// The same, given up once it is clear that its cost will not fall to `reach`.
+    pub fn together_to_reach(&self, reach: f64, chosen: &[Hypothesis]) -> (Vec<Hypothesis>, Fit<'d>) {
+        let mut model = self.first.model.clone();
+        let moves: Vec<Perturbation> =
+            chosen.iter().flat_map(|hypothesis| hypothesis.put(&mut model, self.extent())).collect();
+        let fit = match moves.is_empty() {
+            true => self.rest.clone(),
+            false => {
+                BaseModel::new(&self.first.mask, &model, self.first.moves.clone()).fit_to_reach(reach, model, moves)
+            }
+        };
+        let stands = |hypothesis: &Hypothesis| {
+            let own: Vec<Perturbation> = hypothesis.moves().to_vec();
+            Hypothesis::of((hypothesis.cause, hypothesis.how), &fit.model, &own)
+        };
+        (chosen.iter().filter_map(stands).collect(), fit)
+    }
+
+    /// The base that a fit makes for further causes: its own free within their strides.
+    pub fn base_of(&self, fit: &Fit<'d>) -> BaseModel<'d> {
+        if fit.moves.is_empty() {
+            return self.first.clone();
+        }
+        self.base_with(&fit.model, &fit.moves)
+    }
+
+    /// The base that `others` make as they stand, free within their strides.
+    pub fn base_beside(&self, others: &[Hypothesis]) -> BaseModel<'d> {
+        let mut model = self.first.model.clone();
+        let moves: Vec<Perturbation> =
+            others.iter().flat_map(|hypothesis| hypothesis.put(&mut model, self.extent())).collect();
+        self.base_with(&model, &moves)
+    }
+
+    fn base_with(&self, model: &Model, moves: &[Perturbation]) -> BaseModel<'d> {
+        let free = moves.iter().map(|way| way.clone().believed_within(way.stride));
+        BaseModel::new(&self.first.mask, model, self.first.moves.iter().cloned().chain(free).collect())
+    }
+
+    /// Everything, or what is `among` some causes, tried beside `known`, whose fit is `fit`, in a place where some cause is known to have
+    /// `reached` a score: again only if the same causes stand elsewhere than before.
+    pub fn round(&self, known: &[Hypothesis], fit: &Fit<'d>, among: Option<&[Cause]>, reached: f64) -> Round<'d> {
+        let mut causes: Vec<_> = known.iter().map(|hypothesis| (hypothesis.cause, hypothesis.how)).collect();
+        causes.sort_unstable();
+        let score = fit.score();
+        if let Some(round) = self.rounds.known(&causes, score) {
+            return round;
+        }
+        let known: Vec<Cause> = known.iter().map(|hypothesis| hypothesis.cause).collect();
+        let likely = self.rounds.likely();
+        let wanted = |cause: Cause| !known.contains(&cause) && among.is_none_or(|among| among.contains(&cause));
+        let round = try_all(&self.base_of(fit), wanted, &likely, reached, self.listener);
+        if among.is_none() {
+            self.rounds.keep(causes, score, &round);
+        }
+        round
+    }
+
+    /// What the campaign spans.
+    pub fn extent(&self) -> &Extent {
+        &self.first.data().extent
+    }
+
+    /// Whether a cause that leaves `with` is enough to be named.
+    pub fn is_material(&self, with: &Fit<'d>, without: &Fit<'d>, share: Share) -> bool {
+        self.requirements(with, without, share).iter().all(Requirement::is_met)
+    }
+
+    /// What a cause reaches that leaves `with` where `without` it more is left, up to the first that it does not.
+    pub fn requirements(&self, with: &Fit<'d>, without: &Fit<'d>, share: Share) -> Vec<Requirement> {
+        let of_encoder = || {
+            let again = self.again.get_or_init(|| {
+                let base = &self.first;
+                base.mask.again().map(|mask| BaseModel::new(&mask, &base.model, base.moves.clone()))
+            });
+            let left = |base: &BaseModel<'_>, fit: &Fit<'_>| base.square_left(&fit.model, &fit.moves);
+            let gain = |base: &BaseModel<'d>| {
+                let gain = left(base, without) - left(base, with);
+                // A simulation that leaves more than the recordings do has too much of it.
+                gain * (without.held_out_square() / left(base, &self.rest).max(f64::MIN_POSITIVE)).min(1.0)
+            };
+            again.as_ref().map_or(0.0, gain)
+        };
+        requirements(with, without, self.start, share, of_encoder)
+    }
+}
