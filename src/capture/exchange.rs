@@ -1,6 +1,6 @@
 //! Process data in and out, once a cycle, with the time of the bus where a device has a clock.
 
-use super::master::Group;
+use super::group::Group;
 use ethercrab::error::Error;
 use ethercrab::subdevice_group::{HasPdi, Op};
 use ethercrab::{MainDevice, SubDeviceState};

@@ -117,7 +117,7 @@ pub(super) fn entry(mapping: u32) -> Entry {
 ///
 /// Errors: the bus cannot be set up.
 pub fn scan<W: Wire>(line: &mut Line<'_, W>, main: &MainDevice<'_>) -> Result<Vec<Found>, Failure> {
-    let group = super::master::pre_op(line, main)?;
+    let group = super::group::pre_op(line, main)?;
     let devices: Vec<_> = group.iter(main).collect();
     Ok(devices.into_iter().enumerate().map(|(place, device)| found(line, place, &device)).collect())
 }

@@ -6,7 +6,6 @@
 //! kept from it (see `unasked`).
 
 use super::clock;
-use super::master::{BYTES, DEVICES};
 use super::unasked::Unasked;
 use super::wire::{FRAME_BYTES, Wire};
 use ethercrab::error::Error;
@@ -16,6 +15,11 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::pin::pin;
 use std::task::{Context, Poll, Waker};
 use std::time::Duration;
+
+/// Devices on a bus, a power of two as the stack wants it.
+pub const DEVICES: usize = 64;
+/// Bytes of process data of all devices together.
+pub const BYTES: usize = 1024;
 
 /// Frames in flight at once.
 const FRAMES: usize = 16;

@@ -4,6 +4,7 @@
 //! requested from the drive during the exchange of process data, so no answer to a request can be removed by mistake.
 
 use super::line::Line;
+use super::unasked::{HEAD, emergency};
 use super::wire::Wire;
 use ethercrab::{SubDevice, SubDeviceRef};
 use std::ops::Deref;
@@ -13,8 +14,6 @@ const WHERE: u16 = 0x0808;
 /// Its status; bit 3 is set while it is full.
 const STATUS: u16 = 0x080D;
 const FULL: u8 = 1 << 3;
-/// What is read of a message: its header, 6 bytes, that of CoE, 2 bytes, and an emergency, 8 bytes.
-pub(super) const HEAD: usize = 16;
 
 /// Takes a message out of the mailbox of `device`, if there is one, until `until_ns` at most: the code of an emergency; the inner `None` is
 /// another message. One that only reports the end of an error (code 0) does not count.
@@ -35,12 +34,6 @@ pub(super) fn fetch<W: Wire, S: Deref<Target = SubDevice>>(
     let _ = line.run_until(until_ns, device.register_read::<u8>(last));
     let code = head.as_ref().and_then(emergency);
     (code != Some(0)).then_some(code)
-}
-
-/// The code of an emergency message: mailbox type 3 (CoE), service 1.
-pub(super) fn emergency(head: &[u8; HEAD]) -> Option<u16> {
-    let is_emergency = head[5] & 0x0F == 3 && head[7] >> 4 == 1;
-    is_emergency.then(|| u16::from_le_bytes([head[8], head[9]]))
 }
 
 #[cfg(test)]

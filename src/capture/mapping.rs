@@ -1,8 +1,8 @@
 //! What is written to a device in PRE-OP: its start-up objects, and which PDOs it exchanges with what in them.
 
 use super::found::{ASSIGNED_INPUTS, has_objects, mapped};
+use super::group::{NotStarted, while_doing};
 use super::line::{Failure, Line};
-use super::master::{NotStarted, while_doing};
 use super::rig::{Identity, ProcessData, Setup, Startup};
 use super::wire::Wire;
 use ethercrab::{SubDevice, SubDeviceRef};

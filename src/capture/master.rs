@@ -1,8 +1,8 @@
 //! The way to OP: who is there, what is exchanged, the drive's own limits, the clocks, cyclic data.
 
-use super::clock;
 use super::exchange::{Exchange, exchange};
 use super::found::{ASSIGNED_INPUTS, ASSIGNED_OUTPUTS, Found, found};
+use super::group::{Group, NotStarted, ailing, while_doing};
 use super::history;
 use super::line::{Failure, Line};
 use super::mapping;
@@ -12,17 +12,10 @@ use super::rig::{BrakeDevice, Drive, ProcessData, Rig};
 use super::watchdog;
 use super::wire::Wire;
 use ethercrab::subdevice_group::{DcConfiguration, HasDc, NoDc, Op, PreOp, PreOpPdi};
-use ethercrab::{AlStatusCode, Command, DcSync, DefaultLock, MainDevice, SubDevice, SubDeviceGroup, SubDeviceRef};
+use ethercrab::{DcSync, MainDevice, SubDevice, SubDeviceRef};
 use serde_json::Value;
 use std::ops::Deref;
 use std::time::Duration;
-
-/// Devices on a bus, a power of two as the stack wants it.
-pub const DEVICES: usize = 64;
-/// Bytes of process data of all devices together.
-pub const BYTES: usize = 1024;
-/// A group of the stack in one of its states.
-pub type Group<S, C> = SubDeviceGroup<DEVICES, BYTES, DefaultLock, S, C>;
 
 /// Cycles between starting the exchange and the clocks' own pulses.
 const CLOCK_START: Duration = Duration::from_millis(20);
@@ -34,26 +27,6 @@ const SETTLED: u32 = 50;
 const SETTLED_S: f64 = 0.05;
 /// How long the devices may take to get to OP while data flow, s: what ETG.1020 gives to those that name no time of their own.
 const TO_OP_S: f64 = 10.0;
-
-/// The station address that the stack gives to the first device; the others follow.
-const FIRST_STATION: u16 = 0x1000;
-
-/// The station addresses of the devices of `rig`, as the stack gives them.
-pub fn stations(rig: &Rig) -> Vec<u16> {
-    rig.devices().map(|(identity, _)| station(identity.place)).collect()
-}
-
-fn station(place: usize) -> u16 {
-    FIRST_STATION.wrapping_add(u16::try_from(place).unwrap_or(u16::MAX))
-}
-
-/// AL status, whose bit 4 flags an error; its code follows after 4 bytes.
-const AL_STATUS: u16 = 0x0130;
-const AL_ERROR: u8 = 1 << 4;
-
-/// Why the bus did not start, in words with the device at fault.
-#[derive(Debug, Clone, PartialEq)]
-pub struct NotStarted(pub String);
 
 /// What was found on the way up.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -68,17 +41,6 @@ pub struct Findings {
     pub holds: Vec<bool>,
 }
 
-impl NotStarted {
-    pub(super) fn of<T>(what: impl Into<String>) -> Result<T, Self> {
-        Err(Self(what.into()))
-    }
-}
-
-/// A step that was not taken.
-pub(super) fn while_doing(what: &str) -> impl Fn(Failure) -> NotStarted + '_ {
-    move |failure| NotStarted(format!("{what}: {failure}"))
-}
-
 /// What was asked of all devices together, with those named that are in error.
 fn of_all<W: Wire, T>(
     line: &mut Line<'_, W>,
@@ -87,35 +49,6 @@ fn of_all<W: Wire, T>(
     done: Result<T, Failure>,
 ) -> Result<T, NotStarted> {
     done.map_err(|failure| NotStarted(format!("{what}: {failure}{}", ailing(line, main))))
-}
-
-/// The devices that have refused a state or fallen from it, and why, in words; nothing where all are well.
-pub fn ailing<W: Wire>(line: &mut Line<'_, W>, main: &MainDevice<'_>) -> String {
-    (0..main.num_subdevices())
-        .filter_map(|place| {
-            let register = Command::fprd(station(place), AL_STATUS);
-            let status = line.run(register.receive::<[u8; 6]>(main)).ok()?;
-            let why = AlStatusCode::from(u16::from_le_bytes([status[4], status[5]]));
-            (status[0] & AL_ERROR != 0).then(|| format!("; device {place} is in error {why}"))
-        })
-        .collect()
-}
-
-/// Emergency messages that came while objects were asked for, in words.
-pub(super) fn heard<W: Wire>(line: &mut Line<'_, W>, rig: &Rig) -> Vec<String> {
-    let words = |(station, code): (u16, u16)| {
-        let place = usize::from(station.wrapping_sub(FIRST_STATION));
-        let name = rig.name(place).unwrap_or_else(|| format!("device {place}"));
-        format!("{name} sent emergency message {code:#06x}")
-    };
-    line.heard().into_iter().map(words).collect()
-}
-
-/// Brings all devices to PRE-OP.
-///
-/// Errors: nobody answers, or somebody does not go there.
-pub fn pre_op<'m, W: Wire>(line: &mut Line<'_, W>, main: &'m MainDevice<'m>) -> Result<Group<PreOp, NoDc>, Failure> {
-    line.run(main.init_single_group::<DEVICES, BYTES>(clock::now_ns))
 }
 
 /// Checks every device against `rig`, in PRE-OP and without enabling anything; sets up what the drive and its process data

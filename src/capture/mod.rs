@@ -42,6 +42,7 @@ pub mod folder;
 mod follow;
 pub mod found;
 mod fresh;
+pub mod group;
 mod history;
 pub mod in_process;
 pub mod limits;

@@ -1,9 +1,9 @@
 //! What the drive itself watches over: it is read, set and read back before there is torque, and must be as it should.
 
 use super::drive::{Mode, brakes, holds};
+use super::group::{NotStarted, while_doing};
 use super::limits::SPEED_ROOM;
 use super::line::Line;
-use super::master::{NotStarted, while_doing};
 use super::rig::{Drive, Rig};
 use super::wire::Wire;
 use ethercrab::{EtherCrabWireReadSized, EtherCrabWireWrite, SubDevice, SubDeviceRef};

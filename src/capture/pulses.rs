@@ -1,7 +1,7 @@
 //! The pulses of those clocks that the rig sets by hand: shifted, with SYNC1, or with more bits than a stack sets (ETG.1000.4, 6.8).
 
+use super::group::{Group, NotStarted, while_doing};
 use super::line::Line;
-use super::master::{Group, NotStarted, while_doing};
 use super::rig::{Pulses, Rig};
 use super::wire::Wire;
 use ethercrab::MainDevice;

@@ -6,8 +6,9 @@ use super::commission::Jogged;
 use super::cycle::{Counts, Cycle};
 use super::exchange::Exchange;
 use super::folder::Folder;
+use super::group::{self, NotStarted};
 use super::line::{Line, with_line, words};
-use super::master::{self, Findings, NotStarted};
+use super::master::{self, Findings};
 use super::operator::Operator;
 use super::origin::Origin;
 use super::plan::Plan;
@@ -149,7 +150,7 @@ fn session<W: Wire>(
     let outcome = with_line(wire, |line, main| {
         let run = || Session { task, deed, done, origin, recorder: &mut recorder, live }.run(line, main);
         catch_unwind(AssertUnwindSafe(run)).unwrap_or_else(|panic| {
-            line.drop_out(master::stations(task.rig));
+            line.drop_out(group::stations(task.rig));
             Err(NotStarted(format!("something panicked: {}; the devices were told to leave OP", words(&*panic))))
         })
     });
@@ -186,8 +187,8 @@ struct Session<'a> {
 impl Session<'_> {
     fn run<W: Wire>(self, line: &mut Line<'_, W>, main: &MainDevice<'_>) -> Result<Outcome, NotStarted> {
         let rig = self.task.rig;
-        let group = master::pre_op(line, main).map_err(|failure| {
-            let (interface, ailing) = (&rig.bus.interface, master::ailing(line, main));
+        let group = group::pre_op(line, main).map_err(|failure| {
+            let (interface, ailing) = (&rig.bus.interface, group::ailing(line, main));
             NotStarted(format!("the devices on `{interface}` cannot be brought to PRE-OP: {failure}{ailing}"))
         })?;
         let mut findings = master::prepare(line, main, &group, rig)?;
@@ -197,14 +198,14 @@ impl Session<'_> {
                 let group = master::with_clocks(line, main, group, rig, &mut findings)?;
                 self.must_be_watched(&findings)?;
                 let exchange =
-                    master::to_op(line, main, group, rig).inspect_err(|_| line.drop_out(master::stations(rig)))?;
+                    master::to_op(line, main, group, rig).inspect_err(|_| line.drop_out(group::stations(rig)))?;
                 Ok(self.cycle(line, main, exchange, findings))
             }
             false => {
                 let group = master::with_data(line, main, group, rig, &mut findings)?;
                 self.must_be_watched(&findings)?;
                 let exchange =
-                    master::to_op(line, main, group, rig).inspect_err(|_| line.drop_out(master::stations(rig)))?;
+                    master::to_op(line, main, group, rig).inspect_err(|_| line.drop_out(group::stations(rig)))?;
                 Ok(self.cycle(line, main, exchange, findings))
             }
         }
@@ -228,7 +229,7 @@ impl Session<'_> {
         let Self { task, deed, done, origin, recorder, live } = self;
         findings
             .report
-            .extend(master::heard(line, task.rig).into_iter().map(|what| format!("while the bus started {what}")));
+            .extend(group::heard(line, task.rig).into_iter().map(|what| format!("while the bus started {what}")));
         let began_s = origin.map_or(0.0, |origin| origin.elapsed().0);
         let cycle = Cycle::new(line, main, exchange, task.rig, recorder, task.interrupted, began_s);
         let mut run = Run::new(cycle, task, live, findings);

@@ -5,7 +5,8 @@
 //! emergency is noted, and while an answer is outstanding its frame is withheld, as if it had been lost. The stack then reads the mailbox
 //! again, and as often as it is empty the frame is withheld too: an empty mailbox is no answer (ETG.1000.4: working counter 0).
 
-use super::mailbox::{HEAD, emergency};
+/// What is read of a message: its header, 6 bytes, that of CoE, 2 bytes, and an emergency, 8 bytes.
+pub(super) const HEAD: usize = 16;
 
 /// Commands of datagrams: read and write of a station.
 const FPRD: u8 = 4;
@@ -70,6 +71,12 @@ impl Unasked {
         }
         false
     }
+}
+
+/// The code of an emergency message: mailbox type 3 (CoE), service 1.
+pub(super) fn emergency(head: &[u8; HEAD]) -> Option<u16> {
+    let is_emergency = head[5] & 0x0F == 3 && head[7] >> 4 == 1;
+    is_emergency.then(|| u16::from_le_bytes([head[8], head[9]]))
 }
 
 #[cfg(test)]

@@ -4,9 +4,9 @@
 //! The bus interface counts ticks of (divider + 2) 40 ns (register 0x0400) and takes the device out of OP after so many (0x0420)
 //! without outputs, if their sync manager has bit 6 of its control byte set (ETG.1000.4; Beckhoff's ESC data sheet, section II).
 
+use super::group::{Group, NotStarted};
 use super::line::Line;
 use super::managers::{FEEDS_WATCHDOG, Manager, managers};
-use super::master::{Group, NotStarted};
 use super::rig::{Bus, Drive, Rig};
 use super::wire::Wire;
 use ethercrab::subdevice_group::{NoDc, PreOpPdi};

@@ -6,7 +6,7 @@ use super::live::View;
 use super::outcome::{JUDGED_BAD, TORQUE_ON, Talk};
 use super::wire::{self, Described, text_of};
 use crate::capture::folder::Folder;
-use crate::capture::master::NotStarted;
+use crate::capture::group::NotStarted;
 use crate::capture::operator::{Agrees, Operator};
 use crate::capture::plan::Plan;
 use crate::capture::session::{Live, Outcome, Task, Torque, capture};

@@ -9,10 +9,11 @@ use super::axis::Axis;
 use super::cause::Cause;
 use super::evidence::Evidence;
 use super::exchange::{Exchange, exchange};
+use super::group;
 use super::history;
 use super::line::{Failure, Line};
 use super::managers::{Manager, managers};
-use super::master::{self, states};
+use super::master::states;
 use super::recorder::Recorder;
 use super::rig::Rig;
 use super::safety::Request;
@@ -249,14 +250,14 @@ impl<'a, 's, W: Wire, C> Cycle<'a, 's, W, C> {
     /// After a stop the drives are asked what they remember of it.
     pub fn finish(self) -> String {
         let words = states(self.line, self.main, &self.exchange.group, &self.rig);
-        self.line.drop_out(master::stations(&self.rig));
+        self.line.drop_out(group::stations(&self.rig));
         if self.joint.axis.cause().is_some() {
             for drive in self.rig.drives() {
                 let Ok(device) = self.exchange.group.subdevice(self.main, drive.identity.place) else { continue };
                 let history = history::read(self.line, &device).map(|history| (drive.identity.name.clone(), history));
                 self.recorder.remembered("after", history.into_iter().collect());
             }
-            master::heard(self.line, &self.rig).into_iter().for_each(|what| self.recorder.note(what));
+            group::heard(self.line, &self.rig).into_iter().for_each(|what| self.recorder.note(what));
         }
         words
     }
