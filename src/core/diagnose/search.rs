@@ -114,12 +114,12 @@ impl<'d, 's> Search<'d, 's> {
         &self.first.data().extent
     }
 
-    /// Whether a cause that leaves `with` is enough to be named.
+    /// Whether a cause meets every requirement by its fits `with` and `without` it.
     pub fn is_material(&self, with: &Fit<'d>, without: &Fit<'d>, share: Share) -> bool {
         self.requirements(with, without, share).iter().all(Requirement::is_met)
     }
 
-    /// What a cause reaches that leaves `with` where `without` it more is left, up to the first that it does not.
+    /// What a cause reaches by its fits `with` and `without` it, up to the first requirement that it does not meet.
     pub fn requirements(&self, with: &Fit<'d>, without: &Fit<'d>, share: Share) -> Vec<Requirement> {
         let of_encoder = || {
             let again = self.again.get_or_init(|| {
