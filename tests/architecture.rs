@@ -53,7 +53,7 @@ fn imports_run_one_way() {
     assert!(checked > 50, "only {checked} imports were seen");
 }
 
-/// Files of one room named in another file of it, tests left out.
+/// Files that stand directly in a room, named in another of them, tests left out; folders within are not looked into.
 fn neighbours(folder: &str) -> BTreeMap<String, Vec<String>> {
     let name = |path: &Path| path.file_stem().unwrap().to_string_lossy().to_string();
     let files = fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path());

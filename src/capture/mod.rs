@@ -68,6 +68,7 @@ pub mod sensor;
 pub mod session;
 #[cfg(target_os = "linux")]
 pub mod socket;
+mod task;
 mod torque;
 mod tried;
 mod unasked;

@@ -13,7 +13,7 @@ use super::master::Findings;
 use super::plan::PlannedTrial;
 use super::ramp::Ramp;
 use super::safety::{Request, State};
-use super::session::{Live, Looked, Task};
+use super::task::{Live, Looked, Task};
 use super::wire::Wire;
 use crate::log::{Captured, TrialEntry};
 use serde_json::{Value, json};

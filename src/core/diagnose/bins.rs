@@ -35,7 +35,7 @@ impl<S: Scalar> Bins<S> {
         self.end(at) - at.checked_sub(1).map_or(0, |before| self.end(before))
     }
 
-    /// What comes to `sum` of any range of `samples`, which follow those before.
+    /// Adds a series over `samples`, which follow those before; `sum` gives its sum over any range of them.
     pub fn add(&mut self, samples: Range<usize>, sum: impl Fn(Range<usize>) -> S) {
         let mut from = samples.start;
         while from < samples.end {

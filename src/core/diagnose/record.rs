@@ -53,7 +53,7 @@ pub struct Record {
     pub warnings: Vec<String>,
     /// When it began, s since the campaign did.
     pub began_s: f64,
-    /// Other joints that are recorded.
+    /// How many other joints are recorded.
     pub joints: usize,
     /// Motion of the other joints, sample after sample.
     others: Vec<Motion>,

@@ -8,7 +8,7 @@ use super::fit::Fit;
 use super::progress::{Phase, Progress};
 use super::search::Search;
 
-/// Rounds over the causes found in which each is tried again beside others than before.
+/// Most rounds over the causes found; after the first, a cause is tried only where the others are not the causes beside which it was tried last.
 const SWEEPS: usize = 2;
 
 /// A cause taken, with what it was chosen from.
@@ -19,7 +19,7 @@ pub struct Step<'d> {
     pub tried: Vec<FittedCause<'d>>,
     /// The fit of the others alone.
     pub without: Fit<'d>,
-    /// The others.
+    /// The others' causes, in order; empty until the cause has been settled in its place.
     beside: Vec<Cause>,
     /// How far the cause is ahead of every other that was tried, as a share of its gain on what was left then.
     pub distinctness: f64,

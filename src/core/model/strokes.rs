@@ -43,7 +43,7 @@ impl<S: Scalar> Line<'_, S> {
         Self { value, per_rad: S::from(0.0), at_rad: 0.0, way_rad: &[] }
     }
 
-    /// Its sum over `samples`.
+    /// Its sum over `samples` of the motion, among those that it was given for.
     pub fn sum(&self, samples: Range<usize>) -> S {
         let sum = self.value * samples.len() as f64;
         match self.way_rad.get(samples) {
