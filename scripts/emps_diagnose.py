@@ -11,7 +11,7 @@ held-out one. The error is the authors' own: |measured - predicted| / |measured|
 
 Asserts: on held-out cycles the error lies below the one published for friction that differs by direction
 (fitted to all of the record), and below that fit's own on these cycles; among the causes named each time is friction of its own in
-each direction, the authors' finding. The verdict as a whole may stay `unknown`, and is printed: where more than a fifth of a gap's
+each direction, the authors' finding (theirs is viscous; here its level counts, too). The verdict as a whole may stay `unknown`, and is printed: where more than a fifth of a gap's
 energy is left tautline does not call it named.
 """
 import argparse

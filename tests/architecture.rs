@@ -61,7 +61,7 @@ fn neighbours(folder: &str) -> BTreeMap<String, Vec<String>> {
     let all: Vec<String> = files.iter().map(|path| name(path)).filter(|file| file != "mod").collect();
     let of = |path: &PathBuf| {
         let source = fs::read_to_string(path).unwrap();
-        let source = source.split("#[cfg(test)]").next().unwrap_or_default();
+        let source = source.split("#[cfg(test)]\nmod ").next().unwrap_or_default();
         let named = |file: &&String| {
             let direct = ["super::X::", "use super::X;"].iter().any(|way| source.contains(&way.replace('X', file)));
             let lists = source.split("use super::{").skip(1).filter_map(|list| list.split('}').next());

@@ -35,17 +35,3 @@ pub(super) fn fetch<W: Wire, S: Deref<Target = SubDevice>>(
     let code = head.as_ref().and_then(emergency);
     (code != Some(0)).then_some(code)
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn an_emergency_is_told_from_an_answer() {
-        let mut head = [0; HEAD];
-        (head[0], head[5], head[7], head[8], head[9]) = (10, 0x33, 0x10, 0x11, 0x86);
-        assert_eq!(emergency(&head), Some(0x8611));
-        assert_eq!(emergency(&[&head[..7], &[0x30], &head[8..]].concat().try_into().unwrap()), None);
-        assert_eq!(emergency(&[&head[..5], &[0x32], &head[6..]].concat().try_into().unwrap()), None);
-    }
-}

@@ -55,7 +55,7 @@ pub struct Record {
     pub began_s: f64,
     /// How many other joints are recorded.
     pub joints: usize,
-    /// Motion of the other joints, sample after sample.
+    /// Motion of the other joints: of all at the first sample, then of all at the next.
     others: Vec<Motion>,
     load_nm: Vec<f64>,
     /// Gravity at each thinned sample as a share of the largest, and its slope, 1/rad: the position stays what it is, whatever

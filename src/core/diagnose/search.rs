@@ -53,9 +53,7 @@ impl<'d, 's> Search<'d, 's> {
 
     /// The same, given up once it is clear that its cost will not fall to `reach`.
     pub fn together_to_reach(&self, reach: f64, chosen: &[Hypothesis]) -> (Vec<Hypothesis>, Fit<'d>) {
-        let mut model = self.first.model.clone();
-        let moves: Vec<Perturbation> =
-            chosen.iter().flat_map(|hypothesis| hypothesis.put(&mut model, self.extent())).collect();
+        let (model, moves) = self.put(chosen);
         let fit = match moves.is_empty() {
             true => self.rest.clone(),
             false => {
@@ -79,10 +77,16 @@ impl<'d, 's> Search<'d, 's> {
 
     /// The base that `others` make as they stand, free within their strides.
     pub fn base_beside(&self, others: &[Hypothesis]) -> BaseModel<'d> {
-        let mut model = self.first.model.clone();
-        let moves: Vec<Perturbation> =
-            others.iter().flat_map(|hypothesis| hypothesis.put(&mut model, self.extent())).collect();
+        let (model, moves) = self.put(others);
         self.base_with(&model, &moves)
+    }
+
+    /// The model with `hypotheses` in, as they stand, and what may move of them.
+    fn put(&self, hypotheses: &[Hypothesis]) -> (Model, Vec<Perturbation>) {
+        let mut model = self.first.model.clone();
+        let put = |hypothesis: &Hypothesis| hypothesis.put(&mut model, self.extent());
+        let moves = hypotheses.iter().flat_map(put).collect();
+        (model, moves)
     }
 
     fn base_with(&self, model: &Model, moves: &[Perturbation]) -> BaseModel<'d> {

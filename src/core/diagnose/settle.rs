@@ -45,7 +45,7 @@ impl<'d> Step<'d> {
 }
 
 impl<'d> Search<'d, '_> {
-    /// Tries each cause again with the others in, until all stay: an early compromise is replaced by the causes that it stood for. Leaves
+    /// Tries each cause again with the others in, until all stay or [`SWEEPS`] rounds are over: an early compromise is replaced by the causes that it stood for. Leaves
     /// out what the others explain as well without it. Returns the causes, and the fit of all.
     pub fn settle(&self, mut chosen: Vec<Hypothesis>) -> (Vec<Step<'d>>, Fit<'d>) {
         let mut steps: Vec<Option<Step<'d>>> = chosen.iter().map(|_| None).collect();

@@ -20,7 +20,7 @@ pub use groups::Group;
 pub use joint::{Drive, Joint};
 pub use passage::{AT_REST_RAD_S, Passage};
 pub use predict::{Asked, Components};
-pub use strokes::Strokes;
+pub use strokes::{Line, Strokes};
 
 use crate::dynamics::{Dynamics, Payload};
 use crate::effects::Added;

@@ -5,7 +5,7 @@
 use std::fmt::Debug;
 use std::ops::{Add, AddAssign, Div, Mul, MulAssign, Neg, Sub, SubAssign};
 
-/// A number of a formula; `given * number` and the like are the operations between both.
+/// A number of a formula. Where it meets a [`Scalar::Given`], that stands on the left: `given * number`.
 pub trait Scalar:
     Copy
     + Debug
