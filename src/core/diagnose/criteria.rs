@@ -161,7 +161,7 @@ pub fn rivals(taken: &FittedCause, tried: &[FittedCause], start: f64) -> Vec<Cau
     let is_rival = |other: &&FittedCause| {
         let does_as_well =
             || other.count() <= taken.count() + spare(other.cause) && is_tie(&taken.fit, &other.fit, start);
-        other.cause != taken.cause && (does_as_well() || (!taken.is_confirmed() && is_other_form(taken, other, start)))
+        other.cause != taken.cause && (does_as_well() || (!taken.is_confirmed() && is_other_form(taken, other)))
     };
     let mut found: Vec<Cause> = Vec::new();
     for other in tried.iter().filter(is_rival) {
@@ -172,14 +172,13 @@ pub fn rivals(taken: &FittedCause, tried: &[FittedCause], start: f64) -> Vec<Cau
     found
 }
 
-/// Whether `other` is the same effect in another form, and explains as much within the accuracy of any formula.
-fn is_other_form(taken: &FittedCause, other: &FittedCause, start: f64) -> bool {
+/// Whether `other` is the same effect in another form, and explains as much: as far as the clusters can tell, or within what the form of
+/// `taken` itself leaves, which is misfit as the other's may be.
+fn is_other_form(taken: &FittedCause, other: &FittedCause) -> bool {
     let (mask, policy) = (&taken.fit.mask, &taken.fit.mask.data.policy);
-    let accuracy = policy.form_gap_share * (start - mask.floor_square()).max(0.0);
-    let is_exact = taken.score() <= (1.0 + policy.form_exact_floor_share) * mask.floor_square();
-    is_alike(taken.cause, other.cause)
-        && other.score() - taken.score() <= accuracy
-        && !(is_exact && leaves_more(&taken.fit, &other.fit, policy.gain_errors))
+    let misfit = taken.score() - (1.0 + policy.form_exact_floor_share) * mask.floor_square();
+    let is_behind = leaves_more(&taken.fit, &other.fit, policy.gain_errors);
+    is_alike(taken.cause, other.cause) && (!is_behind || other.score() - taken.score() <= misfit)
 }
 
 /// Whether `other` is another form of `cause`.

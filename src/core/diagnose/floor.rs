@@ -134,10 +134,10 @@ fn differing_square(blocks: &mut [f64]) -> f64 {
 }
 
 /// The floor under `left_nm`, the residual at all rows of `after`, the model with its causes, oscillations left out; it includes slow noise.
-/// Without long repeats,
-/// slow noise differs from a cause only in that no fit predicts it on held-out units: `unforeseen_square` is the residual of a flexible fit
-/// there, (N m)^2. The residual of the model itself, `left_square`, limits the encoder's part. Where no cause and no contact was found
-/// (`is_bare`) and such a fit predicts nothing, the whole residual is noise.
+/// Without long repeats, slow noise differs from a cause only in that no fit predicts it on held-out units: `unforeseen_square` is the residual
+/// of a flexible fit there, (N m)^2. The residual of the model itself, `left_square`, limits the encoder's part. Where there are no repeats and
+/// such a fit predicts nothing, the residual is noise: all of it if no cause and no contact was found (`is_bare`), else as far as noise that is
+/// not white may exceed the density beyond the low-pass.
 pub fn settled(
     (data, after): (&DataSet, &Model),
     left_nm: &[f64],
@@ -149,9 +149,17 @@ pub fn settled(
     let noise_square = (unforeseen_square - encoder_square).max(0.0);
     let found_again = left_square - unforeseen_square;
     let least = policy.floor_found_again_share * (left_square - encoder_square - fast.rms_nm.powi(2));
-    if is_bare && fast.source == FloorSource::Spectrum && noise_square > fast.rms_nm.powi(2) && found_again <= least {
-        let all = Floor::of_noise(noise_square.sqrt(), FloorSource::Unforeseen, policy.floor_spectrum_error);
-        return all.with_encoder(policy, encoder_square, left_square);
+    if fast.source == FloorSource::Spectrum && noise_square > fast.rms_nm.powi(2) && found_again <= least {
+        let all_nm = noise_square.sqrt();
+        let (rms_nm, source) = match is_bare {
+            true => (all_nm, FloorSource::Unforeseen),
+            false => (all_nm.min(policy.floor_coloured_max * fast.rms_nm), FloorSource::Spectrum),
+        };
+        return Floor::of_noise(rms_nm, source, policy.floor_spectrum_error).with_encoder(
+            policy,
+            encoder_square,
+            left_square,
+        );
     }
     let blocks = repeats_blocks(data, left_nm, BLOCK_LATER);
     let whole_square = match blocks.len() >= BLOCKS_MIN {
@@ -261,4 +269,35 @@ fn without_slow(values: &[f64], slow: usize) -> Vec<f64> {
         (sums[from + slow] - sums[from]) / slow as f64
     };
     values.iter().enumerate().map(|(i, v)| v - mean(i)).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Floor, FloorSource, settled};
+    use crate::diagnose::data::tests::bundled;
+
+    #[test]
+    fn without_repeats_what_no_fit_predicts_is_noise_beside_causes_up_to_a_limit() {
+        let (mut data, model) = bundled();
+        data.records.all.iter_mut().for_each(|record| record.repeats = None);
+        let (passages, branches) = (data.records.passages(&model), data.records.branches(&model));
+        let left_nm = data.residual_nm(&data.records.predicted_nm(&model, &passages, &branches));
+        let of = |left_square: f64, unforeseen_square: f64, is_bare: bool| -> Floor {
+            settled((&data, &model), &left_nm, (unforeseen_square, left_square), is_bare)
+        };
+        let fast = of(f64::MAX, 0.0, false);
+        let without_encoder = |floor: Floor| (floor.rms_nm.powi(2) - floor.encoder_nm.powi(2)).sqrt();
+        let fast_nm = without_encoder(fast);
+        let [weak, strong] = [1.5, 10.0].map(|factor: f64| (factor * fast_nm).powi(2) + fast.encoder_nm.powi(2));
+        let (limit, rise) = (data.policy.floor_coloured_max, data.policy.floor_rise_max);
+        let near = |floor: Floor, factor: f64| (without_encoder(floor) / fast_nm - factor).abs() < 1e-6;
+        assert!(near(of(weak, weak, false), 1.5) && near(of(strong, strong, false), limit));
+        assert!(near(of(strong, strong, true), 10.0));
+        assert_eq!(
+            [false, true].map(|is_bare| of(strong, strong, is_bare).source),
+            [FloorSource::Spectrum, FloorSource::Unforeseen]
+        );
+        // What a fit predicts is no noise.
+        assert!([false, true].iter().all(|is_bare| near(of(2.0 * strong, strong, *is_bare), rise)));
+    }
 }

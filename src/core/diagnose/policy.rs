@@ -52,10 +52,9 @@ pub struct Policy {
     pub tie_remainder_share: f64,
     /// Share of the gap's square: causes that differ by more do not tie, however uncertain they are.
     pub tie_gap_share_max: f64,
-    /// Share of the gap's square: the accuracy of any formula; forms of the same effect that differ by less are not distinguished.
-    pub form_gap_share: f64,
-    /// Share of the floor's square: a cause that leaves no more than this above it has an exact formula, as far as noise shows; another form of
-    /// the same effect that leaves more by `gain_errors` is then distinguished from it.
+    /// Share of the floor's square: a cause that leaves no more than this above it has an exact formula, as far as noise shows. What it leaves
+    /// beyond is misfit of its form; another form of the same effect that leaves more by less than that misfit, or by less than `gain_errors`,
+    /// is not distinguished from it.
     pub form_exact_floor_share: f64,
     /// Squared standard deviations: a cause that moves the base by this much more is worse; its prior is e^-5 times as likely.
     pub prior_penalty_apart: f64,
@@ -124,6 +123,9 @@ pub struct Policy {
     pub floor_outlier: f64,
     /// Factor, RMS: slow noise raises the floor by no more than this, however much there seems to be: the rest may have a cause.
     pub floor_rise_max: f64,
+    /// Factor, RMS: noise that is not white may exceed the density carried on from beyond the low-pass by this; without repeats, what causes leave
+    /// counts as such noise up to there if a flexible fit predicts none of it.
+    pub floor_coloured_max: f64,
     /// Share of the rise of the floor's square: its standard error; the recordings hold few independent stretches of slow noise.
     pub floor_rise_error: f64,
     /// Share of the square of the residual above the fast floor: without repeats, all of it is noise if a flexible fit predicts no more than
@@ -166,7 +168,6 @@ impl Default for Policy {
             tie_floor_share: 0.01,
             tie_remainder_share: 0.05,
             tie_gap_share_max: 0.05,
-            form_gap_share: 0.01,
             form_exact_floor_share: 0.05,
             prior_penalty_apart: 10.0,
             prior_penalty_per_parameter: 9.0,
@@ -197,6 +198,7 @@ impl Default for Policy {
             same_place_share: 0.02,
             floor_outlier: 3.0,
             floor_rise_max: 1.25,
+            floor_coloured_max: 2.0,
             floor_rise_error: 0.5,
             floor_found_again_share: 0.04,
             floor_repeats_error: 0.06,
@@ -236,7 +238,6 @@ pub const ENTRIES: [Threshold; 56] = [
     Threshold { name: "tie_floor_share", field: |policy| &mut policy.tie_floor_share },
     Threshold { name: "tie_remainder_share", field: |policy| &mut policy.tie_remainder_share },
     Threshold { name: "tie_gap_share_max", field: |policy| &mut policy.tie_gap_share_max },
-    Threshold { name: "form_gap_share", field: |policy| &mut policy.form_gap_share },
     Threshold { name: "form_exact_floor_share", field: |policy| &mut policy.form_exact_floor_share },
     Threshold { name: "prior_penalty_apart", field: |policy| &mut policy.prior_penalty_apart },
     Threshold { name: "prior_penalty_per_parameter", field: |policy| &mut policy.prior_penalty_per_parameter },
@@ -267,6 +268,7 @@ pub const ENTRIES: [Threshold; 56] = [
     Threshold { name: "same_place_share", field: |policy| &mut policy.same_place_share },
     Threshold { name: "floor_outlier", field: |policy| &mut policy.floor_outlier },
     Threshold { name: "floor_rise_max", field: |policy| &mut policy.floor_rise_max },
+    Threshold { name: "floor_coloured_max", field: |policy| &mut policy.floor_coloured_max },
     Threshold { name: "floor_rise_error", field: |policy| &mut policy.floor_rise_error },
     Threshold { name: "floor_found_again_share", field: |policy| &mut policy.floor_found_again_share },
     Threshold { name: "floor_repeats_error", field: |policy| &mut policy.floor_repeats_error },

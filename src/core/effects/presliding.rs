@@ -51,12 +51,19 @@ impl Effect for Bristles {
         forms.iter().flat_map(of_form).collect()
     }
 
-    /// Over a travel that the encoder does not show friction jumps. Friction that arrives as abruptly as at the end of a clearance tells of one,
-    /// unless the joint's is known and the model does not pass over it.
+    /// Over a travel that the encoder does not show friction jumps: nine tenths of its change must lie in one that it shows. Friction that arrives
+    /// as abruptly as at the end of a clearance tells of one, unless the joint's is known and the model does not pass over it.
     fn is_itself(&self, p: &[f64], extent: &Extent) -> bool {
         let tells_of_clearance = extent.has_curve || extent.backlash_m == 0.0;
-        p[0] >= extent.resolution_rad && (!tells_of_clearance || p[1] > EXPONENT_MIN + AT_BOUND)
+        nine_tenths_rad(p) >= extent.resolution_rad && (!tells_of_clearance || p[1] > EXPONENT_MIN + AT_BOUND)
     }
+}
+
+/// Travel within which friction makes nine tenths of its change at a reversal, rad: the integral of z^-exponent over the share z that is left.
+fn nine_tenths_rad(p: &[f64]) -> f64 {
+    let (left, power) = (0.1_f64, 1.0 - p[1]);
+    let travels = if power == 0.0 { -left.ln() } else { (1.0 - left.powf(power)) / power };
+    p[0] * travels
 }
 
 impl<S: Scalar> Hooks<S> for Bristles {
@@ -67,5 +74,19 @@ impl<S: Scalar> Hooks<S> for Bristles {
 
     fn presliding(&self, p: &[S]) -> Option<Presliding<S>> {
         Some(Presliding { travel_rad: p[0], exponent: p[1] })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::nine_tenths_rad;
+
+    #[test]
+    fn friction_that_changes_more_and_more_slowly_takes_the_longer() {
+        // Dahl's exponential at 1, the travel itself at 0, sqrt(0.1) of twice the travel left at 1/2.
+        let of = |exponent: f64| nine_tenths_rad(&[2.0, exponent]);
+        assert!((of(1.0) - 2.0 * 10f64.ln()).abs() < 1e-12 && (of(0.0) - 1.8).abs() < 1e-12);
+        assert!((of(0.5) - 4.0 * (1.0 - 0.1f64.sqrt())).abs() < 1e-12);
+        assert!((of(1.0 + 1e-9) - of(1.0)).abs() < 1e-6);
     }
 }
