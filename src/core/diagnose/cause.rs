@@ -13,6 +13,11 @@ impl Cause {
         if let Self::Effect(id) = self { find(id) } else { None }
     }
 
+    /// Whether `other` is another form of it: the same behaviour by another formula. Both are never named together.
+    pub fn is_alike(self, other: Self) -> bool {
+        self.effect().is_some_and(|effect| effect.about().alike.contains(&other.name()))
+    }
+
     /// The group of the model's own parameters that it is.
     pub fn group(self) -> Option<&'static Group> {
         if let Self::Stale(name) = self { Group::find(name) } else { None }

@@ -80,7 +80,7 @@ impl Share {
 /// The share of the gain of `taken` on what is left `without` it, (N m)^2, in which it is ahead of every other cause of `tried`, other forms
 /// of the same aside.
 pub fn distinctness(taken: &FittedCause, tried: &[FittedCause], without: f64) -> f64 {
-    let is_other = |other: &&FittedCause| other.cause != taken.cause && !is_alike(taken.cause, other.cause);
+    let is_other = |other: &&FittedCause| other.cause != taken.cause && !taken.cause.is_alike(other.cause);
     let second = tried.iter().filter(is_other).map(FittedCause::score).fold(without, f64::min);
     (second - taken.score()) / (without - taken.score()).max(f64::MIN_POSITIVE)
 }
@@ -178,12 +178,7 @@ fn is_other_form(taken: &FittedCause, other: &FittedCause) -> bool {
     let (mask, policy) = (&taken.fit.mask, &taken.fit.mask.data.policy);
     let misfit = taken.score() - (1.0 + policy.form_exact_floor_share) * mask.floor_square();
     let is_behind = leaves_more(&taken.fit, &other.fit, policy.gain_errors);
-    is_alike(taken.cause, other.cause) && (!is_behind || other.score() - taken.score() <= misfit)
-}
-
-/// Whether `other` is another form of `cause`.
-fn is_alike(cause: Cause, other: Cause) -> bool {
-    cause.effect().is_some_and(|effect| effect.about().alike.contains(&other.name()))
+    taken.cause.is_alike(other.cause) && (!is_behind || other.score() - taken.score() <= misfit)
 }
 
 /// Causes that `taken` is known to be mistaken for and that do as well: only their number of parameters speaks against them.

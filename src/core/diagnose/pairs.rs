@@ -71,7 +71,10 @@ fn promising(base: &BaseModel<'_>, hypotheses: &[Hypothesis]) -> Vec<[Hypothesis
     };
     let pairs: Vec<(usize, usize)> = (0..parts.len())
         .flat_map(|i| (0..i).map(move |j| (j, i)))
-        .filter(|(j, i)| parts[*j].hypothesis.cause != parts[*i].hypothesis.cause)
+        .filter(|(j, i)| {
+            let [a, b] = [j, i].map(|at| parts[*at].hypothesis.cause);
+            a != b && !a.is_alike(b)
+        })
         .collect();
     let mut ranked: Vec<(f64, usize, usize)> =
         pairs.into_par_iter().map(|(j, i)| (left(&parts[j], &parts[i]), j, i)).collect();

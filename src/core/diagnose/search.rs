@@ -105,7 +105,8 @@ impl<'d, 's> Search<'d, 's> {
         }
         let known: Vec<Cause> = known.iter().map(|hypothesis| hypothesis.cause).collect();
         let likely = self.rounds.likely();
-        let wanted = |cause: Cause| !known.contains(&cause) && among.is_none_or(|among| among.contains(&cause));
+        let is_new = |cause: Cause| known.iter().all(|known| *known != cause && !known.is_alike(cause));
+        let wanted = |cause: Cause| is_new(cause) && among.is_none_or(|among| among.contains(&cause));
         let round = try_all(&self.base_of(fit), wanted, &likely, reached, self.listener);
         if among.is_none() {
             self.rounds.keep(causes, score, &round);

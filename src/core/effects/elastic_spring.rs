@@ -6,6 +6,9 @@ use super::{
 };
 use crate::numerics::scalar::Scalar;
 
+/// A spring at rest farther beyond either end of the motion, in ranges of it, pulls with a torque that is all but constant: an offset with a slope.
+const RESTS_BEYOND: f64 = 1.0;
+
 static ABOUT: About = About {
     id: "elastic_spring",
     family: Family::Physics,
@@ -59,9 +62,14 @@ impl Effect for ElasticSpring {
         at < 3 || p[2] > 0.5
     }
 
-    /// A spring that drives the motion, softens, or stiffens the wrong way is not this effect.
-    fn is_itself(&self, p: &[f64], _extent: &Extent) -> bool {
-        p[0] >= 0.0 && (p[2] <= 0.5 || p[3] >= 0.0)
+    /// A spring that drives the motion, softens, or stiffens the wrong way is not this effect, nor is one that rests far away.
+    fn is_itself(&self, p: &[f64], extent: &Extent) -> bool {
+        let stiffens = p[2] > 0.5;
+        let (low, high) = extent.position_rad;
+        let beyond_rad = RESTS_BEYOND * (high - low);
+        // Stiffness times the distance of the rest from either limit: without stiffness it rests nowhere.
+        let rests_near = p[1] + p[0] * (high + beyond_rad) >= 0.0 && p[1] + p[0] * (low - beyond_rad) <= 0.0;
+        p[0] >= 0.0 && if stiffens { p[3] >= 0.0 } else { rests_near }
     }
 
     fn in_simulator(&self, p: &[f64]) -> Option<SimulatorJoint> {

@@ -3,12 +3,16 @@
 use super::{About, ActsOn, Effect, Excitation, Extent, Family, Hooks, Parameter, RESTING_RAD_S, Region, Sample};
 use crate::numerics::scalar::Scalar;
 
+/// How many strengths it has.
+const STRENGTHS: usize = 10;
+
 static ABOUT: About = About {
     id: "joint_coupling",
     family: Family::Physics,
     acts_on: ActsOn::Load,
     means: "torque follows another joint",
-    formula: "stiffness q2 + viscous v2 + coulomb tanh(v2/0.01) + inertia a2 + weight (sin(q + q2) - sin q) + inertia_cos cos(q) a2 + bending q2^2 + offset",
+    formula: "stiffness q2 + viscous v2 + coulomb tanh(v2/0.01) + inertia a2 + weight (sin(q + q2) - sin q) + inertia_cos (cos(q) a2 + sin(q) v2^2) + \
+              centrifugal sin(q2) v2^2 + coriolis sin(q2) 2 v v2 + bending q2^2 + offset",
     source: "rigid-body coupling (1); cables routed over a moving joint",
     signature: Region::OtherJoint,
     trades_with: &["sensor_drift", "warm_up"],
@@ -23,6 +27,8 @@ static ABOUT: About = About {
         Parameter::strength("inertia_cos_kg_m2"),
         Parameter::strength("bending_nm_rad2"),
         Parameter::strength("offset_nm"),
+        Parameter::strength("centrifugal_kg_m2"),
+        Parameter::strength("coriolis_kg_m2"),
     ],
     needs: &[Excitation::OtherJoint],
     by_hand: Some("hold the other joints fixed and repeat one trial"),
@@ -43,7 +49,7 @@ impl Effect for JointCoupling {
     }
 
     fn starts(&self, extent: &Extent) -> Vec<Vec<f64>> {
-        (1..=extent.others).map(|joint| vec![joint as f64, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0]).collect()
+        (1..=extent.others).map(|joint| std::iter::once(joint as f64).chain([0.0; STRENGTHS]).collect()).collect()
     }
 
     fn other_joint(&self, p: &[f64]) -> Option<usize> {
@@ -62,8 +68,10 @@ impl<S: Scalar> Hooks<S> for JointCoupling {
             + (other.velocity / RESTING_RAD_S).tanh() * p[3]
             + other.acceleration * p[4]
             + ((q + other.position).sin() - q.sin()) * p[5]
-            + (q.cos() * other.acceleration) * p[6]
-            + (other.position * other.position) * p[7]
+            + (q.cos() * other.acceleration + q.sin() * other.velocity.squared()) * p[6]
+            + other.position.squared() * p[7]
             + p[8]
+            + other.position.sin()
+                * (other.velocity.squared() * p[9] + sample.own.velocity * other.velocity * 2.0 * p[10])
     }
 }

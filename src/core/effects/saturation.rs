@@ -5,8 +5,9 @@ use crate::numerics::scalar::Scalar;
 
 /// Shares of the reading's range at which it is tried to clip.
 const LEVELS: [f64; 3] = [0.0, 0.03, 0.08];
-/// Readings pass the end of the range by no more than this share of theirs: what the low-pass overshoots at a corner, and noise.
-const PASSED_MAX: f64 = 0.12;
+/// Readings pass the end of the range by no more than this share of theirs: what a low-pass overshoots, up to 9 % of a step (Gibbs) at each of two
+/// edges close together, and noise.
+const PASSED_MAX: f64 = 0.2;
 
 static ABOUT: About = About {
     id: "saturation",
