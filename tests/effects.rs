@@ -251,6 +251,48 @@ fn friction_resists_in_both_directions_and_cogging_in_none() {
     }
 }
 
+/// Torques at both joints of a planar arm with a point mass at its end, by Lagrange's equations and central differences.
+fn two_links_nm(q: [f64; 2], v: [f64; 2], a: [f64; 2], mass_kg: f64, lengths_m: [f64; 2]) -> [f64; 2] {
+    const STEP: f64 = 1e-4;
+    let energy_j = |q: [f64; 2], v: [f64; 2]| {
+        let along =
+            |of: fn(f64) -> f64| lengths_m[0] * v[0] * of(q[0]) + lengths_m[1] * (v[0] + v[1]) * of(q[0] + q[1]);
+        0.5 * mass_kg * (along(f64::sin).powi(2) + along(f64::cos).powi(2))
+    };
+    let moved = |x: [f64; 2], at: usize, by: f64| {
+        let mut x = x;
+        x[at] += by;
+        x
+    };
+    let slope = |of: &dyn Fn(f64) -> f64| (of(STEP) - of(-STEP)) / (2.0 * STEP);
+    [0, 1].map(|at| {
+        let momentum = |t: f64| {
+            let now = |x: [f64; 2], v: [f64; 2]| [0, 1].map(|i| x[i] + v[i] * t);
+            slope(&|by| energy_j(now(q, v), moved(now(v, a), at, by)))
+        };
+        slope(&momentum) - slope(&|by| energy_j(moved(q, at, by), v))
+    })
+}
+
+#[test]
+fn a_coupled_joint_is_a_rigid_link() {
+    let (mass_kg, lengths_m) = (2.0_f64, [0.4_f64, 0.3]);
+    let (q, v, a) = ([0.5, 0.9], [1.3, -0.8], [2.0, 1.1]);
+    let [proximal, distal] = [0, 1].map(|at| Motion { position: q[at], velocity: v[at], acceleration: a[at] });
+    let coupled_nm = |strengths: &str, own: Motion, other: Motion| {
+        let added = Added::parse(&format!("joint_coupling:joint=1,{strengths}")).unwrap();
+        let sample = Sample { time_s: 1.0, elapsed_s: 1.0, own, others: &[other] };
+        added.effect.winch_torque_nm(&added.parameters, &sample, 0.0)
+    };
+    let (own_kg_m2, both_kg_m2) = (mass_kg * lengths_m[1].powi(2), mass_kg * lengths_m[0] * lengths_m[1]);
+    let found = coupled_nm(&format!("inertia_kg_m2={own_kg_m2},inertia_cos_kg_m2={both_kg_m2}"), distal, proximal);
+    let true_nm = two_links_nm(q, v, a, mass_kg, lengths_m)[1] - own_kg_m2 * a[1];
+    assert!((found - true_nm).abs() < 1e-5, "{found} and {true_nm}");
+    let found = coupled_nm(&format!("centrifugal_kg_m2={0},coriolis_kg_m2={0}", -both_kg_m2), proximal, distal);
+    let true_nm = two_links_nm(q, v, [0.0; 2], mass_kg, lengths_m)[0];
+    assert!((found - true_nm).abs() < 1e-5, "{found} and {true_nm}");
+}
+
 #[test]
 fn friction_takes_energy_from_every_cycle_and_a_potential_none() {
     // Two whole periods between rests; the joint ends where it began.
@@ -354,7 +396,8 @@ fn numbers_that_contradict_the_name_are_told() {
         "end_stop:side=1,stiffness_nm=4,position_rad=0.9,exponent=1.5,loss_nm=5",
         "elastic_spring:stiffness_nm_rad=0.3,stiffens=1,cubic_nm_rad3=-0.2",
         "quadratic_viscous:up_nm_s2_rad2=-0.3",
-        "presliding:travel_rad=5e-5,exponent=1",
+        "presliding:travel_rad=3e-5,exponent=1",
+        "elastic_spring:stiffness_nm_rad=0.01,preload_nm=-0.3",
         "stribeck:up_nm=-0.3,down_nm=0.3,speed_rad_s=0.1,exponent=1",
         "reversal_transition:backlash_m=4e-6,p=1,n=1",
         "cable_elasticity:with_friction=1,compliance_rad_nm=-0.01",

@@ -136,8 +136,8 @@ fn differing_square(blocks: &mut [f64]) -> f64 {
 /// The floor under `left_nm`, the residual at all rows of `after`, the model with its causes, oscillations left out; it includes slow noise.
 /// Without long repeats, slow noise differs from a cause only in that no fit predicts it on held-out units: `unforeseen_square` is the residual
 /// of a flexible fit there, (N m)^2. The residual of the model itself, `left_square`, limits the encoder's part. Where there are no repeats and
-/// such a fit predicts nothing, the residual is noise: all of it if no cause and no contact was found (`is_bare`), else as far as noise that is
-/// not white may exceed the density beyond the low-pass.
+/// such a fit predicts nothing, the residual is noise unless most of it lasts: all of it if no cause and no contact was found (`is_bare`), else
+/// as far as noise that is not white may exceed the density beyond the low-pass.
 pub fn settled(
     (data, after): (&DataSet, &Model),
     left_nm: &[f64],
@@ -149,7 +149,8 @@ pub fn settled(
     let noise_square = (unforeseen_square - encoder_square).max(0.0);
     let found_again = left_square - unforeseen_square;
     let least = policy.floor_found_again_share * (left_square - encoder_square - fast.rms_nm.powi(2));
-    if fast.source == FloorSource::Spectrum && noise_square > fast.rms_nm.powi(2) && found_again <= least {
+    let is_noise = found_again <= least && lasting_share(data, left_nm) <= policy.floor_lasting_share;
+    if fast.source == FloorSource::Spectrum && noise_square > fast.rms_nm.powi(2) && is_noise {
         let all_nm = noise_square.sqrt();
         let (rms_nm, source) = match is_bare {
             true => (all_nm, FloorSource::Unforeseen),
@@ -170,6 +171,15 @@ pub fn settled(
     let rise = (rms_nm / fast.rms_nm.max(f64::MIN_POSITIVE)).powi(2) - 1.0;
     let settled = Floor { rms_nm, relative_error: fast.relative_error.hypot(policy.floor_rise_error * rise), ..fast };
     settled.with_encoder(policy, encoder_square, left_square)
+}
+
+/// Share of the square of `left_nm` that stands in means over blocks of [`BLOCK`] independent samples: a tenth of white noise.
+fn lasting_share(data: &DataSet, left_nm: &[f64]) -> f64 {
+    let rows = (BLOCK * data.records.rows_per_independent).round().max(1.0) as usize;
+    let pieces = || data.records.ranges.iter().flat_map(|range| left_nm[range.clone()].chunks_exact(rows));
+    let sum = |of: fn(&[f64]) -> f64| pieces().map(of).sum::<f64>();
+    let lasting = sum(|piece| piece.iter().sum::<f64>().powi(2) / piece.len() as f64);
+    lasting / sum(|piece| piece.iter().map(|x| x * x).sum()).max(f64::MIN_POSITIVE)
 }
 
 /// Mean squares of the differences between repeats, in blocks, slow differences removed.
@@ -273,7 +283,7 @@ fn without_slow(values: &[f64], slow: usize) -> Vec<f64> {
 
 #[cfg(test)]
 mod tests {
-    use super::{Floor, FloorSource, settled};
+    use super::{Floor, FloorSource, lasting_share, settled};
     use crate::diagnose::data::tests::bundled;
 
     #[test]
@@ -299,5 +309,24 @@ mod tests {
         );
         // What a fit predicts is no noise.
         assert!([false, true].iter().all(|is_bare| near(of(2.0 * strong, strong, *is_bare), rise)));
+    }
+
+    #[test]
+    fn what_lasts_is_told_from_noise() {
+        let (data, _) = bundled();
+        let rows = data.measured_nm.len();
+        let per_independent = data.records.rows_per_independent;
+        // Of independent samples a tenth stands in means of ten; of a wave as long as 50 nearly all.
+        let mut state = 1u64;
+        let mut noise = || {
+            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            (state >> 11) as f64 / (1u64 << 53) as f64 - 0.5
+        };
+        let independent: Vec<f64> = (0..rows).map(|_| noise()).collect();
+        let white: Vec<f64> = (0..rows).map(|i| independent[(i as f64 / per_independent) as usize]).collect();
+        let wave: Vec<f64> =
+            (0..rows).map(|i| (std::f64::consts::TAU * i as f64 / (50.0 * per_independent)).sin()).collect();
+        let [white, wave] = [white, wave].map(|left_nm| lasting_share(&data, &left_nm));
+        assert!((0.05..0.2).contains(&white) && wave > 0.8, "{white} and {wave}");
     }
 }

@@ -126,6 +126,8 @@ pub struct Policy {
     /// Factor, RMS: noise that is not white may exceed the density carried on from beyond the low-pass by this; without repeats, what causes leave
     /// counts as such noise up to there if a flexible fit predicts none of it.
     pub floor_coloured_max: f64,
+    /// Share of the square of what is left: more of it that lasts for ten independent samples is no noise, whether a fit predicts it or not.
+    pub floor_lasting_share: f64,
     /// Share of the rise of the floor's square: its standard error; the recordings hold few independent stretches of slow noise.
     pub floor_rise_error: f64,
     /// Share of the square of the residual above the fast floor: without repeats, all of it is noise if a flexible fit predicts no more than
@@ -199,6 +201,7 @@ impl Default for Policy {
             floor_outlier: 3.0,
             floor_rise_max: 1.25,
             floor_coloured_max: 2.0,
+            floor_lasting_share: 0.5,
             floor_rise_error: 0.5,
             floor_found_again_share: 0.04,
             floor_repeats_error: 0.06,
@@ -221,7 +224,7 @@ pub struct Threshold {
 }
 
 /// All thresholds, in the order of the fields.
-pub const ENTRIES: [Threshold; 56] = [
+pub const ENTRIES: [Threshold; 57] = [
     Threshold { name: "first_floors", field: |policy| &mut policy.first_floors },
     Threshold { name: "further_floors", field: |policy| &mut policy.further_floors },
     Threshold { name: "first_gap_share", field: |policy| &mut policy.first_gap_share },
@@ -269,6 +272,7 @@ pub const ENTRIES: [Threshold; 56] = [
     Threshold { name: "floor_outlier", field: |policy| &mut policy.floor_outlier },
     Threshold { name: "floor_rise_max", field: |policy| &mut policy.floor_rise_max },
     Threshold { name: "floor_coloured_max", field: |policy| &mut policy.floor_coloured_max },
+    Threshold { name: "floor_lasting_share", field: |policy| &mut policy.floor_lasting_share },
     Threshold { name: "floor_rise_error", field: |policy| &mut policy.floor_rise_error },
     Threshold { name: "floor_found_again_share", field: |policy| &mut policy.floor_found_again_share },
     Threshold { name: "floor_repeats_error", field: |policy| &mut policy.floor_repeats_error },

@@ -110,16 +110,20 @@ impl<'d> Search<'d, '_> {
 }
 
 /// A cause as one of `tried`, or its `own` fit from where it stood, whichever does better: fitted alone, the others may have moved to where it
-/// gains nothing.
+/// gains nothing. Where its own fit is no longer what it is called and none of `tried` is, the best of `tried` stands in its place.
 pub fn place<'d>(own: FittedCause<'d>, mut tried: Vec<FittedCause<'d>>, without: Fit<'d>) -> Step<'d> {
     let is_own = |t: &FittedCause| (t.cause, t.how) == (own.cause, own.how);
-    let better = |t: &&FittedCause| t.score() <= own.score();
-    let taken = tried.iter().find(|t| is_own(t)).filter(better).cloned().unwrap_or_else(|| {
-        tried.retain(|t| !is_own(t));
-        let behind = tried.partition_point(|t| t.score() < own.score());
-        tried.insert(behind, own.clone());
-        own.clone()
-    });
+    let is_sound = own.fit.is_sound(&own.fit.mask.data.extent);
+    let better = |t: &&FittedCause| !is_sound || t.score() <= own.score();
+    let taken = match tried.iter().find(|t| is_own(t)).filter(better).or(tried.first().filter(|_| !is_sound)) {
+        Some(better) => better.clone(),
+        None => {
+            tried.retain(|t| !is_own(t));
+            let behind = tried.partition_point(|t| t.score() < own.score());
+            tried.insert(behind, own.clone());
+            own
+        }
+    };
     Step::new(taken, tried, without)
 }
 
