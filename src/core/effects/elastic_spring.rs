@@ -6,8 +6,9 @@ use super::{
 };
 use crate::numerics::scalar::Scalar;
 
-/// A spring at rest farther beyond either end of the motion, in ranges of it, pulls with a torque that is all but constant: an offset with a slope.
-const RESTS_BEYOND: f64 = 1.0;
+/// A spring at rest farther beyond either end of the motion than the range of it and, on a joint that turns, than this pulls with a torque that is
+/// all but constant: an offset with a slope.
+const RESTS_BEYOND_RAD: f64 = std::f64::consts::FRAC_PI_2;
 
 static ABOUT: About = About {
     id: "elastic_spring",
@@ -66,7 +67,7 @@ impl Effect for ElasticSpring {
     fn is_itself(&self, p: &[f64], extent: &Extent) -> bool {
         let stiffens = p[2] > 0.5;
         let (low, high) = extent.position_rad;
-        let beyond_rad = RESTS_BEYOND * (high - low);
+        let beyond_rad = (high - low).max(if extent.turns { RESTS_BEYOND_RAD } else { 0.0 });
         // Stiffness times the distance of the rest from either limit: without stiffness it rests nowhere.
         let rests_near = p[1] + p[0] * (high + beyond_rad) >= 0.0 && p[1] + p[0] * (low - beyond_rad) <= 0.0;
         p[0] >= 0.0 && if stiffens { p[3] >= 0.0 } else { rests_near }
