@@ -284,17 +284,36 @@ fn without_slow(values: &[f64], slow: usize) -> Vec<f64> {
 #[cfg(test)]
 mod tests {
     use super::{Floor, FloorSource, lasting_share, settled};
+    use crate::diagnose::data::DataSet;
     use crate::diagnose::data::tests::bundled;
+
+    /// Noise with as many independent samples as the recordings have.
+    fn white(data: &DataSet) -> Vec<f64> {
+        let mut state = 1u64;
+        let mut noise = || {
+            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            (state >> 11) as f64 / (1u64 << 53) as f64 - 0.5
+        };
+        let rows = data.measured_nm.len();
+        let independent: Vec<f64> = (0..rows).map(|_| noise()).collect();
+        (0..rows).map(|i| independent[(i as f64 / data.records.rows_per_independent) as usize]).collect()
+    }
+
+    /// A sine that takes 50 independent samples.
+    fn wave(data: &DataSet) -> Vec<f64> {
+        let rows_per_rad = 50.0 * data.records.rows_per_independent / std::f64::consts::TAU;
+        (0..data.measured_nm.len()).map(|i| (i as f64 / rows_per_rad).sin()).collect()
+    }
 
     #[test]
     fn without_repeats_what_no_fit_predicts_is_noise_beside_causes_up_to_a_limit() {
         let (mut data, model) = bundled();
         data.records.all.iter_mut().for_each(|record| record.repeats = None);
-        let (passages, branches) = (data.records.passages(&model), data.records.branches(&model));
-        let left_nm = data.residual_nm(&data.records.predicted_nm(&model, &passages, &branches));
-        let of = |left_square: f64, unforeseen_square: f64, is_bare: bool| -> Floor {
-            settled((&data, &model), &left_nm, (unforeseen_square, left_square), is_bare)
+        let (white, wave) = (white(&data), wave(&data));
+        let of_left = |left_nm: &[f64], left_square: f64, unforeseen_square: f64, is_bare: bool| -> Floor {
+            settled((&data, &model), left_nm, (unforeseen_square, left_square), is_bare)
         };
+        let of = |left_square, unforeseen_square, is_bare| of_left(&white, left_square, unforeseen_square, is_bare);
         let fast = of(f64::MAX, 0.0, false);
         let without_encoder = |floor: Floor| (floor.rms_nm.powi(2) - floor.encoder_nm.powi(2)).sqrt();
         let fast_nm = without_encoder(fast);
@@ -307,26 +326,18 @@ mod tests {
             [false, true].map(|is_bare| of(strong, strong, is_bare).source),
             [FloorSource::Spectrum, FloorSource::Unforeseen]
         );
-        // What a fit predicts is no noise.
-        assert!([false, true].iter().all(|is_bare| near(of(2.0 * strong, strong, *is_bare), rise)));
+        // What a fit predicts is no noise, and neither is what lasts.
+        for is_bare in [false, true] {
+            assert!(near(of(2.0 * strong, strong, is_bare), rise));
+            assert!(near(of_left(&wave, strong, strong, is_bare), rise));
+        }
     }
 
     #[test]
     fn what_lasts_is_told_from_noise() {
         let (data, _) = bundled();
-        let rows = data.measured_nm.len();
-        let per_independent = data.records.rows_per_independent;
         // Of independent samples a tenth stands in means of ten; of a wave as long as 50 nearly all.
-        let mut state = 1u64;
-        let mut noise = || {
-            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-            (state >> 11) as f64 / (1u64 << 53) as f64 - 0.5
-        };
-        let independent: Vec<f64> = (0..rows).map(|_| noise()).collect();
-        let white: Vec<f64> = (0..rows).map(|i| independent[(i as f64 / per_independent) as usize]).collect();
-        let wave: Vec<f64> =
-            (0..rows).map(|i| (std::f64::consts::TAU * i as f64 / (50.0 * per_independent)).sin()).collect();
-        let [white, wave] = [white, wave].map(|left_nm| lasting_share(&data, &left_nm));
+        let [white, wave] = [white(&data), wave(&data)].map(|left_nm| lasting_share(&data, &left_nm));
         assert!((0.05..0.2).contains(&white) && wave > 0.8, "{white} and {wave}");
     }
 }
