@@ -7,7 +7,7 @@ use super::flexible::{self, Flexible};
 use super::mask::Mask;
 use super::policy::Policy;
 use crate::dynamics::Motion;
-use crate::numerics::statistics::quantile;
+use crate::numerics::statistics::{mean, quantile};
 use std::ops::Range;
 
 /// Rounds of fitting without what the last round found.
@@ -138,7 +138,8 @@ fn level(values: &[f64], reach: usize) -> Vec<f64> {
         .collect()
 }
 
-/// Keeps the events that a model, fitted without them, leaves as they were: one that it predicts was not contact.
+/// Keeps the events that a model, fitted without them, leaves as they were: one that it predicts was not contact; and of those that gather where
+/// the joint is slow the ones that are not there.
 pub fn keep_unexplained(mask: &Mask<'_>, events: &mut Vec<ContactEvent>, before_nm: &[f64], after_nm: &[f64]) {
     let square = |residual_nm: &[f64], event: &ContactEvent| {
         let excess = |r: &f64| r * r - mask.floor_square();
@@ -146,6 +147,29 @@ pub fn keep_unexplained(mask: &Mask<'_>, events: &mut Vec<ContactEvent>, before_
     };
     let least = mask.data.policy.contact_left_share;
     events.retain(|event| square(after_nm, event) > least * square(before_nm, event));
+    drop_slow(&mask.data.policy, &slower_shares(mask.data), events);
+}
+
+/// For each row the share of all rows at which the joint is slower. Whoever touches the joint does so at any speed.
+fn slower_shares(data: &DataSet) -> Vec<f64> {
+    let slow_rad_s = data.policy.same_place_share * data.extent.speed_rad_s.1;
+    let speeds: Vec<f64> = states(data).iter().map(|state| state.velocity.abs().max(slow_rad_s)).collect();
+    let mut sorted = speeds.clone();
+    sorted.sort_by(f64::total_cmp);
+    let below = |speed: f64, or_equal: bool| sorted.partition_point(|s| *s < speed || or_equal && *s == speed) as f64;
+    speeds.iter().map(|speed| (below(*speed, false) + below(*speed, true)) / (2 * sorted.len()) as f64).collect()
+}
+
+/// Leaves out the slower half, if `events` gather where the joint is slow: what friction, play and the encoder do at rest and at reversals no model
+/// predicts to the end. `slower` is the share of all rows that are slower than each: its mean over a row picked by chance is 1/2, its
+/// variance at most 1/12.
+fn drop_slow(policy: &Policy, slower: &[f64], events: &mut Vec<ContactEvent>) {
+    let share = |event: &ContactEvent| mean(&slower[event.rows.clone()]);
+    let count = events.len() as f64;
+    let below: f64 = events.iter().map(|event| 0.5 - share(event)).sum();
+    if below > policy.contact_slow_errors * (count / 12.0).sqrt() {
+        events.retain(|event| share(event) > 0.5);
+    }
 }
 
 /// The motion at each row.
@@ -204,7 +228,7 @@ fn recurs(
 
 #[cfg(test)]
 mod tests {
-    use super::{ContactEvent, Policy, ring};
+    use super::{ContactEvent, Policy, drop_slow, ring};
     use std::f64::consts::PI;
 
     #[test]
@@ -217,5 +241,20 @@ mod tests {
         assert!(!rings(|t| (2.0 * PI * t).sin()), "there and back");
         assert!(!rings(|t| (-4.0 * t).exp() + 0.02 * (40.0 * PI * t).sin()), "a blow in noise");
         assert!(!ring(&Policy::default(), &[], &[]));
+    }
+
+    #[test]
+    fn events_that_gather_where_the_joint_is_slow_are_no_contacts() {
+        let slower: Vec<f64> = (0..1000).map(|i| f64::from(i) / 1000.0).collect();
+        let left = |rows: &[usize]| {
+            let mut events: Vec<ContactEvent> =
+                rows.iter().map(|at| ContactEvent { rows: *at..at + 10, record: 0, peak_nm: 1.0 }).collect();
+            drop_slow(&Policy::default(), &slower, &mut events);
+            events.iter().map(|event| event.rows.start).collect::<Vec<usize>>()
+        };
+        assert_eq!(left(&[10, 20, 30, 600]), [600]);
+        assert_eq!(left(&[10, 700]), [10, 700], "two can be there by chance");
+        assert_eq!(left(&[900, 910, 920, 930]), [900, 910, 920, 930], "fast ones are contacts");
+        assert!(left(&[]).is_empty());
     }
 }

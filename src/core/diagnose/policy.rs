@@ -104,6 +104,8 @@ pub struct Policy {
     pub contact_speed_factor: f64,
     /// Multiple: the encoder's errors may be this many times as large as one simulation of them; an event below that was no contact.
     pub contact_over_encoder: f64,
+    /// Standard errors: by more of them events gather where the joint is slow, and those at the slower half of all samples were no contacts.
+    pub contact_slow_errors: f64,
     /// Lobes of alternating sign: a residual with so many oscillates, and was no contact.
     pub contact_swings: f64,
     /// Share of the largest lobe's area: smaller lobes of an oscillating residual do not count.
@@ -192,6 +194,7 @@ impl Default for Policy {
             contact_repeated_quantile: 0.8,
             contact_speed_factor: 1.6,
             contact_over_encoder: 2.5,
+            contact_slow_errors: 2.0,
             contact_swings: 4.0,
             contact_swing_share: 0.25,
             contact_floors: 0.3,
@@ -224,7 +227,7 @@ pub struct Threshold {
 }
 
 /// All thresholds, in the order of the fields.
-pub const ENTRIES: [Threshold; 57] = [
+pub const ENTRIES: [Threshold; 58] = [
     Threshold { name: "first_floors", field: |policy| &mut policy.first_floors },
     Threshold { name: "further_floors", field: |policy| &mut policy.further_floors },
     Threshold { name: "first_gap_share", field: |policy| &mut policy.first_gap_share },
@@ -263,6 +266,7 @@ pub const ENTRIES: [Threshold; 57] = [
     Threshold { name: "contact_repeated_quantile", field: |policy| &mut policy.contact_repeated_quantile },
     Threshold { name: "contact_speed_factor", field: |policy| &mut policy.contact_speed_factor },
     Threshold { name: "contact_over_encoder", field: |policy| &mut policy.contact_over_encoder },
+    Threshold { name: "contact_slow_errors", field: |policy| &mut policy.contact_slow_errors },
     Threshold { name: "contact_swings", field: |policy| &mut policy.contact_swings },
     Threshold { name: "contact_swing_share", field: |policy| &mut policy.contact_swing_share },
     Threshold { name: "contact_floors", field: |policy| &mut policy.contact_floors },
