@@ -139,25 +139,38 @@ fn level(values: &[f64], reach: usize) -> Vec<f64> {
 }
 
 /// Keeps the events that a model, fitted without them, leaves as they were: one that it predicts was not contact; and of those that gather where
-/// the joint is slow the ones that are not there.
+/// the joint is slow the ones that are not there. None is kept if they still gather in a state of motion.
 pub fn keep_unexplained(mask: &Mask<'_>, events: &mut Vec<ContactEvent>, before_nm: &[f64], after_nm: &[f64]) {
     let square = |residual_nm: &[f64], event: &ContactEvent| {
         let excess = |r: &f64| r * r - mask.floor_square();
-        residual_nm[event.rows.clone()].iter().map(excess).sum::<f64>().max(0.0)
+        residual_nm[event.rows.clone()].iter().map(excess).sum::<f64>().max(f64::MIN_POSITIVE)
     };
-    let least = mask.data.policy.contact_left_share;
-    events.retain(|event| square(after_nm, event) > least * square(before_nm, event));
-    drop_slow(&mask.data.policy, &slower_shares(mask.data), events);
+    let policy = &mask.data.policy;
+    events.retain(|event| square(after_nm, event) > policy.contact_left_share * square(before_nm, event));
+    if events.is_empty() {
+        return;
+    }
+    let (states, slow_rad_s) = (states(mask.data), policy.same_place_share * mask.data.extent.speed_rad_s.1);
+    let slower = shares_below(states.iter().map(|state| state.velocity.abs().max(slow_rad_s)));
+    drop_slow(policy, &slower, events);
+    let steadier = shares_below(states.iter().map(|state| state.acceleration.abs()));
+    let peaks: Vec<usize> = events.iter().map(|event| peak_row(before_nm, event)).collect();
+    let gather = |shares: &[f64]| gather(policy, &peaks.iter().map(|row| shares[*row]).collect::<Vec<f64>>());
+    if gather(&slower) || gather(&steadier) {
+        events.clear();
+    }
 }
 
-/// For each row the share of all rows at which the joint is slower. Whoever touches the joint does so at any speed.
-fn slower_shares(data: &DataSet) -> Vec<f64> {
-    let slow_rad_s = data.policy.same_place_share * data.extent.speed_rad_s.1;
-    let speeds: Vec<f64> = states(data).iter().map(|state| state.velocity.abs().max(slow_rad_s)).collect();
-    let mut sorted = speeds.clone();
+/// For each of `values` the share of all that is below it.
+fn shares_below(values: impl Iterator<Item = f64>) -> Vec<f64> {
+    let values: Vec<f64> = values.collect();
+    let mut sorted = values.clone();
     sorted.sort_by(f64::total_cmp);
-    let below = |speed: f64, or_equal: bool| sorted.partition_point(|s| *s < speed || or_equal && *s == speed) as f64;
-    speeds.iter().map(|speed| (below(*speed, false) + below(*speed, true)) / (2 * sorted.len()) as f64).collect()
+    let of = |value: &f64| {
+        let [below, to] = [sorted.partition_point(|s| s < value), sorted.partition_point(|s| s <= value)];
+        (below + to) as f64 / (2 * sorted.len()) as f64
+    };
+    values.iter().map(of).collect()
 }
 
 /// Leaves out the slower half, if `events` gather where the joint is slow: what friction, play and the encoder do at rest and at reversals no model
@@ -170,6 +183,15 @@ fn drop_slow(policy: &Policy, slower: &[f64], events: &mut Vec<ContactEvent>) {
     if below > policy.contact_slow_errors * (count / 12.0).sqrt() {
         events.retain(|event| share(event) > 0.5);
     }
+}
+
+/// Whether events with these `shares` of all rows in a lower state lie together: whoever touches the joint does so in any state, where shares spread
+/// evenly from 0 to 1, with variance 1/12, which that of `n` differs from by 1/12 sqrt(0.8 / n).
+fn gather(policy: &Policy, shares: &[f64]) -> bool {
+    let (n, middle) = (shares.len() as f64, mean(shares));
+    let variance = shares.iter().map(|share| (share - middle).powi(2)).sum::<f64>() / (n - 1.0).max(1.0);
+    let (off, together) = ((middle - 0.5).abs() * (12.0 * n).sqrt(), (1.0 - 12.0 * variance) / (0.8 / n).sqrt());
+    n > 1.0 && off.max(together) > policy.contact_gather_errors
 }
 
 /// The motion at each row.
@@ -228,7 +250,7 @@ fn recurs(
 
 #[cfg(test)]
 mod tests {
-    use super::{ContactEvent, Policy, drop_slow, ring};
+    use super::{ContactEvent, Policy, drop_slow, gather, ring, shares_below};
     use std::f64::consts::PI;
 
     #[test]
@@ -256,5 +278,18 @@ mod tests {
         assert_eq!(left(&[10, 700]), [10, 700], "two can be there by chance");
         assert_eq!(left(&[900, 910, 920, 930]), [900, 910, 920, 930], "fast ones are contacts");
         assert!(left(&[]).is_empty());
+    }
+
+    #[test]
+    fn events_that_gather_in_a_state_of_motion_are_no_contacts() {
+        let gathers = |shares: &[f64]| gather(&Policy::default(), shares);
+        let spread: Vec<f64> = (0..20).map(|i| (f64::from(i) + 0.5) / 20.0).collect();
+        assert!(!gathers(&spread));
+        let at_one_speed: Vec<f64> = spread.iter().map(|share| 0.45 + 0.1 * share).collect();
+        let at_starts: Vec<f64> = spread.iter().map(|share| 0.7 + 0.3 * share).collect();
+        assert!(gathers(&at_one_speed) && gathers(&at_starts));
+        // Three or fewer can be together by chance.
+        assert!(!gathers(&[0.9, 0.91, 0.92]) && !gathers(&[0.5]) && !gathers(&[]));
+        assert_eq!(shares_below([3.0, 1.0, 1.0, 2.0].into_iter()), [0.875, 0.25, 0.25, 0.625]);
     }
 }

@@ -11,7 +11,7 @@ use super::policy::Policy;
 use super::record::Record;
 use super::spectrum::SpectralFloor;
 use crate::model::Model;
-use crate::numerics::statistics::{extent, quantile};
+use crate::numerics::statistics::{extent, median_of_squares, quantile};
 
 /// Independent samples in a block.
 const BLOCK: f64 = 10.0;
@@ -99,7 +99,7 @@ impl FloorSource {
 }
 
 /// The floor of noise alone; some fit leaves `most_square` on held-out units: where the density extrapolated below the low-pass exceeds
-/// that, it was not all noise, and only its lowest part is used.
+/// that, all of it is noise; where far, the density was not that of noise, and only its lowest part is used.
 pub fn of_noise(data: &DataSet, residual_nm: &[f64], most_square: f64) -> Floor {
     let mut blocks = repeats_blocks(data, residual_nm, BLOCK);
     if blocks.len() >= BLOCKS_MIN {
@@ -113,7 +113,9 @@ pub fn of_noise(data: &DataSet, residual_nm: &[f64], most_square: f64) -> Floor 
         Some(quantile(&mut floors.collect::<Vec<f64>>(), 0.5)).filter(|rms_nm| rms_nm.is_finite()).unwrap_or_default()
     };
     let (carried_nm, white_nm) = (usual(|floor| floor.carried_nm), usual(|floor| floor.white_nm));
-    let rms_nm = if carried_nm * carried_nm > most_square { white_nm } else { carried_nm };
+    let most_nm = most_square.sqrt();
+    let rms_nm =
+        if carried_nm <= data.policy.floor_coloured_max * most_nm { carried_nm.min(most_nm) } else { white_nm };
     Floor::of_noise(rms_nm, FloorSource::Spectrum, data.policy.floor_spectrum_error)
 }
 
@@ -145,7 +147,7 @@ pub fn settled(
     is_bare: bool,
 ) -> Floor {
     let (policy, encoder_square) = (&data.policy, of_encoder(data, after));
-    let fast = of_noise(data, left_nm, left_square);
+    let fast = of_noise(data, left_nm, (left_square - encoder_square).max(0.0));
     let noise_square = (unforeseen_square - encoder_square).max(0.0);
     let found_again = left_square - unforeseen_square;
     let least = policy.floor_found_again_share * (left_square - encoder_square - fast.rms_nm.powi(2));
@@ -211,9 +213,9 @@ fn usual_mean(mut blocks: Vec<f64>, outlier: f64) -> f64 {
     blocks.iter().sum::<f64>() / blocks.len().max(1) as f64
 }
 
-/// The median of mean squares over blocks, corrected to their mean: that of chi-square with k degrees lies at (1 - 2/(9 k))^3.
+/// The median of mean squares over blocks, corrected to their mean.
 fn median_square(blocks: &mut [f64]) -> f64 {
-    quantile(blocks, 0.5) / (1.0 - 2.0 / (9.0 * BLOCK)).powi(3)
+    quantile(blocks, 0.5) / median_of_squares(BLOCK)
 }
 
 /// Lengths in rows, and how far apart repeats may be, as a share of the range.

@@ -106,6 +106,8 @@ pub struct Policy {
     pub contact_over_encoder: f64,
     /// Standard errors: by more of them events gather where the joint is slow, and those at the slower half of all samples were no contacts.
     pub contact_slow_errors: f64,
+    /// Standard errors: events that gather at one speed or acceleration by more of them were no contacts.
+    pub contact_gather_errors: f64,
     /// Lobes of alternating sign: a residual with so many oscillates, and was no contact.
     pub contact_swings: f64,
     /// Share of the largest lobe's area: smaller lobes of an oscillating residual do not count.
@@ -125,8 +127,8 @@ pub struct Policy {
     pub floor_outlier: f64,
     /// Factor, RMS: slow noise raises the floor by no more than this, however much there seems to be: the rest may have a cause.
     pub floor_rise_max: f64,
-    /// Factor, RMS: noise that is not white may exceed the density carried on from beyond the low-pass by this; without repeats, what causes leave
-    /// counts as such noise up to there if a flexible fit predicts none of it.
+    /// Factor, RMS: noise that is not white may differ from the density carried on from beyond the low-pass by this: without repeats, what causes
+    /// leave counts as such noise up to there if a flexible fit predicts none of it, and all of what is left if the density would make it larger.
     pub floor_coloured_max: f64,
     /// Share of the square of what is left: more of it that lasts for ten independent samples is no noise, whether a fit predicts it or not.
     pub floor_lasting_share: f64,
@@ -195,6 +197,7 @@ impl Default for Policy {
             contact_speed_factor: 1.6,
             contact_over_encoder: 2.5,
             contact_slow_errors: 2.0,
+            contact_gather_errors: 3.0,
             contact_swings: 4.0,
             contact_swing_share: 0.25,
             contact_floors: 0.3,
@@ -227,7 +230,7 @@ pub struct Threshold {
 }
 
 /// All thresholds, in the order of the fields.
-pub const ENTRIES: [Threshold; 58] = [
+pub const ENTRIES: [Threshold; 59] = [
     Threshold { name: "first_floors", field: |policy| &mut policy.first_floors },
     Threshold { name: "further_floors", field: |policy| &mut policy.further_floors },
     Threshold { name: "first_gap_share", field: |policy| &mut policy.first_gap_share },
@@ -267,6 +270,7 @@ pub const ENTRIES: [Threshold; 58] = [
     Threshold { name: "contact_speed_factor", field: |policy| &mut policy.contact_speed_factor },
     Threshold { name: "contact_over_encoder", field: |policy| &mut policy.contact_over_encoder },
     Threshold { name: "contact_slow_errors", field: |policy| &mut policy.contact_slow_errors },
+    Threshold { name: "contact_gather_errors", field: |policy| &mut policy.contact_gather_errors },
     Threshold { name: "contact_swings", field: |policy| &mut policy.contact_swings },
     Threshold { name: "contact_swing_share", field: |policy| &mut policy.contact_swing_share },
     Threshold { name: "contact_floors", field: |policy| &mut policy.contact_floors },

@@ -2,18 +2,18 @@
 
 use crate::log::Signal;
 use crate::numerics::filter::LowPass;
-use crate::numerics::statistics::quantile;
+use crate::numerics::statistics::{median_of_squares, quantile};
 use crate::prepare::Trial;
+use std::f64::consts::{PI, TAU};
 
 /// Noise is measured in bands that begin at these multiples of the low-pass ...
 const BANDS: [f64; 6] = [1.6, 2.5, 4.0, 6.4, 10.0, 16.0];
 /// ... and below this share of the rate.
 const BELOW: f64 = 0.35;
-/// Autocorrelation of the noise at one sample: number of values that are tried.
-const KEEPS: usize = 20;
-const KEEP_STEP: f64 = 0.05;
+/// Frequencies above which the noise's density falls, from the low-pass to half the rate: number of values that are tried.
+const CORNERS: usize = 24;
 /// Frequencies at which a density is summed.
-const FREQUENCIES: usize = 400;
+const FREQUENCIES: usize = 2000;
 /// Length of a stretch in which it is measured, s; their median is taken.
 const STRETCH_S: f64 = 0.5;
 
@@ -28,8 +28,9 @@ pub struct SpectralFloor {
 
 /// The noise of `trial` beyond the low-pass, carried on below.
 ///
-/// The noise is taken for a first-order process, white at best: its density's fall over the bands beyond the low-pass is carried on below.
-/// In each band the median over stretches counts, because a reversal is not noise.
+/// The noise is taken for a first-order process that is white within the low-pass: its density's fall over the bands beyond the low-pass is
+/// carried on below. In each band the median over stretches counts, because a reversal is not noise, and among the bands the median, because
+/// mains hum in one of them is none.
 ///
 /// The torque that the motion causes beyond the low-pass is not noise either, and a short motion reverses in every stretch: the torque
 /// minus `predicted_nm` is evaluated too, and the lower of both counts.
@@ -52,45 +53,92 @@ fn carried_below(series_nm: &[f64], rate_hz: f64, signal: &Signal) -> SpectralFl
     };
     levels.push(series_nm.to_vec());
     let stretch = ((STRETCH_S * rate_hz) as usize).max(8);
-    let band = |pair: &[Vec<f64>]| {
+    let half_hz = rate_hz / 2.0;
+    let band = |(i, pair): (usize, &[Vec<f64>])| {
         let folds = pair[0].chunks_exact(stretch).zip(pair[1].chunks_exact(stretch));
         let square = |(a, b): (&[f64], &[f64])| a.iter().zip(b).map(|(a, b)| (b - a) * (b - a)).sum::<f64>();
-        quantile(&mut folds.map(|part| square(part) / stretch as f64).collect::<Vec<f64>>(), 0.5)
+        let usual = quantile(&mut folds.map(|part| square(part) / stretch as f64).collect::<Vec<f64>>(), 0.5);
+        let width_hz = edges.get(i + 1).unwrap_or(&half_hz) - edges[i];
+        usual / median_of_squares((2.0 * width_hz * stretch as f64 / rate_hz).max(1.0))
     };
-    let squares: Vec<f64> = levels.windows(2).map(band).collect();
-    let gain = |edge_hz: f64, hz: f64| passed(order, edge_hz, hz, rate_hz);
-    let within = |keep: f64, i: usize| {
-        mean_density(keep, rate_hz, |hz| {
-            let upper = edges.get(i + 1).map_or(1.0, |edge_hz| gain(*edge_hz, hz));
-            (upper - gain(edges[i], hz)).powi(2)
-        })
+    let squares: Vec<f64> = levels.windows(2).enumerate().map(band).collect();
+    let at_hz = |i: usize| (i as f64 + 0.5) / FREQUENCIES as f64 * half_hz;
+    let gains = |edge_hz: f64| (0..FREQUENCIES).map(move |i| passed(order, edge_hz, at_hz(i), rate_hz));
+    let in_band = |i: usize| -> Vec<f64> {
+        let lower = gains(edges[i]);
+        match edges.get(i + 1) {
+            Some(edge_hz) => gains(*edge_hz).zip(lower).map(|(upper, lower)| (upper - lower).powi(2)).collect(),
+            None => lower.map(|lower| (1.0 - lower).powi(2)).collect(),
+        }
     };
-    let fit = |keep: f64| {
-        let logs: Vec<f64> = squares.iter().enumerate().map(|(i, square)| (square / within(keep, i)).ln()).collect();
-        let mean = logs.iter().sum::<f64>() / logs.len() as f64;
-        (logs.iter().map(|l| (l - mean) * (l - mean)).sum::<f64>(), mean.exp())
+    let bands: Vec<Vec<f64>> = (0..edges.len()).map(in_band).collect();
+    let within: Vec<f64> = gains(signal.lowpass_hz).map(|gain| gain * gain).collect();
+    // Of a process of which each sample keeps the share `keep` of the one before: the level of its density in each band, and at level 1 the
+    // power within the low-pass.
+    let process = |keep: f64| {
+        let density = |hz: f64| 1.0 / (1.0 - 2.0 * keep * (TAU * hz / rate_hz).cos() + keep * keep);
+        let densities: Vec<f64> = (0..FREQUENCIES).map(|i| density(at_hz(i))).collect();
+        let power =
+            |weights: &[f64]| densities.iter().zip(weights).map(|(d, w)| d * w).sum::<f64>() / FREQUENCIES as f64;
+        let levels: Vec<f64> = squares.iter().zip(&bands).map(|(square, band)| square / power(band)).collect();
+        (levels, power(&within))
     };
-    let keeps = (0..KEEPS).map(|i| i as f64 * KEEP_STEP);
-    let best = keeps.map(|keep| (keep, fit(keep))).min_by(|a, b| a.1.0.total_cmp(&b.1.0));
-    let passed_nm =
-        |power: f64, keep: f64| (power * mean_density(keep, rate_hz, |hz| gain(signal.lowpass_hz, hz).powi(2))).sqrt();
-    let lowest = squares.iter().enumerate().map(|(i, square)| square / within(0.0, i)).fold(f64::INFINITY, f64::min);
-    SpectralFloor {
-        carried_nm: best.map_or(f64::NAN, |(keep, (_, power))| passed_nm(power, keep)),
-        white_nm: passed_nm(lowest, 0.0),
-    }
+    let fit = |i: usize| {
+        let corner_hz = half_hz * (signal.lowpass_hz / half_hz).powf(i as f64 / (CORNERS - 1) as f64);
+        let (levels, power) = process((-TAU * corner_hz / rate_hz).exp());
+        let mut logs: Vec<f64> = levels.iter().map(|level| level.ln()).collect();
+        let usual = quantile(&mut logs, 0.5);
+        (logs.iter().map(|l| (l - usual).abs()).sum::<f64>(), (usual.exp() * power).sqrt())
+    };
+    let best = (0..CORNERS).map(fit).min_by(|a, b| a.0.total_cmp(&b.0));
+    let (levels, power) = process(0.0);
+    let lowest = levels.into_iter().fold(f64::INFINITY, f64::min);
+    SpectralFloor { carried_nm: best.map_or(f64::NAN, |(_, rms_nm)| rms_nm), white_nm: (lowest * power).sqrt() }
 }
 
 /// Share of an amplitude at `hz` that passes a zero-phase Butterworth low-pass, as the bilinear transform has it.
 fn passed(order: usize, edge_hz: f64, hz: f64, rate_hz: f64) -> f64 {
-    let warped = |f: f64| (std::f64::consts::PI * f / rate_hz).tan();
+    let warped = |f: f64| (PI * f / rate_hz).tan();
     1.0 / (1.0 + (warped(hz) / warped(edge_hz)).powi(2 * order as i32))
 }
 
-/// Mean over all frequencies of the density of a process of which each sample keeps the share `keep` of the one before, times
-/// what `weight` lets through.
-fn mean_density(keep: f64, rate_hz: f64, weight: impl Fn(f64) -> f64) -> f64 {
-    let density = |hz: f64| 1.0 / (1.0 - 2.0 * keep * (std::f64::consts::TAU * hz / rate_hz).cos() + keep * keep);
-    let at = |i: usize| (i as f64 + 0.5) / FREQUENCIES as f64 * rate_hz / 2.0;
-    (0..FREQUENCIES).map(|i| density(at(i)) * weight(at(i))).sum::<f64>() / FREQUENCIES as f64
+#[cfg(test)]
+mod tests {
+    use super::carried_below;
+    use crate::log::Signal;
+    use crate::numerics::filter::LowPass;
+    use crate::numerics::statistics::root_mean_square;
+    use rand::SeedableRng;
+    use rand_distr::{Distribution, StandardNormal};
+    use std::f64::consts::TAU;
+
+    const RATE_HZ: f64 = 2000.0;
+
+    /// A minute of noise whose density falls from `corner_hz` on.
+    fn noise(corner_hz: f64) -> Vec<f64> {
+        let mut rng = rand_chacha::ChaCha8Rng::seed_from_u64(1);
+        let keep = (-TAU * corner_hz / RATE_HZ).exp();
+        let mut last = 0.0;
+        let step = |_| {
+            let fresh: f64 = StandardNormal.sample(&mut rng);
+            last = keep * last + fresh;
+            last
+        };
+        (0..(60.0 * RATE_HZ) as usize).map(step).collect()
+    }
+
+    #[test]
+    fn the_fall_of_the_density_beyond_the_low_pass_is_carried_on_below_also_beside_mains_hum() {
+        let signal = Signal { torque_sign: 1.0, lowpass_hz: 4.0, lowpass_order: 4 };
+        let lowpass = LowPass::new(4, 4.0, RATE_HZ).unwrap();
+        for corner_hz in [8.0, 40.0, 900.0] {
+            let mut series = noise(corner_hz);
+            let within = root_mean_square(&lowpass.zero_phase(&series));
+            let ratio = |series: &[f64]| carried_below(series, RATE_HZ, &signal).carried_nm / within;
+            assert!((0.8..1.25).contains(&ratio(&series)), "{corner_hz} Hz: {}", ratio(&series));
+            let large = 0.3 * root_mean_square(&series);
+            series.iter_mut().enumerate().for_each(|(i, x)| *x += large * (TAU * 50.0 * i as f64 / RATE_HZ).sin());
+            assert!((0.7..1.5).contains(&ratio(&series)), "{corner_hz} Hz beside hum: {}", ratio(&series));
+        }
+    }
 }

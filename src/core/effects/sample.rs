@@ -54,7 +54,7 @@ pub struct Extent {
     pub payload_weighs: bool,
     /// Whether the model has inertia, its own or a chain's.
     pub has_inertia: bool,
-    /// Whether the model's friction changes over along a fitted curve.
+    /// Whether the model's friction changes over gradually, along a curve or a straight line.
     pub has_curve: bool,
     /// X_cl of the model, m on the cable.
     pub backlash_m: f64,

@@ -84,6 +84,11 @@ pub fn poisson_bound(count: f64) -> f64 {
     ChiSquared::new(2.0 * (count + 1.0)).map_or(f64::INFINITY, |chi| chi.inverse_cdf(CONFIDENCE) / 2.0)
 }
 
+/// The median of a mean of `freedom` squares of normal deviates, as a share of what it is the mean of (Wilson and Hilferty 1931).
+pub fn median_of_squares(freedom: f64) -> f64 {
+    (1.0 - 2.0 / (9.0 * freedom)).powi(3)
+}
+
 /// Chance that chi squared with `freedom` degrees exceeds `value`; NaN without any.
 pub fn chi_squared_tail(value: f64, freedom: f64) -> f64 {
     ChiSquared::new(freedom).map_or(f64::NAN, |chi| chi.sf(value.max(0.0)))
