@@ -7,7 +7,7 @@ use super::flexible::{self, Flexible};
 use super::mask::Mask;
 use super::policy::Policy;
 use crate::dynamics::Motion;
-use crate::numerics::statistics::{mean, quantile};
+use crate::numerics::statistics::{mean, quantile, standard_deviation};
 use std::ops::Range;
 
 /// Rounds of fitting without what the last round found.
@@ -139,11 +139,11 @@ fn level(values: &[f64], reach: usize) -> Vec<f64> {
 }
 
 /// Keeps the events that a model, fitted without them, leaves as they were: one that it predicts was not contact; and of those that gather where
-/// the joint is slow the ones that are not there. None is kept if they still gather in a state of motion.
+/// the joint is slow the ones that are not there. None is kept if they still gather at one speed or acceleration.
 pub fn keep_unexplained(mask: &Mask<'_>, events: &mut Vec<ContactEvent>, before_nm: &[f64], after_nm: &[f64]) {
     let square = |residual_nm: &[f64], event: &ContactEvent| {
         let excess = |r: &f64| r * r - mask.floor_square();
-        residual_nm[event.rows.clone()].iter().map(excess).sum::<f64>().max(f64::MIN_POSITIVE)
+        residual_nm[event.rows.clone()].iter().map(excess).sum::<f64>().max(0.0)
     };
     let policy = &mask.data.policy;
     events.retain(|event| square(after_nm, event) > policy.contact_left_share * square(before_nm, event));
@@ -151,18 +151,17 @@ pub fn keep_unexplained(mask: &Mask<'_>, events: &mut Vec<ContactEvent>, before_
         return;
     }
     let (states, slow_rad_s) = (states(mask.data), policy.same_place_share * mask.data.extent.speed_rad_s.1);
-    let slower = shares_below(states.iter().map(|state| state.velocity.abs().max(slow_rad_s)));
-    drop_slow(policy, &slower, events);
-    let steadier = shares_below(states.iter().map(|state| state.acceleration.abs()));
-    let peaks: Vec<usize> = events.iter().map(|event| peak_row(before_nm, event)).collect();
-    let gather = |shares: &[f64]| gather(policy, &peaks.iter().map(|row| shares[*row]).collect::<Vec<f64>>());
-    if gather(&slower) || gather(&steadier) {
+    let by_speed = ranks(states.iter().map(|state| state.velocity.abs().max(slow_rad_s)));
+    drop_slow(policy, &by_speed, events);
+    let by_acceleration = ranks(states.iter().map(|state| state.acceleration.abs()));
+    let peaks: Vec<usize> = events.iter().map(|event| peak_row(after_nm, event)).collect();
+    if gather(policy, &by_speed, &peaks) || gather(policy, &by_acceleration, &peaks) {
         events.clear();
     }
 }
 
-/// For each of `values` the share of all that is below it.
-fn shares_below(values: impl Iterator<Item = f64>) -> Vec<f64> {
+/// The rank of each of `values` as a share of their number: the share below it, and half of those that equal it.
+fn ranks(values: impl Iterator<Item = f64>) -> Vec<f64> {
     let values: Vec<f64> = values.collect();
     let mut sorted = values.clone();
     sorted.sort_by(f64::total_cmp);
@@ -174,24 +173,31 @@ fn shares_below(values: impl Iterator<Item = f64>) -> Vec<f64> {
 }
 
 /// Leaves out the slower half, if `events` gather where the joint is slow: what friction, play and the encoder do at rest and at reversals no model
-/// predicts to the end. `slower` is the share of all rows that are slower than each: its mean over a row picked by chance is 1/2, its
-/// variance at most 1/12.
-fn drop_slow(policy: &Policy, slower: &[f64], events: &mut Vec<ContactEvent>) {
-    let share = |event: &ContactEvent| mean(&slower[event.rows.clone()]);
+/// predicts to the end. Of rows picked by chance the mean rank `by_speed` is 1/2, its variance at most 1/12.
+fn drop_slow(policy: &Policy, by_speed: &[f64], events: &mut Vec<ContactEvent>) {
+    let rank = |event: &ContactEvent| mean(&by_speed[event.rows.clone()]);
     let count = events.len() as f64;
-    let below: f64 = events.iter().map(|event| 0.5 - share(event)).sum();
+    let below: f64 = events.iter().map(|event| 0.5 - rank(event)).sum();
     if below > policy.contact_slow_errors * (count / 12.0).sqrt() {
-        events.retain(|event| share(event) > 0.5);
+        events.retain(|event| rank(event) > 0.5);
     }
 }
 
-/// Whether events with these `shares` of all rows in a lower state lie together: whoever touches the joint does so in any state, where shares spread
-/// evenly from 0 to 1, with variance 1/12, which that of `n` differs from by 1/12 sqrt(0.8 / n).
-fn gather(policy: &Policy, shares: &[f64]) -> bool {
-    let (n, middle) = (shares.len() as f64, mean(shares));
-    let variance = shares.iter().map(|share| (share - middle).powi(2)).sum::<f64>() / (n - 1.0).max(1.0);
-    let (off, together) = ((middle - 0.5).abs() * (12.0 * n).sqrt(), (1.0 - 12.0 * variance) / (0.8 / n).sqrt());
-    n > 1.0 && off.max(together) > policy.contact_gather_errors
+/// Whether the rows `at` lie together among all rows with these `ranks`, by their mean or their scatter: whoever touches the joint does so in any
+/// state. Where all are of the faster half, which is what [`drop_slow`] leaves, they are held against that half.
+fn gather(policy: &Policy, ranks: &[f64], at: &[usize]) -> bool {
+    let picked: Vec<f64> = at.iter().map(|row| ranks[*row]).collect();
+    let least = if picked.iter().all(|rank| *rank > 0.5) { 0.5 } else { 0.0 };
+    let all: Vec<f64> = ranks.iter().copied().filter(|rank| *rank > least).collect();
+    let n = picked.len() as f64;
+    if n < 2.0 {
+        return false;
+    }
+    let [usual, found] = [&all, &picked].map(|ranks| standard_deviation(ranks).powi(2));
+    // The variance of n evenly spread values has a standard error of sqrt(0.8 / n) of itself.
+    let (off, together) =
+        ((mean(&picked) - mean(&all)).abs() / (usual / n).sqrt(), (1.0 - found / usual) / (0.8 / n).sqrt());
+    off.max(together) > policy.contact_gather_errors
 }
 
 /// The motion at each row.
@@ -250,7 +256,7 @@ fn recurs(
 
 #[cfg(test)]
 mod tests {
-    use super::{ContactEvent, Policy, drop_slow, gather, ring, shares_below};
+    use super::{ContactEvent, Policy, drop_slow, gather, ranks, ring};
     use std::f64::consts::PI;
 
     #[test]
@@ -276,20 +282,21 @@ mod tests {
         };
         assert_eq!(left(&[10, 20, 30, 600]), [600]);
         assert_eq!(left(&[10, 700]), [10, 700], "two can be there by chance");
-        assert_eq!(left(&[900, 910, 920, 930]), [900, 910, 920, 930], "fast ones are contacts");
+        assert_eq!(left(&[900, 910, 920, 930]), [900, 910, 920, 930], "fast ones are not of this kind");
         assert!(left(&[]).is_empty());
     }
 
     #[test]
     fn events_that_gather_in_a_state_of_motion_are_no_contacts() {
-        let gathers = |shares: &[f64]| gather(&Policy::default(), shares);
-        let spread: Vec<f64> = (0..20).map(|i| (f64::from(i) + 0.5) / 20.0).collect();
-        assert!(!gathers(&spread));
-        let at_one_speed: Vec<f64> = spread.iter().map(|share| 0.45 + 0.1 * share).collect();
-        let at_starts: Vec<f64> = spread.iter().map(|share| 0.7 + 0.3 * share).collect();
-        assert!(gathers(&at_one_speed) && gathers(&at_starts));
-        // Three or fewer can be together by chance.
-        assert!(!gathers(&[0.9, 0.91, 0.92]) && !gathers(&[0.5]) && !gathers(&[]));
-        assert_eq!(shares_below([3.0, 1.0, 1.0, 2.0].into_iter()), [0.875, 0.25, 0.25, 0.625]);
+        let all: Vec<f64> = (0..1000).map(|i| f64::from(i) / 1000.0).collect();
+        let gathers = |at: &[usize]| gather(&Policy::default(), &all, at);
+        let spread = |from: usize, step: usize| (0..20).map(|i| from + i * step).collect::<Vec<usize>>();
+        assert!(!gathers(&spread(25, 50)));
+        assert!(gathers(&spread(450, 5)), "at one speed");
+        assert!(gathers(&spread(0, 25)), "where it is slow");
+        assert!(!gathers(&spread(510, 25)), "spread over the faster half");
+        // Few can be together by chance.
+        assert!(!gathers(&[900, 910]) && !gathers(&[500]) && !gathers(&[]));
+        assert_eq!(ranks([3.0, 1.0, 1.0, 2.0].into_iter()), [0.875, 0.25, 0.25, 0.625]);
     }
 }

@@ -55,7 +55,7 @@ pub fn explain<'d>(
     let whole = Explanation::of(&base.mask, &base.model, first.events.clone(), rest_nm, listener);
     let most = base.data().policy.contact_needless_factor.powi(2);
     let is_cause = match first.choice.found.is_empty() {
-        true => 2 * whole.events.len() <= count,
+        true => 2 * whole.events.len() <= first.events.len(),
         false => whole.choice.last.held_out_square() <= most * first.choice.last.held_out_square(),
     };
     if is_cause { whole.with_events(Vec::new()) } else { first }

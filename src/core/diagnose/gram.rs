@@ -11,9 +11,9 @@ const RIDGE: f64 = 1e-7;
 const ROUNDS: usize = 3;
 /// Priors also act as limits: the sum of squares of the moves stays within its expectation plus this many standard deviations. Otherwise a
 /// gap with enough samples would draw the base beyond its confidence.
-const SURPRISE_ERRORS: f64 = 2.0;
+const SURPRISE_ERRORS: f64 = 3.0;
 /// ... and each move within this many of its own standard deviations.
-const MOVE_ERRORS: f64 = 2.5;
+const MOVE_ERRORS: f64 = 3.0;
 /// Until it does, the weight of the priors is raised by this factor, at most this often.
 const FIRMER: f64 = 3.0;
 const FIRMER_MAX: usize = 10;

@@ -10,10 +10,10 @@ use std::f64::consts::{PI, TAU};
 const BANDS: [f64; 6] = [1.6, 2.5, 4.0, 6.4, 10.0, 16.0];
 /// ... and below this share of the rate.
 const BELOW: f64 = 0.35;
-/// Frequencies above which the noise's density falls, from the low-pass to half the rate: number of values that are tried.
+/// Frequencies above which the noise's density falls, from the low-pass to the rate (white): number of values that are tried.
 const CORNERS: usize = 24;
-/// Frequencies at which a density is summed.
-const FREQUENCIES: usize = 2000;
+/// Frequencies at which a density is summed, denser towards 0.
+const FREQUENCIES: usize = 1000;
 /// Length of a stretch in which it is measured, s; their median is taken.
 const STRETCH_S: f64 = 0.5;
 
@@ -28,7 +28,7 @@ pub struct SpectralFloor {
 
 /// The noise of `trial` beyond the low-pass, carried on below.
 ///
-/// The noise is taken for a first-order process that is white within the low-pass: its density's fall over the bands beyond the low-pass is
+/// The noise is taken for a first-order process with its corner at the low-pass or above: its density's fall over the bands beyond the low-pass is
 /// carried on below. In each band the median over stretches counts, because a reversal is not noise, and among the bands the median, because
 /// mains hum in one of them is none.
 ///
@@ -62,7 +62,9 @@ fn carried_below(series_nm: &[f64], rate_hz: f64, signal: &Signal) -> SpectralFl
         usual / median_of_squares((2.0 * width_hz * stretch as f64 / rate_hz).max(1.0))
     };
     let squares: Vec<f64> = levels.windows(2).enumerate().map(band).collect();
-    let at_hz = |i: usize| (i as f64 + 0.5) / FREQUENCIES as f64 * half_hz;
+    // The square of an even grid, whose steps are in proportion to the grid.
+    let at = |i: usize| (i as f64 + 0.5) / FREQUENCIES as f64;
+    let at_hz = |i: usize| at(i).powi(2) * half_hz;
     let gains = |edge_hz: f64| (0..FREQUENCIES).map(move |i| passed(order, edge_hz, at_hz(i), rate_hz));
     let in_band = |i: usize| -> Vec<f64> {
         let lower = gains(edges[i]);
@@ -77,14 +79,14 @@ fn carried_below(series_nm: &[f64], rate_hz: f64, signal: &Signal) -> SpectralFl
     // power within the low-pass.
     let process = |keep: f64| {
         let density = |hz: f64| 1.0 / (1.0 - 2.0 * keep * (TAU * hz / rate_hz).cos() + keep * keep);
-        let densities: Vec<f64> = (0..FREQUENCIES).map(|i| density(at_hz(i))).collect();
+        let densities: Vec<f64> = (0..FREQUENCIES).map(|i| 2.0 * at(i) * density(at_hz(i))).collect();
         let power =
             |weights: &[f64]| densities.iter().zip(weights).map(|(d, w)| d * w).sum::<f64>() / FREQUENCIES as f64;
         let levels: Vec<f64> = squares.iter().zip(&bands).map(|(square, band)| square / power(band)).collect();
         (levels, power(&within))
     };
     let fit = |i: usize| {
-        let corner_hz = half_hz * (signal.lowpass_hz / half_hz).powf(i as f64 / (CORNERS - 1) as f64);
+        let corner_hz = rate_hz * (signal.lowpass_hz / rate_hz).powf(i as f64 / (CORNERS - 1) as f64);
         let (levels, power) = process((-TAU * corner_hz / rate_hz).exp());
         let mut logs: Vec<f64> = levels.iter().map(|level| level.ln()).collect();
         let usual = quantile(&mut logs, 0.5);
