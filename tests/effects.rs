@@ -345,7 +345,7 @@ fn extent() -> Extent {
         payload: None,
         payload_weighs: false,
         has_inertia: false,
-        has_curve: false,
+        changes_gradually: false,
         backlash_m: 0.002,
         pulley_radius_m: 0.05,
         turns: true,
@@ -380,8 +380,9 @@ fn a_clearance_that_comes_out_as_the_joint_s_own_is_confirmed() {
 fn numbers_that_contradict_the_name_are_told() {
     let extent = extent();
     let abrupt = Added::parse("presliding:travel_rad=0.01,exponent=0.65").unwrap();
-    let is_presliding =
-        |has_curve: bool| abrupt.effect.is_itself(&abrupt.parameters, &Extent { has_curve, ..extent.clone() });
+    let is_presliding = |changes_gradually: bool| {
+        abrupt.effect.is_itself(&abrupt.parameters, &Extent { changes_gradually, ..extent.clone() })
+    };
     assert!(is_presliding(false) && !is_presliding(true));
     let is_itself = |text: &str| {
         let added = Added::parse(text).unwrap();

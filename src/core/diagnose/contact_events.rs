@@ -186,13 +186,13 @@ fn drop_slow(policy: &Policy, by_speed: &[f64], events: &mut Vec<ContactEvent>) 
 /// Whether the rows `at` lie together among all rows with these `ranks`, by their mean or their scatter: whoever touches the joint does so in any
 /// state. Where all are of the faster half, which is what [`drop_slow`] leaves, they are held against that half.
 fn gather(policy: &Policy, ranks: &[f64], at: &[usize]) -> bool {
-    let picked: Vec<f64> = at.iter().map(|row| ranks[*row]).collect();
-    let least = if picked.iter().all(|rank| *rank > 0.5) { 0.5 } else { 0.0 };
-    let all: Vec<f64> = ranks.iter().copied().filter(|rank| *rank > least).collect();
-    let n = picked.len() as f64;
-    if n < 2.0 {
+    if at.len() < 2 {
         return false;
     }
+    let picked: Vec<f64> = at.iter().map(|row| ranks[*row]).collect();
+    let n = picked.len() as f64;
+    let least = if picked.iter().all(|rank| *rank > 0.5) { 0.5 } else { 0.0 };
+    let all: Vec<f64> = ranks.iter().copied().filter(|rank| *rank > least).collect();
     let [usual, found] = [&all, &picked].map(|ranks| standard_deviation(ranks).powi(2));
     // The variance of n evenly spread values has a standard error of sqrt(0.8 / n) of itself.
     let (off, together) =
@@ -273,11 +273,11 @@ mod tests {
 
     #[test]
     fn events_that_gather_where_the_joint_is_slow_are_no_contacts() {
-        let slower: Vec<f64> = (0..1000).map(|i| f64::from(i) / 1000.0).collect();
+        let by_speed: Vec<f64> = (0..1000).map(|i| f64::from(i) / 1000.0).collect();
         let left = |rows: &[usize]| {
             let mut events: Vec<ContactEvent> =
                 rows.iter().map(|at| ContactEvent { rows: *at..at + 10, record: 0, peak_nm: 1.0 }).collect();
-            drop_slow(&Policy::default(), &slower, &mut events);
+            drop_slow(&Policy::default(), &by_speed, &mut events);
             events.iter().map(|event| event.rows.start).collect::<Vec<usize>>()
         };
         assert_eq!(left(&[10, 20, 30, 600]), [600]);

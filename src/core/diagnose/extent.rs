@@ -40,7 +40,7 @@ pub fn of(records: &Records, campaign: &Campaign, model: &Model) -> Extent {
         payload,
         payload_weighs: weight > inertia,
         has_inertia: model.chain.is_some() || model.dynamics.inertia_kg_m2 != 0.0,
-        has_curve: model.combination != Combination::Sign,
+        changes_gradually: model.combination != Combination::Sign,
         backlash_m: model.joint.backlash_m,
         pulley_radius_m: model.joint.pulley_radius_m,
         turns: model.joint.kind == JointKind::Revolute,

@@ -43,7 +43,7 @@ impl Effect for Bristles {
     fn starts(&self, extent: &Extent) -> Vec<Vec<f64>> {
         let range_rad = extent.position_rad.1 - extent.position_rad.0;
         // In the place of the model's own transition, too, where it has one.
-        let forms = if extent.has_curve { &[0.0, 1.0][..] } else { &[0.0] };
+        let forms = if extent.changes_gradually { &[0.0, 1.0][..] } else { &[0.0] };
         let of_form = |in_place: &f64| {
             let in_place = *in_place;
             spaced(TRAVELS.0 * range_rad, TRAVELS.1 * range_rad, 7).map(move |travel| vec![travel, 1.0, in_place])
@@ -54,7 +54,7 @@ impl Effect for Bristles {
     /// Over a travel that the encoder does not show friction jumps: nine tenths of its change must lie in one that it shows. Friction that arrives
     /// as abruptly as at the end of a clearance tells of one, unless the joint's is known and the model does not pass over it.
     fn is_itself(&self, p: &[f64], extent: &Extent) -> bool {
-        let tells_of_clearance = extent.has_curve || extent.backlash_m == 0.0;
+        let tells_of_clearance = extent.changes_gradually || extent.backlash_m == 0.0;
         nine_tenths_rad(p) >= extent.resolution_rad && (!tells_of_clearance || p[1] > EXPONENT_MIN + AT_BOUND)
     }
 }

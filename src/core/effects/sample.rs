@@ -55,7 +55,7 @@ pub struct Extent {
     /// Whether the model has inertia, its own or a chain's.
     pub has_inertia: bool,
     /// Whether the model's friction changes over gradually, along a curve or a straight line.
-    pub has_curve: bool,
+    pub changes_gradually: bool,
     /// X_cl of the model, m on the cable.
     pub backlash_m: f64,
     /// r2, m.
