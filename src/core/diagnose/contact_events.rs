@@ -16,6 +16,8 @@ const ROUNDS: usize = 3;
 const WINDOW: f64 = 2.0;
 /// Fewer rows in the same state elsewhere do not show whether a residual repeats.
 const ROWS_MIN: usize = 12;
+/// Rows farther apart than this belong to different visits of a state.
+const APART: usize = 10;
 
 /// One event: rows of the series over all records.
 #[derive(Debug, Clone, PartialEq)]
@@ -94,6 +96,19 @@ fn peak_row(residual_nm: &[f64], event: &ContactEvent) -> usize {
         .unwrap_or(event.rows.start)
 }
 
+/// The row in the middle of an event's squares. Whoever touches a joint that moves does so at any time; the peak of a push that lasts is where
+/// friction or gravity happens to help it.
+fn centre_row(residual_nm: &[f64], event: &ContactEvent) -> usize {
+    let squares = || event.rows.clone().map(|row| residual_nm[row].powi(2));
+    let half = squares().sum::<f64>() / 2.0;
+    let mut before = 0.0;
+    let is_before = |square: &f64| {
+        before += square;
+        before < half
+    };
+    event.rows.start + squares().take_while(is_before).count()
+}
+
 /// Where the residual's level rises far above what is usual.
 fn stretches(mask: &Mask<'_>, residual_nm: &[f64]) -> Vec<ContactEvent> {
     let reach = ((WINDOW * mask.data.records.rows_per_independent / 2.0).round() as usize).max(1);
@@ -139,8 +154,9 @@ fn level(values: &[f64], reach: usize) -> Vec<f64> {
 }
 
 /// Keeps the events that a model, fitted without them, leaves as they were: one that it predicts was not contact; and of those that gather where
-/// the joint is slow the ones that are not there. None is kept if they still gather at one speed or acceleration.
-pub fn keep_unexplained(mask: &Mask<'_>, events: &mut Vec<ContactEvent>, before_nm: &[f64], after_nm: &[f64]) {
+/// the joint is slow the ones that are not there. None is kept if they still gather at one speed or acceleration, which is returned: neither contact
+/// nor noise does.
+pub fn keep_unexplained(mask: &Mask<'_>, events: &mut Vec<ContactEvent>, before_nm: &[f64], after_nm: &[f64]) -> bool {
     let square = |residual_nm: &[f64], event: &ContactEvent| {
         let excess = |r: &f64| r * r - mask.floor_square();
         residual_nm[event.rows.clone()].iter().map(excess).sum::<f64>().max(0.0)
@@ -148,16 +164,18 @@ pub fn keep_unexplained(mask: &Mask<'_>, events: &mut Vec<ContactEvent>, before_
     let policy = &mask.data.policy;
     events.retain(|event| square(after_nm, event) > policy.contact_left_share * square(before_nm, event));
     if events.is_empty() {
-        return;
+        return false;
     }
     let (states, slow_rad_s) = (states(mask.data), policy.same_place_share * mask.data.extent.speed_rad_s.1);
     let by_speed = ranks(states.iter().map(|state| state.velocity.abs().max(slow_rad_s)));
     drop_slow(policy, &by_speed, events);
     let by_acceleration = ranks(states.iter().map(|state| state.acceleration.abs()));
-    let peaks: Vec<usize> = events.iter().map(|event| peak_row(after_nm, event)).collect();
-    if gather(policy, &by_speed, &peaks) || gather(policy, &by_acceleration, &peaks) {
+    let centres: Vec<usize> = events.iter().map(|event| centre_row(after_nm, event)).collect();
+    let gathers = gather(policy, &by_speed, &centres) || gather(policy, &by_acceleration, &centres);
+    if gathers {
         events.clear();
     }
+    gathers
 }
 
 /// The rank of each of `values` as a share of their number: the share below it, and half of those that equal it.
@@ -218,10 +236,24 @@ fn is_repeated(data: &DataSet, states: &[Motion], residual_nm: &[f64], event: &C
         let alike = both_slow || (velocity != 0.0 && speeds.contains(&(other.velocity / velocity)));
         (other.position - position).abs() < near && alike
     };
-    let far = |i: &usize| *i + 10 < event.rows.start || *i > event.rows.end + 10;
-    let mut others: Vec<f64> = (0..states.len()).filter(far).filter(same).map(|i| residual_nm[i].abs()).collect();
+    let far = |i: &usize| *i + APART < event.rows.start || *i > event.rows.end + APART;
+    let there: Vec<usize> = (0..states.len()).filter(far).filter(same).collect();
+    let mut others = without_largest_visit(&there, residual_nm);
     let least_nm = policy.contact_repeated_share * event.peak_nm.abs();
-    others.len() >= ROWS_MIN && quantile(&mut others, policy.contact_repeated_quantile) > least_nm
+    there.len() >= ROWS_MIN && quantile(&mut others, policy.contact_repeated_quantile) > least_nm
+}
+
+/// The residual's magnitude at the rows `there`, without the visit (rows that follow one another) that shows most of it where there are several:
+/// one may be another contact.
+fn without_largest_visit(there: &[usize], residual_nm: &[f64]) -> Vec<f64> {
+    let visits = there.chunk_by(|row, next| *next <= row + APART);
+    let mut visits: Vec<Vec<f64>> =
+        visits.map(|rows| rows.iter().map(|row| residual_nm[*row].abs()).collect()).collect();
+    visits.sort_by(|a, b| mean(a).total_cmp(&mean(b)));
+    if visits.len() > 1 {
+        visits.pop();
+    }
+    visits.concat()
 }
 
 /// Whether it is no more than what the encoder alone may leave there.
@@ -251,12 +283,12 @@ fn recurs(
         is_there && (repeated..1.0 / repeated).contains(&(other.peak_nm / event.peak_nm))
     };
     let has_like = |record: &&usize| events.iter().filter(|other| other.record == **record).any(|other| like(&other));
-    name.is_some() && !repeats.is_empty() && 2 * repeats.iter().filter(has_like).count() >= repeats.len()
+    name.is_some() && 2 * repeats.iter().filter(has_like).count() > repeats.len()
 }
 
 #[cfg(test)]
 mod tests {
-    use super::{ContactEvent, Policy, drop_slow, gather, ranks, ring};
+    use super::{ContactEvent, Policy, centre_row, drop_slow, gather, ranks, ring, without_largest_visit};
     use std::f64::consts::PI;
 
     #[test]
@@ -284,6 +316,29 @@ mod tests {
         assert_eq!(left(&[10, 700]), [10, 700], "two can be there by chance");
         assert_eq!(left(&[900, 910, 920, 930]), [900, 910, 920, 930], "fast ones are not of this kind");
         assert!(left(&[]).is_empty());
+    }
+
+    #[test]
+    fn of_several_visits_the_one_that_may_be_another_contact_does_not_count() {
+        let residual_nm: Vec<f64> = (0..300)
+            .map(|i| if [100..120, 160..180].iter().any(|rows| rows.contains(&i)) { -2.0 } else { 0.1 })
+            .collect();
+        let rows = |starts: &[usize]| starts.iter().flat_map(|start| *start..start + 15).collect::<Vec<usize>>();
+        let largest =
+            |starts: &[usize]| without_largest_visit(&rows(starts), &residual_nm).into_iter().fold(0.0, f64::max);
+        assert_eq!(largest(&[10, 102, 200]), 0.1);
+        assert_eq!(largest(&[102]), 2.0, "all that there is");
+        assert_eq!(largest(&[10, 102, 162, 200]), 2.0, "it shows twice");
+        assert!(without_largest_visit(&[], &residual_nm).is_empty());
+    }
+
+    #[test]
+    fn the_middle_of_an_event_is_that_of_its_squares() {
+        let residual_nm: Vec<f64> = (0..100).map(|i| if i < 90 { 1.0 } else { 1.2 }).collect();
+        let centre =
+            |rows: std::ops::Range<usize>| centre_row(&residual_nm, &ContactEvent { rows, record: 0, peak_nm: 1.2 });
+        assert_eq!((centre(10..50), centre(60..61)), (29, 60));
+        assert!((80..85).contains(&centre(70..95)), "not its peak");
     }
 
     #[test]

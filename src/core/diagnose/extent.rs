@@ -9,13 +9,16 @@ use crate::numerics::statistics::{extent, quantile};
 
 /// Slower than this share of the fastest, the joint does not move.
 const MOVING: f64 = 1e-3;
+/// The slowest motion: this share of what moves is slower. In passing a joint is slow for a moment only, and friction that falls with speed
+/// shows there.
+const SLOWEST: f64 = 0.003;
 
 /// Of `records`, of `campaign`, for a joint like `model`'s.
 pub fn of(records: &Records, campaign: &Campaign, model: &Model) -> Extent {
     let mut speeds: Vec<f64> = records.rows(|record, i| record.own[i].velocity.abs());
     let fastest = quantile(&mut speeds, 0.999);
     let mut moving: Vec<f64> = speeds.into_iter().filter(|v| *v > MOVING * fastest).collect();
-    let slow = quantile(&mut moving, 0.05);
+    let slow = quantile(&mut moving, SLOWEST);
     let end = |of: &dyn Fn(&super::record::Record, usize) -> f64| {
         let last = |record: &super::record::Record| record.time_s.len().checked_sub(1).map_or(0.0, |i| of(record, i));
         records.all.iter().map(last).fold(0.0, f64::max)

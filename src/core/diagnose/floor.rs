@@ -98,6 +98,17 @@ impl FloorSource {
     }
 }
 
+/// What may be said of a residual that no fit predicts.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Unpredicted {
+    /// No cause and no contact was found: all of it may be noise.
+    Bare,
+    /// Beside causes: as far as noise that is not white may exceed the density beyond the low-pass.
+    BesideCauses,
+    /// Its peaks gather in one state of motion: it is no noise.
+    OfMotion,
+}
+
 /// The floor of noise alone; some fit leaves `most_square` on held-out units: where the density extrapolated below the low-pass exceeds
 /// that, all of it is noise; where far, the density was not that of noise, and only its lowest part is used.
 pub fn of_noise(data: &DataSet, residual_nm: &[f64], most_square: f64) -> Floor {
@@ -138,25 +149,28 @@ fn differing_square(blocks: &mut [f64]) -> f64 {
 /// The floor under `left_nm`, the residual at all rows of `after`, the model with its causes, oscillations left out; it includes slow noise.
 /// Without long repeats, slow noise differs from a cause only in that no fit predicts it on held-out units: `unforeseen_square` is the residual
 /// of a flexible fit there, (N m)^2. The residual of the model itself, `left_square`, limits the encoder's part. Where there are no repeats and
-/// such a fit predicts nothing, the residual is noise unless most of it lasts: all of it if no cause and no contact was found (`is_bare`), else
-/// as far as noise that is not white may exceed the density beyond the low-pass.
+/// such a fit predicts nothing, the residual may be noise: as far as [`Unpredicted`] says, unless most of it lasts, or so little of it that it swings
+/// faster than noise.
 pub fn settled(
     (data, after): (&DataSet, &Model),
     left_nm: &[f64],
     (unforeseen_square, left_square): (f64, f64),
-    is_bare: bool,
+    unpredicted: Unpredicted,
 ) -> Floor {
     let (policy, encoder_square) = (&data.policy, of_encoder(data, after));
-    let fast = of_noise(data, left_nm, (left_square - encoder_square).max(0.0));
     let noise_square = (unforeseen_square - encoder_square).max(0.0);
+    let fast = of_noise(data, left_nm, noise_square);
     let found_again = left_square - unforeseen_square;
     let least = policy.floor_found_again_share * (left_square - encoder_square - fast.rms_nm.powi(2));
-    let is_noise = found_again <= least && lasting_share(data, left_nm) <= policy.floor_lasting_share;
+    let lasting = lasting_share(data, left_nm);
+    let is_noise = unpredicted != Unpredicted::OfMotion
+        && found_again <= least
+        && (policy.floor_lasting_share / BLOCK..=policy.floor_lasting_share).contains(&lasting);
     if fast.source == FloorSource::Spectrum && noise_square > fast.rms_nm.powi(2) && is_noise {
         let all_nm = noise_square.sqrt();
-        let (rms_nm, source) = match is_bare {
-            true => (all_nm, FloorSource::Unforeseen),
-            false => (all_nm.min(policy.floor_coloured_max * fast.rms_nm), FloorSource::Spectrum),
+        let (rms_nm, source) = match unpredicted {
+            Unpredicted::Bare => (all_nm, FloorSource::Unforeseen),
+            _ => (all_nm.min(policy.floor_coloured_max * fast.rms_nm), FloorSource::Spectrum),
         };
         return Floor::of_noise(rms_nm, source, policy.floor_spectrum_error).with_encoder(
             policy,
@@ -285,7 +299,7 @@ fn without_slow(values: &[f64], slow: usize) -> Vec<f64> {
 
 #[cfg(test)]
 mod tests {
-    use super::{Floor, FloorSource, lasting_share, settled};
+    use super::{Floor, FloorSource, Unpredicted, lasting_share, of_encoder, of_noise, settled};
     use crate::diagnose::data::DataSet;
     use crate::diagnose::data::tests::bundled;
 
@@ -301,45 +315,48 @@ mod tests {
         (0..rows).map(|i| independent[(i as f64 / data.records.rows_per_independent) as usize]).collect()
     }
 
-    /// A sine that takes 50 independent samples.
-    fn wave(data: &DataSet) -> Vec<f64> {
-        let rows_per_rad = 50.0 * data.records.rows_per_independent / std::f64::consts::TAU;
+    /// A sine that takes as many independent samples.
+    fn wave(data: &DataSet, independent: f64) -> Vec<f64> {
+        let rows_per_rad = independent * data.records.rows_per_independent / std::f64::consts::TAU;
         (0..data.measured_nm.len()).map(|i| (i as f64 / rows_per_rad).sin()).collect()
     }
 
     #[test]
     fn without_repeats_what_no_fit_predicts_is_noise_beside_causes_up_to_a_limit() {
+        use Unpredicted::{Bare, BesideCauses, OfMotion};
         let (mut data, model) = bundled();
         data.records.all.iter_mut().for_each(|record| record.repeats = None);
-        let (white, wave) = (white(&data), wave(&data));
-        let of_left = |left_nm: &[f64], left_square: f64, unforeseen_square: f64, is_bare: bool| -> Floor {
-            settled((&data, &model), left_nm, (unforeseen_square, left_square), is_bare)
+        let (white, slow, quick) = (white(&data), wave(&data, 50.0), wave(&data, 3.0));
+        let of_left = |left_nm: &[f64], left_square: f64, unforeseen_square: f64, kind: Unpredicted| -> Floor {
+            settled((&data, &model), left_nm, (unforeseen_square, left_square), kind)
         };
-        let of = |left_square, unforeseen_square, is_bare| of_left(&white, left_square, unforeseen_square, is_bare);
-        let fast = of(f64::MAX, 0.0, false);
+        let of = |left_square, unforeseen_square, kind| of_left(&white, left_square, unforeseen_square, kind);
         let without_encoder = |floor: Floor| (floor.rms_nm.powi(2) - floor.encoder_nm.powi(2)).sqrt();
-        let fast_nm = without_encoder(fast);
-        let [weak, strong] = [1.5, 10.0].map(|factor: f64| (factor * fast_nm).powi(2) + fast.encoder_nm.powi(2));
+        let (fast_nm, encoder_square) = (of_noise(&data, &white, f64::MAX).rms_nm, of_encoder(&data, &model));
+        let [less, weak, strong] = [0.8, 1.5, 10.0].map(|factor: f64| (factor * fast_nm).powi(2) + encoder_square);
         let (limit, rise) = (data.policy.floor_coloured_max, data.policy.floor_rise_max);
         let near = |floor: Floor, factor: f64| (without_encoder(floor) / fast_nm - factor).abs() < 1e-6;
-        assert!(near(of(weak, weak, false), 1.5) && near(of(strong, strong, false), limit));
-        assert!(near(of(strong, strong, true), 10.0));
+        assert!(near(of(weak, weak, BesideCauses), 1.5) && near(of(strong, strong, BesideCauses), limit));
+        assert!(near(of(strong, strong, Bare), 10.0));
         assert_eq!(
-            [false, true].map(|is_bare| of(strong, strong, is_bare).source),
+            [BesideCauses, Bare].map(|kind| of(strong, strong, kind).source),
             [FloorSource::Spectrum, FloorSource::Unforeseen]
         );
-        // What a fit predicts is no noise, and neither is what lasts.
-        for is_bare in [false, true] {
-            assert!(near(of(2.0 * strong, strong, is_bare), rise));
-            assert!(near(of_left(&wave, strong, strong, is_bare), rise));
+        // No floor is above what a fit leaves on held-out units.
+        assert!([Bare, BesideCauses, OfMotion].iter().all(|kind| near(of(strong, less, *kind), 0.8)));
+        // What a fit predicts is no noise, and neither is what lasts, swings faster than noise or depends on the motion.
+        for kind in [Bare, BesideCauses] {
+            assert!(near(of(2.0 * strong, strong, kind), rise));
+            assert!([&slow, &quick].iter().all(|left_nm| near(of_left(left_nm, strong, strong, kind), rise)));
         }
+        assert!(near(of(strong, strong, OfMotion), rise));
     }
 
     #[test]
     fn what_lasts_is_told_from_noise() {
         let (data, _) = bundled();
         // Of independent samples a tenth stands in means of ten; of a wave as long as 50 nearly all.
-        let [white, wave] = [white(&data), wave(&data)].map(|left_nm| lasting_share(&data, &left_nm));
+        let [white, wave] = [white(&data), wave(&data, 50.0)].map(|left_nm| lasting_share(&data, &left_nm));
         assert!((0.05..0.2).contains(&white) && wave > 0.8, "{white} and {wave}");
     }
 }

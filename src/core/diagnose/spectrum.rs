@@ -6,8 +6,10 @@ use crate::numerics::statistics::{median_of_squares, quantile};
 use crate::prepare::Trial;
 use std::f64::consts::{PI, TAU};
 
-/// Noise is measured in bands that begin at these multiples of the low-pass ...
-const BANDS: [f64; 6] = [1.6, 2.5, 4.0, 6.4, 10.0, 16.0];
+/// Noise is measured in bands from this multiple of the low-pass ...
+const FROM: f64 = 1.6;
+/// ... over a decade, so many of them: mains hum is in one, and its filters' flanks carry some of it into the next to either side ...
+const BANDS: i32 = 10;
 /// ... and below this share of the rate.
 const BELOW: f64 = 0.35;
 /// Frequencies above which the noise's density falls, from the low-pass to the rate (white): number of values that are tried.
@@ -30,7 +32,7 @@ pub struct SpectralFloor {
 ///
 /// The noise is taken for a first-order process with its corner at the low-pass or above: its density's fall over the bands beyond the low-pass is
 /// carried on below. In each band the median over stretches counts, because a reversal is not noise, and among the bands the median, because
-/// mains hum in one of them is none.
+/// mains hum in a few of them is none.
 ///
 /// The torque that the motion causes beyond the low-pass is not noise either, and a short motion reverses in every stretch: the torque
 /// minus `predicted_nm` is evaluated too, and the lower of both counts.
@@ -44,8 +46,8 @@ pub fn spectral(trial: &Trial, predicted_nm: &[f64], signal: &Signal) -> Spectra
 /// The noise in `series_nm` beyond the low-pass, carried on below.
 fn carried_below(series_nm: &[f64], rate_hz: f64, signal: &Signal) -> SpectralFloor {
     let order = signal.lowpass_order;
-    let edges: Vec<f64> =
-        BANDS.iter().map(|factor| factor * signal.lowpass_hz).filter(|edge_hz| *edge_hz < BELOW * rate_hz).collect();
+    let edge_hz = |i: i32| FROM * signal.lowpass_hz * 10f64.powf(f64::from(i) / f64::from(BANDS));
+    let edges: Vec<f64> = (0..=BANDS).map(edge_hz).filter(|edge_hz| *edge_hz < BELOW * rate_hz).collect();
     let levels: Option<Vec<Vec<f64>>> =
         edges.iter().map(|edge_hz| Some(LowPass::new(order, *edge_hz, rate_hz)?.zero_phase(series_nm))).collect();
     let Some(mut levels) = levels.filter(|levels| !levels.is_empty()) else {
