@@ -154,9 +154,8 @@ fn level(values: &[f64], reach: usize) -> Vec<f64> {
 }
 
 /// Keeps the events that a model, fitted without them, leaves as they were: one that it predicts was not contact; and of those that gather where
-/// the joint is slow the ones that are not there. None is kept if they still gather at one speed or acceleration. Returns whether some were given
-/// up because they gather: neither contact nor noise does.
-pub fn keep_unexplained(mask: &Mask<'_>, events: &mut Vec<ContactEvent>, before_nm: &[f64], after_nm: &[f64]) -> bool {
+/// the joint is slow the ones that are not there. None is kept if they still gather at one speed or acceleration.
+pub fn keep_unexplained(mask: &Mask<'_>, events: &mut Vec<ContactEvent>, before_nm: &[f64], after_nm: &[f64]) {
     let square = |residual_nm: &[f64], event: &ContactEvent| {
         let excess = |r: &f64| r * r - mask.floor_square();
         residual_nm[event.rows.clone()].iter().map(excess).sum::<f64>().max(0.0)
@@ -164,19 +163,16 @@ pub fn keep_unexplained(mask: &Mask<'_>, events: &mut Vec<ContactEvent>, before_
     let policy = &mask.data.policy;
     events.retain(|event| square(after_nm, event) > policy.contact_left_share * square(before_nm, event));
     if events.is_empty() {
-        return false;
+        return;
     }
     let (states, slow_rad_s) = (states(mask.data), policy.same_place_share * mask.data.extent.speed_rad_s.1);
     let by_speed = ranks(states.iter().map(|state| state.velocity.abs().max(slow_rad_s)));
-    let suspected = events.len();
     drop_slow(policy, &by_speed, events);
     let by_acceleration = ranks(states.iter().map(|state| state.acceleration.abs()));
     let centres: Vec<usize> = events.iter().map(|event| centre_row(after_nm, event)).collect();
-    let gathers = gather(policy, &by_speed, &centres) || gather(policy, &by_acceleration, &centres);
-    if gathers {
+    if gather(policy, &by_speed, &centres) || gather(policy, &by_acceleration, &centres) {
         events.clear();
     }
-    gathers || events.len() < suspected
 }
 
 /// The rank of each of `values` as a share of their number: the share below it, and half of those that equal it.

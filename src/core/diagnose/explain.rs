@@ -6,7 +6,7 @@ use super::base::BaseModel;
 use super::choose::{Choice, choose};
 use super::contact_events::{self, ContactEvent};
 use super::flexible;
-use super::floor::{self, Floor, Unpredicted};
+use super::floor::{self, Floor};
 use super::mask::Mask;
 use super::oscillation::{Oscillation, without_oscillations};
 use super::parameters;
@@ -27,8 +27,6 @@ pub struct Explanation<'d> {
     pub left_nm: Vec<f64>,
     /// The contact events: of those set aside, the ones that no model predicts.
     pub events: Vec<ContactEvent>,
-    /// Whether events were given up because they gather in one state of motion: what is left depends on the motion, and is no noise.
-    gathers: bool,
     /// Where nothing is named: the oscillations of the residual.
     pub oscillations: Vec<Oscillation>,
     /// The residual without them, N m: they are no noise, though they do not repeat with the motion.
@@ -48,9 +46,7 @@ pub fn explain<'d>(
     };
     let mut first = of(suspected);
     if first.events.len() < count {
-        let gathers = first.gathers;
         first = of(first.events);
-        first.gathers |= gathers;
     }
     if first.events.is_empty() {
         return first;
@@ -74,8 +70,8 @@ impl<'d> Explanation<'d> {
         rest_nm: &[f64],
         listener: Listener<'_>,
     ) -> Self {
-        let mut found = Self::of_choice(choose(mask, model, listener));
-        found.gathers = contact_events::keep_unexplained(mask, &mut events, rest_nm, &found.left_nm);
+        let found = Self::of_choice(choose(mask, model, listener));
+        contact_events::keep_unexplained(mask, &mut events, rest_nm, &found.left_nm);
         found.with_events(events)
     }
 
@@ -85,7 +81,7 @@ impl<'d> Explanation<'d> {
         let after_nm = data.records.predicted_by(&after);
         let left_nm = data.residual_nm(&after_nm);
         let (quiet_nm, events, oscillations) = (left_nm.clone(), Vec::new(), Vec::new());
-        Self { choice, after, after_nm, left_nm, events, gathers: false, oscillations, quiet_nm }
+        Self { choice, after, after_nm, left_nm, events, oscillations, quiet_nm }
     }
 
     /// The same with `events`. Beside causes an oscillation may be misfit of their formulas.
@@ -105,7 +101,7 @@ impl<'d> Explanation<'d> {
 
     /// The same without its causes, on which the share `agreement` of the resamples agreed.
     pub fn given_up(self, agreement: f64) -> Self {
-        Self { gathers: self.gathers, ..Self::of_choice(self.choice.given_up(agreement)) }.with_events(self.events)
+        Self::of_choice(self.choice.given_up(agreement)).with_events(self.events)
     }
 
     /// The floor now that the causes are known; `columns` are those of the flexible fit.
@@ -114,11 +110,6 @@ impl<'d> Explanation<'d> {
         let oscillating: f64 = self.oscillations.iter().map(|oscillation| oscillation.share).sum();
         let left_square = (1.0 - oscillating) * self.choice.last.held_out_square();
         let unpredicted_square = flexible::fit(mask, columns, &self.quiet_nm).held_out.min(left_square);
-        let unpredicted = match (self.gathers, self.is_bare()) {
-            (true, _) => Unpredicted::OfMotion,
-            (false, true) => Unpredicted::Bare,
-            (false, false) => Unpredicted::BesideCauses,
-        };
-        floor::settled((mask.data, &self.after), &self.quiet_nm, (unpredicted_square, left_square), unpredicted)
+        floor::settled((mask.data, &self.after), &self.quiet_nm, (unpredicted_square, left_square), self.is_bare())
     }
 }

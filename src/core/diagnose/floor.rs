@@ -10,7 +10,7 @@ use super::data::DataSet;
 use super::policy::Policy;
 use super::record::Record;
 use super::spectrum::SpectralFloor;
-use crate::model::Model;
+use crate::model::{AT_REST_RAD_S, Model};
 use crate::numerics::statistics::{extent, median_of_squares, quantile};
 
 /// Independent samples in a block.
@@ -98,23 +98,13 @@ impl FloorSource {
     }
 }
 
-/// What may be said of a residual that no fit predicts.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Unpredicted {
-    /// No cause and no contact was found: all of it may be noise.
-    Bare,
-    /// Beside causes: as far as noise that is not white may exceed the density beyond the low-pass.
-    BesideCauses,
-    /// Its peaks gather in one state of motion: it is no noise.
-    OfMotion,
-}
-
 /// The floor of noise alone; some fit leaves `most_square` on held-out units: where the density extrapolated below the low-pass exceeds
 /// that, all of it is noise; where far, the density was not that of noise, and only its lowest part is used.
 pub fn of_noise(data: &DataSet, residual_nm: &[f64], most_square: f64) -> Floor {
-    let mut blocks = repeats_blocks(data, residual_nm, BLOCK);
+    let Differences { mut blocks, by_speed } = differences(data, residual_nm, BLOCK);
     if blocks.len() >= BLOCKS_MIN {
-        let rms_nm = differing_square(&mut blocks).sqrt();
+        let of_noise_square = most_of_noise(&data.policy, by_speed) / 2.0 / kept_of_noise(BLOCK);
+        let rms_nm = differing_square(&mut blocks).min(of_noise_square).sqrt();
         let chance = (std::f64::consts::PI / (BLOCK * blocks.len() as f64)).sqrt();
         let relative_error = chance.hypot(data.policy.floor_repeats_error);
         return Floor::of_noise(rms_nm, FloorSource::Repeats, relative_error);
@@ -136,7 +126,7 @@ fn of_encoder(data: &DataSet, model: &Model) -> f64 {
     let Some(again) = data.again() else { return 0.0 };
     let (encoder_nm, scored) = (data.encoder_nm(model), data.scored(model));
     let counted: Vec<f64> = encoder_nm.iter().zip(scored).filter(|(_, scored)| *scored).map(|(x, _)| *x).collect();
-    let mut blocks = repeats_blocks(again, &encoder_nm, BLOCK);
+    let mut blocks = differences(again, &encoder_nm, BLOCK).blocks;
     let in_repeats = if blocks.len() >= BLOCKS_MIN { differing_square(&mut blocks) } else { 0.0 };
     if counted.is_empty() { 0.0 } else { (mean_square(&counted) - in_repeats).max(0.0) }
 }
@@ -149,13 +139,14 @@ fn differing_square(blocks: &mut [f64]) -> f64 {
 /// The floor under `left_nm`, the residual at all rows of `after`, the model with its causes, oscillations left out; it includes slow noise.
 /// Without long repeats, slow noise differs from a cause only in that no fit predicts it on held-out units: `unforeseen_square` is the residual
 /// of a flexible fit there, (N m)^2. The residual of the model itself, `left_square`, limits the encoder's part. Where there are no repeats and
-/// such a fit predicts nothing, the residual may be noise: as far as [`Unpredicted`] says, unless most of it lasts, or so little of it that it swings
-/// faster than noise.
+/// such a fit predicts nothing, the residual is noise unless its level depends on the speed, most of it lasts, or so little of it that it swings
+/// faster than noise: all of it if no cause and no contact was found (`is_bare`), else as far as noise that is not white may exceed the density
+/// beyond the low-pass.
 pub fn settled(
     (data, after): (&DataSet, &Model),
     left_nm: &[f64],
     (unforeseen_square, left_square): (f64, f64),
-    unpredicted: Unpredicted,
+    is_bare: bool,
 ) -> Floor {
     let (policy, encoder_square) = (&data.policy, of_encoder(data, after));
     let noise_square = (unforeseen_square - encoder_square).max(0.0);
@@ -163,14 +154,15 @@ pub fn settled(
     let found_again = left_square - unforeseen_square;
     let least = policy.floor_found_again_share * (left_square - encoder_square - fast.rms_nm.powi(2));
     let lasting = lasting_share(data, left_nm);
-    let is_noise = unpredicted != Unpredicted::OfMotion
-        && found_again <= least
+    let moving: Vec<(f64, f64)> = speeds(data).zip(left_nm).map(|(speed, left)| (speed, left * left)).collect();
+    let is_noise = found_again <= least
+        && usual_square(&moving) <= most_of_noise(policy, moving)
         && (policy.floor_lasting_share / BLOCK..=policy.floor_lasting_share).contains(&lasting);
     if fast.source == FloorSource::Spectrum && noise_square > fast.rms_nm.powi(2) && is_noise {
         let all_nm = noise_square.sqrt();
-        let (rms_nm, source) = match unpredicted {
-            Unpredicted::Bare => (all_nm, FloorSource::Unforeseen),
-            _ => (all_nm.min(policy.floor_coloured_max * fast.rms_nm), FloorSource::Spectrum),
+        let (rms_nm, source) = match is_bare {
+            true => (all_nm, FloorSource::Unforeseen),
+            false => (all_nm.min(policy.floor_coloured_max * fast.rms_nm), FloorSource::Spectrum),
         };
         return Floor::of_noise(rms_nm, source, policy.floor_spectrum_error).with_encoder(
             policy,
@@ -178,7 +170,7 @@ pub fn settled(
             left_square,
         );
     }
-    let blocks = repeats_blocks(data, left_nm, BLOCK_LATER);
+    let blocks = differences(data, left_nm, BLOCK_LATER).blocks;
     let whole_square = match blocks.len() >= BLOCKS_MIN {
         true => usual_mean(blocks, policy.floor_outlier) / 2.0 / kept_of_noise(BLOCK_LATER),
         false => noise_square,
@@ -198,21 +190,50 @@ fn lasting_share(data: &DataSet, left_nm: &[f64]) -> f64 {
     lasting / sum(|piece| piece.iter().map(|x| x * x).sum()).max(f64::MIN_POSITIVE)
 }
 
-/// Mean squares of the differences between repeats, in blocks, slow differences removed.
-fn repeats_blocks(data: &DataSet, residual_nm: &[f64], block: f64) -> Vec<f64> {
+/// The most that noise may have as its mean square over `rows` (speed and square at each): it does not depend on the motion, so no more
+/// than noise that is not white may exceed another, of what the quietest third by speed has. At rest nothing is compared: a
+/// torque read in steps does not change there.
+fn most_of_noise(policy: &Policy, mut rows: Vec<(f64, f64)>) -> f64 {
+    rows.retain(|(speed, _)| *speed >= AT_REST_RAD_S);
+    rows.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let thirds = rows.chunks(rows.len().div_ceil(3).max(1));
+    policy.floor_coloured_max.powi(2) * thirds.map(usual_square).fold(f64::INFINITY, f64::min)
+}
+
+/// Mean square over rows of speed and square.
+fn usual_square(rows: &[(f64, f64)]) -> f64 {
+    rows.iter().map(|(_, square)| square).sum::<f64>() / rows.len().max(1) as f64
+}
+
+/// The speed at each row, rad/s.
+fn speeds(data: &DataSet) -> impl Iterator<Item = f64> {
+    data.records.all.iter().flat_map(|record| record.rows.iter().map(|i| record.own[*i].velocity.abs()))
+}
+
+/// What repeats differ by, slow differences removed.
+#[derive(Default)]
+struct Differences {
+    /// Mean squares in blocks.
+    blocks: Vec<f64>,
+    /// Speed and square at each row.
+    by_speed: Vec<(f64, f64)>,
+}
+
+/// What repeats of one motion differ by, in blocks of `block` independent samples.
+fn differences(data: &DataSet, residual_nm: &[f64], block: f64) -> Differences {
     let (records, apart) = (&data.records, data.policy.same_place_share);
     let rows = |independent: f64| (independent * records.rows_per_independent).round() as usize;
     let spans = Spans { block: rows(block), slow: rows(SLOW_BLOCKS * block), lag: rows(LAG_MAX) as isize, apart };
-    let mut blocks = Vec::new();
+    let mut found = Differences::default();
     for (a, first) in records.all.iter().enumerate() {
         for (b, second) in records.all.iter().enumerate().skip(a + 1) {
             if first.repeats.is_some() && first.repeats == second.repeats {
                 let [ra, rb] = [a, b].map(|at| &residual_nm[records.ranges[at].clone()]);
-                difference_blocks((first, ra), (second, rb), spans, &mut blocks);
+                add_differences((first, ra), (second, rb), spans, &mut found);
             }
         }
     }
-    blocks
+    found
 }
 
 /// The share of white noise's square that is left once slow differences are removed with blocks of `block` independent samples.
@@ -241,7 +262,7 @@ struct Spans {
     apart: f64,
 }
 
-fn difference_blocks((a, ra): (&Record, &[f64]), (b, rb): (&Record, &[f64]), spans: Spans, blocks: &mut Vec<f64>) {
+fn add_differences((a, ra): (&Record, &[f64]), (b, rb): (&Record, &[f64]), spans: Spans, found: &mut Differences) {
     let [qa, qb] = [a, b].map(|record| record.rows.iter().map(|i| record.own[*i].position).collect::<Vec<f64>>());
     if ra.len() < 2 * spans.slow || rb.len() < 2 * spans.slow {
         return;
@@ -263,19 +284,21 @@ fn difference_blocks((a, ra): (&Record, &[f64]), (b, rb): (&Record, &[f64]), spa
     let Some(lag) = lags.min_by(|x, y| apart(*x).total_cmp(&apart(*y))) else { return };
     let (low, high) = extent(&qa);
     let limit = spans.apart * (high - low);
+    let speed = |i: usize| a.own[a.rows[i]].velocity.abs();
     let pair = |i: usize| {
         let j = usize::try_from(i as isize + lag).ok()?;
         let near = (qb.get(j)? - qa[i]).abs() <= limit;
-        near.then(|| ra[i] - rb[j])
+        near.then(|| (speed(i), ra[i] - rb[j]))
     };
-    let differences: Vec<Option<f64>> = (0..qa.len()).map(pair).collect();
+    let differences: Vec<Option<(f64, f64)>> = (0..qa.len()).map(pair).collect();
     for run in differences.split(Option::is_none) {
-        let run: Vec<f64> = run.iter().flatten().copied().collect();
+        let (speeds, run): (Vec<f64>, Vec<f64>) = run.iter().flatten().copied().unzip();
         if run.len() < spans.slow {
             continue;
         }
         let fast = without_slow(&run, spans.slow);
-        blocks.extend(fast.chunks_exact(spans.block).map(mean_square));
+        found.by_speed.extend(speeds.iter().zip(&fast).map(|(speed, d)| (*speed, d * d)));
+        found.blocks.extend(fast.chunks_exact(spans.block).map(mean_square));
     }
 }
 
@@ -299,7 +322,7 @@ fn without_slow(values: &[f64], slow: usize) -> Vec<f64> {
 
 #[cfg(test)]
 mod tests {
-    use super::{Floor, FloorSource, Unpredicted, lasting_share, of_encoder, of_noise, settled};
+    use super::{Floor, FloorSource, lasting_share, of_encoder, of_noise, settled, speeds};
     use crate::diagnose::data::DataSet;
     use crate::diagnose::data::tests::bundled;
 
@@ -323,33 +346,32 @@ mod tests {
 
     #[test]
     fn without_repeats_what_no_fit_predicts_is_noise_beside_causes_up_to_a_limit() {
-        use Unpredicted::{Bare, BesideCauses, OfMotion};
         let (mut data, model) = bundled();
         data.records.all.iter_mut().for_each(|record| record.repeats = None);
         let (white, slow, quick) = (white(&data), wave(&data, 50.0), wave(&data, 3.0));
-        let of_left = |left_nm: &[f64], left_square: f64, unforeseen_square: f64, kind: Unpredicted| -> Floor {
-            settled((&data, &model), left_nm, (unforeseen_square, left_square), kind)
+        let of_left = |left_nm: &[f64], left_square: f64, unforeseen_square: f64, is_bare: bool| -> Floor {
+            settled((&data, &model), left_nm, (unforeseen_square, left_square), is_bare)
         };
-        let of = |left_square, unforeseen_square, kind| of_left(&white, left_square, unforeseen_square, kind);
+        let of = |left_square, unforeseen_square, is_bare| of_left(&white, left_square, unforeseen_square, is_bare);
         let without_encoder = |floor: Floor| (floor.rms_nm.powi(2) - floor.encoder_nm.powi(2)).sqrt();
         let (fast_nm, encoder_square) = (of_noise(&data, &white, f64::MAX).rms_nm, of_encoder(&data, &model));
         let [less, weak, strong] = [0.8, 1.5, 10.0].map(|factor: f64| (factor * fast_nm).powi(2) + encoder_square);
         let (limit, rise) = (data.policy.floor_coloured_max, data.policy.floor_rise_max);
         let near = |floor: Floor, factor: f64| (without_encoder(floor) / fast_nm - factor).abs() < 1e-6;
-        assert!(near(of(weak, weak, BesideCauses), 1.5) && near(of(strong, strong, BesideCauses), limit));
-        assert!(near(of(strong, strong, Bare), 10.0));
+        assert!(near(of(weak, weak, false), 1.5) && near(of(strong, strong, false), limit));
+        assert!(near(of(strong, strong, true), 10.0));
         assert_eq!(
-            [BesideCauses, Bare].map(|kind| of(strong, strong, kind).source),
+            [false, true].map(|is_bare| of(strong, strong, is_bare).source),
             [FloorSource::Spectrum, FloorSource::Unforeseen]
         );
         // No floor is above what a fit leaves on held-out units.
-        assert!([Bare, BesideCauses, OfMotion].iter().all(|kind| near(of(strong, less, *kind), 0.8)));
-        // What a fit predicts is no noise, and neither is what lasts, swings faster than noise or depends on the motion.
-        for kind in [Bare, BesideCauses] {
-            assert!(near(of(2.0 * strong, strong, kind), rise));
-            assert!([&slow, &quick].iter().all(|left_nm| near(of_left(left_nm, strong, strong, kind), rise)));
+        assert!([false, true].iter().all(|is_bare| near(of(strong, less, *is_bare), 0.8)));
+        // What a fit predicts is no noise, and neither is what lasts, swings faster than noise or is as loud as the speed.
+        let loud: Vec<f64> = speeds(&data).zip(&white).map(|(speed, x)| speed * x).collect();
+        for is_bare in [false, true] {
+            assert!(near(of(2.0 * strong, strong, is_bare), rise));
+            assert!([&slow, &quick, &loud].iter().all(|left_nm| near(of_left(left_nm, strong, strong, is_bare), rise)));
         }
-        assert!(near(of(strong, strong, OfMotion), rise));
     }
 
     #[test]

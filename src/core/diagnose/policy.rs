@@ -129,6 +129,7 @@ pub struct Policy {
     pub floor_rise_max: f64,
     /// Factor, RMS: noise that is not white may differ from the density carried on from beyond the low-pass by this: without repeats, what causes
     /// leave counts as such noise up to there if a flexible fit predicts none of it, and all of what is left if the density would make it larger.
+    /// Noise is no louder than this times what is left at the speeds where that is quietest.
     pub floor_coloured_max: f64,
     /// Share of the square of what is left: more of it that lasts for ten independent samples is no noise, whether a fit predicts it or not.
     pub floor_lasting_share: f64,
