@@ -336,6 +336,7 @@ fn extent() -> Extent {
         resolution_rad: 1e-4,
         stroke_rad: 0.8,
         speed_rad_s: (0.02, 2.0),
+        slowest_rad_s: 0.01,
         trial_s: 20.0,
         campaign_s: 40.0,
         one_recording: false,

@@ -9,16 +9,17 @@ use crate::numerics::statistics::{extent, quantile};
 
 /// Slower than this share of the fastest, the joint does not move.
 const MOVING: f64 = 1e-3;
-/// The slowest motion: this share of what moves is slower. In passing a joint is slow for a moment only, and friction that falls with speed
-/// shows there.
+/// This share of the moving samples is slower than a slow motion.
+const SLOW: f64 = 0.05;
+/// This share is slower than the slowest that shows friction: in starting and turning a joint is slow for a moment.
 const SLOWEST: f64 = 0.003;
 
 /// Of `records`, of `campaign`, for a joint like `model`'s.
 pub fn of(records: &Records, campaign: &Campaign, model: &Model) -> Extent {
-    let mut speeds: Vec<f64> = records.rows(|record, i| record.own[i].velocity.abs());
+    let mut speeds: Vec<f64> = records.speeds_rad_s();
     let fastest = quantile(&mut speeds, 0.999);
     let mut moving: Vec<f64> = speeds.into_iter().filter(|v| *v > MOVING * fastest).collect();
-    let slow = quantile(&mut moving, SLOWEST);
+    let [slow, slowest_rad_s] = [SLOW, SLOWEST].map(|share| quantile(&mut moving, share));
     let end = |of: &dyn Fn(&super::record::Record, usize) -> f64| {
         let last = |record: &super::record::Record| record.time_s.len().checked_sub(1).map_or(0.0, |i| of(record, i));
         records.all.iter().map(last).fold(0.0, f64::max)
@@ -34,6 +35,7 @@ pub fn of(records: &Records, campaign: &Campaign, model: &Model) -> Extent {
         resolution_rad,
         position_rad: extent(&records.rows(|record, i| record.own[i].position)),
         speed_rad_s: (slow, fastest),
+        slowest_rad_s,
         trial_s: end(&|record, i| record.time_s[i]),
         campaign_s: end(&|record, i| record.elapsed_s(i)),
         one_recording: records.one_recording,

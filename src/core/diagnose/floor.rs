@@ -8,19 +8,15 @@
 
 use super::data::DataSet;
 use super::policy::Policy;
-use super::record::Record;
+use super::repeats::Differences;
 use super::spectrum::SpectralFloor;
 use crate::model::{AT_REST_RAD_S, Model};
-use crate::numerics::statistics::{extent, median_of_squares, quantile};
+use crate::numerics::statistics::{median_of_squares, quantile, root_mean_square};
 
 /// Independent samples in a block.
 const BLOCK: f64 = 10.0;
 /// The same once the causes are known, and a drift is explained: noise that is not white has its slow part, too.
 const BLOCK_LATER: f64 = 40.0;
-/// Slow differences are averaged over this many blocks and removed; [`kept_of_noise`] says what white noise is left.
-const SLOW_BLOCKS: f64 = 2.0;
-/// Repeats are aligned within this many independent samples.
-const LAG_MAX: f64 = 10.0;
 /// Fewer blocks do not determine a floor.
 const BLOCKS_MIN: usize = 8;
 
@@ -101,11 +97,11 @@ impl FloorSource {
 /// The floor of noise alone; some fit leaves `most_square` on held-out units: where the density extrapolated below the low-pass exceeds
 /// that, all of it is noise; where far, the density was not that of noise, and only its lowest part is used.
 pub fn of_noise(data: &DataSet, residual_nm: &[f64], most_square: f64) -> Floor {
-    let Differences { mut blocks, by_speed } = differences(data, residual_nm, BLOCK);
-    if blocks.len() >= BLOCKS_MIN {
-        let of_noise_square = most_of_noise(&data.policy, by_speed) / 2.0 / kept_of_noise(BLOCK);
-        let rms_nm = differing_square(&mut blocks).min(of_noise_square).sqrt();
-        let chance = (std::f64::consts::PI / (BLOCK * blocks.len() as f64)).sqrt();
+    let differences = Differences::of(data, residual_nm, BLOCK);
+    if let Some(usual_square) = usual_square(&differences) {
+        let (_, most) = moving_and_most_square(&data.policy, differences.by_speed());
+        let rms_nm = usual_square.min(differences.of_one(most)).sqrt();
+        let chance = (std::f64::consts::PI / (BLOCK * differences.blocks().len() as f64)).sqrt();
         let relative_error = chance.hypot(data.policy.floor_repeats_error);
         return Floor::of_noise(rms_nm, FloorSource::Repeats, relative_error);
     }
@@ -126,14 +122,14 @@ fn of_encoder(data: &DataSet, model: &Model) -> f64 {
     let Some(again) = data.again() else { return 0.0 };
     let (encoder_nm, scored) = (data.encoder_nm(model), data.scored(model));
     let counted: Vec<f64> = encoder_nm.iter().zip(scored).filter(|(_, scored)| *scored).map(|(x, _)| *x).collect();
-    let mut blocks = differences(again, &encoder_nm, BLOCK).blocks;
-    let in_repeats = if blocks.len() >= BLOCKS_MIN { differing_square(&mut blocks) } else { 0.0 };
-    if counted.is_empty() { 0.0 } else { (mean_square(&counted) - in_repeats).max(0.0) }
+    let in_repeats = usual_square(&Differences::of(again, &encoder_nm, BLOCK)).unwrap_or_default();
+    if counted.is_empty() { 0.0 } else { (root_mean_square(&counted).powi(2) - in_repeats).max(0.0) }
 }
 
-/// Mean square of one of two series whose quick differences have these mean squares in blocks.
-fn differing_square(blocks: &mut [f64]) -> f64 {
-    median_square(blocks) / 2.0 / kept_of_noise(BLOCK)
+/// Mean square of what one of two repeats has, by the median over blocks of their differences, (N m)^2; nothing of few blocks.
+fn usual_square(differences: &Differences) -> Option<f64> {
+    let mut blocks = differences.blocks();
+    (blocks.len() >= BLOCKS_MIN).then(|| differences.of_one(quantile(&mut blocks, 0.5) / median_of_squares(BLOCK)))
 }
 
 /// The floor under `left_nm`, the residual at all rows of `after`, the model with its causes, oscillations left out; it includes slow noise.
@@ -154,9 +150,9 @@ pub fn settled(
     let found_again = left_square - unforeseen_square;
     let least = policy.floor_found_again_share * (left_square - encoder_square - fast.rms_nm.powi(2));
     let lasting = lasting_share(data, left_nm);
-    let moving: Vec<(f64, f64)> = speeds(data).zip(left_nm).map(|(speed, left)| (speed, left * left)).collect();
+    let by_speed = data.records.speeds_rad_s().into_iter().zip(left_nm).map(|(speed, left)| (speed, left * left));
     let is_noise = found_again <= least
-        && usual_square(&moving) <= most_of_noise(policy, moving)
+        && !depends_on_speed(policy, by_speed.collect())
         && (policy.floor_lasting_share / BLOCK..=policy.floor_lasting_share).contains(&lasting);
     if fast.source == FloorSource::Spectrum && noise_square > fast.rms_nm.powi(2) && is_noise {
         let all_nm = noise_square.sqrt();
@@ -170,9 +166,10 @@ pub fn settled(
             left_square,
         );
     }
-    let blocks = differences(data, left_nm, BLOCK_LATER).blocks;
+    let slower = Differences::of(data, left_nm, BLOCK_LATER);
+    let blocks = slower.blocks();
     let whole_square = match blocks.len() >= BLOCKS_MIN {
-        true => usual_mean(blocks, policy.floor_outlier) / 2.0 / kept_of_noise(BLOCK_LATER),
+        true => slower.of_one(usual_mean(blocks, policy.floor_outlier)),
         false => noise_square,
     };
     let rms_nm = whole_square.sqrt().min(policy.floor_rise_max * fast.rms_nm).max(fast.rms_nm);
@@ -190,55 +187,21 @@ fn lasting_share(data: &DataSet, left_nm: &[f64]) -> f64 {
     lasting / sum(|piece| piece.iter().map(|x| x * x).sum()).max(f64::MIN_POSITIVE)
 }
 
-/// The most that noise may have as its mean square over `rows` (speed and square at each): it does not depend on the motion, so no more
-/// than noise that is not white may exceed another, of what the quietest third by speed has. At rest nothing is compared: a
-/// torque read in steps does not change there.
-fn most_of_noise(policy: &Policy, mut rows: Vec<(f64, f64)>) -> f64 {
+/// The mean square of `rows` (speed, rad/s, and square at each) where the joint moves, and the most that it may be if it is noise. Noise does not
+/// depend on the motion: it exceeds that of the third of the speeds where it is quietest by no more than noise that is not white exceeds
+/// other noise. At rest a torque that is read in steps does not change.
+fn moving_and_most_square(policy: &Policy, mut rows: Vec<(f64, f64)>) -> (f64, f64) {
     rows.retain(|(speed, _)| *speed >= AT_REST_RAD_S);
     rows.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let mean = |rows: &[(f64, f64)]| rows.iter().map(|(_, square)| square).sum::<f64>() / rows.len().max(1) as f64;
     let thirds = rows.chunks(rows.len().div_ceil(3).max(1));
-    policy.floor_coloured_max.powi(2) * thirds.map(usual_square).fold(f64::INFINITY, f64::min)
+    (mean(&rows), policy.floor_coloured_max.powi(2) * thirds.map(mean).fold(f64::INFINITY, f64::min))
 }
 
-/// Mean square over rows of speed and square.
-fn usual_square(rows: &[(f64, f64)]) -> f64 {
-    rows.iter().map(|(_, square)| square).sum::<f64>() / rows.len().max(1) as f64
-}
-
-/// The speed at each row, rad/s.
-fn speeds(data: &DataSet) -> impl Iterator<Item = f64> {
-    data.records.all.iter().flat_map(|record| record.rows.iter().map(|i| record.own[*i].velocity.abs()))
-}
-
-/// What repeats differ by, slow differences removed.
-#[derive(Default)]
-struct Differences {
-    /// Mean squares in blocks.
-    blocks: Vec<f64>,
-    /// Speed and square at each row.
-    by_speed: Vec<(f64, f64)>,
-}
-
-/// What repeats of one motion differ by, in blocks of `block` independent samples.
-fn differences(data: &DataSet, residual_nm: &[f64], block: f64) -> Differences {
-    let (records, apart) = (&data.records, data.policy.same_place_share);
-    let rows = |independent: f64| (independent * records.rows_per_independent).round() as usize;
-    let spans = Spans { block: rows(block), slow: rows(SLOW_BLOCKS * block), lag: rows(LAG_MAX) as isize, apart };
-    let mut found = Differences::default();
-    for (a, first) in records.all.iter().enumerate() {
-        for (b, second) in records.all.iter().enumerate().skip(a + 1) {
-            if first.repeats.is_some() && first.repeats == second.repeats {
-                let [ra, rb] = [a, b].map(|at| &residual_nm[records.ranges[at].clone()]);
-                add_differences((first, ra), (second, rb), spans, &mut found);
-            }
-        }
-    }
-    found
-}
-
-/// The share of white noise's square that is left once slow differences are removed with blocks of `block` independent samples.
-fn kept_of_noise(block: f64) -> f64 {
-    1.0 - 1.0 / (SLOW_BLOCKS * block)
+/// Whether what has these squares is louder at some speeds than noise is.
+fn depends_on_speed(policy: &Policy, rows: Vec<(f64, f64)>) -> bool {
+    let (moving, most) = moving_and_most_square(policy, rows);
+    moving > most
 }
 
 /// The mean over blocks without those above `outlier` times their median, such as a contact in one repeat.
@@ -248,81 +211,12 @@ fn usual_mean(mut blocks: Vec<f64>, outlier: f64) -> f64 {
     blocks.iter().sum::<f64>() / blocks.len().max(1) as f64
 }
 
-/// The median of mean squares over blocks, corrected to their mean.
-fn median_square(blocks: &mut [f64]) -> f64 {
-    quantile(blocks, 0.5) / median_of_squares(BLOCK)
-}
-
-/// Lengths in rows, and how far apart repeats may be, as a share of the range.
-#[derive(Clone, Copy)]
-struct Spans {
-    block: usize,
-    slow: usize,
-    lag: isize,
-    apart: f64,
-}
-
-fn add_differences((a, ra): (&Record, &[f64]), (b, rb): (&Record, &[f64]), spans: Spans, found: &mut Differences) {
-    let [qa, qb] = [a, b].map(|record| record.rows.iter().map(|i| record.own[*i].position).collect::<Vec<f64>>());
-    if ra.len() < 2 * spans.slow || rb.len() < 2 * spans.slow {
-        return;
-    }
-    // Rows of both records are counted from their own first; what lies between is part of the lag.
-    let offset = b.rows[0] as isize - a.rows[0] as isize;
-    let base = offset / (a.rows.get(1).map_or(1, |next| next - a.rows[0]).max(1)) as isize;
-    let apart = |lag: isize| {
-        let (mut sum, mut count) = (0.0, 0usize);
-        for i in (0..qa.len()).step_by(5) {
-            if let Some(q) = usize::try_from(i as isize + lag).ok().and_then(|j| qb.get(j)) {
-                sum += (q - qa[i]) * (q - qa[i]);
-                count += 1;
-            }
-        }
-        if count * 10 > qa.len() { sum / count as f64 } else { f64::INFINITY }
-    };
-    let lags = (-spans.lag..=spans.lag).map(|lag| lag - base);
-    let Some(lag) = lags.min_by(|x, y| apart(*x).total_cmp(&apart(*y))) else { return };
-    let (low, high) = extent(&qa);
-    let limit = spans.apart * (high - low);
-    let speed = |i: usize| a.own[a.rows[i]].velocity.abs();
-    let pair = |i: usize| {
-        let j = usize::try_from(i as isize + lag).ok()?;
-        let near = (qb.get(j)? - qa[i]).abs() <= limit;
-        near.then(|| (speed(i), ra[i] - rb[j]))
-    };
-    let differences: Vec<Option<(f64, f64)>> = (0..qa.len()).map(pair).collect();
-    for run in differences.split(Option::is_none) {
-        let (speeds, run): (Vec<f64>, Vec<f64>) = run.iter().flatten().copied().unzip();
-        if run.len() < spans.slow {
-            continue;
-        }
-        let fast = without_slow(&run, spans.slow);
-        found.by_speed.extend(speeds.iter().zip(&fast).map(|(speed, d)| (*speed, d * d)));
-        found.blocks.extend(fast.chunks_exact(spans.block).map(mean_square));
-    }
-}
-
-fn mean_square(values: &[f64]) -> f64 {
-    values.iter().map(|d| d * d).sum::<f64>() / values.len() as f64
-}
-
-/// `values` less their running mean over `slow` of them.
-fn without_slow(values: &[f64], slow: usize) -> Vec<f64> {
-    let mut sums = Vec::with_capacity(values.len() + 1);
-    sums.push(0.0);
-    for v in values {
-        sums.push(sums[sums.len() - 1] + v);
-    }
-    let mean = |i: usize| {
-        let from = i.saturating_sub(slow / 2).min(values.len() - slow);
-        (sums[from + slow] - sums[from]) / slow as f64
-    };
-    values.iter().enumerate().map(|(i, v)| v - mean(i)).collect()
-}
-
 #[cfg(test)]
 mod tests {
-    use super::{Floor, FloorSource, lasting_share, of_encoder, of_noise, settled, speeds};
+    use super::{
+        Floor, FloorSource, depends_on_speed, lasting_share, moving_and_most_square, of_encoder, of_noise, settled,
+    };
+    use crate::diagnose::Policy;
     use crate::diagnose::data::DataSet;
     use crate::diagnose::data::tests::bundled;
 
@@ -367,7 +261,7 @@ mod tests {
         // No floor is above what a fit leaves on held-out units.
         assert!([false, true].iter().all(|is_bare| near(of(strong, less, *is_bare), 0.8)));
         // What a fit predicts is no noise, and neither is what lasts, swings faster than noise or is as loud as the speed.
-        let loud: Vec<f64> = speeds(&data).zip(&white).map(|(speed, x)| speed * x).collect();
+        let loud: Vec<f64> = data.records.speeds_rad_s().iter().zip(&white).map(|(speed, x)| speed * x).collect();
         for is_bare in [false, true] {
             assert!(near(of(2.0 * strong, strong, is_bare), rise));
             assert!([&slow, &quick, &loud].iter().all(|left_nm| near(of_left(left_nm, strong, strong, is_bare), rise)));
@@ -380,5 +274,20 @@ mod tests {
         // Of independent samples a tenth stands in means of ten; of a wave as long as 50 nearly all.
         let [white, wave] = [white(&data), wave(&data, 50.0)].map(|left_nm| lasting_share(&data, &left_nm));
         assert!((0.05..0.2).contains(&white) && wave > 0.8, "{white} and {wave}");
+    }
+
+    #[test]
+    fn noise_is_as_loud_at_any_speed_and_nothing_is_compared_at_rest() {
+        let policy = &Policy::default();
+        let rows = |square: fn(f64) -> f64| (0..300).map(|i| (f64::from(i), square(f64::from(i)))).collect::<Vec<_>>();
+        assert!(!depends_on_speed(policy, rows(|_| 1.0)));
+        assert!(!depends_on_speed(policy, rows(|speed| if speed > 0.0 { 1.0 } else { 1e6 })), "loud at rest alone");
+        assert!(depends_on_speed(policy, rows(|speed| speed * speed)), "a rumble");
+        assert!(depends_on_speed(policy, rows(|speed| if speed < 90.0 { 20.0 } else { 1.0 })), "a chatter");
+        // The most that a rumble's noise may be is what its slow third has, times the square of the limit.
+        let (_, most) = moving_and_most_square(policy, rows(|speed| if speed <= 100.0 { 2.0 } else { 50.0 }));
+        assert!((most / (2.0 * policy.floor_coloured_max.powi(2)) - 1.0).abs() < 1e-12, "{most}");
+        // Of a joint that never moves nothing is known.
+        assert!(!depends_on_speed(policy, vec![(0.0, 1.0); 9]));
     }
 }

@@ -118,7 +118,7 @@ fn quantities(data: &DataSet, joint: &Joint) -> Vec<Quantity> {
     };
     let mut all = vec![
         quantity(Region::AfterReversal, travel, "travel since the reversal", angle),
-        quantity(Region::LowSpeed, rows.rows(|r, i| r.own[i].velocity.abs()), "speed", rate),
+        quantity(Region::LowSpeed, rows.speeds_rad_s(), "speed", rate),
         quantity(Region::Position, rows.rows(|r, i| r.own[i].position), "position", angle),
         quantity(Region::Time, rows.rows(Record::elapsed_s), "time", ("s", 1.0)),
         quantity(Region::Time, rows.rows(|r, i| r.time_s[i]), "time in the trial", ("s", 1.0)),

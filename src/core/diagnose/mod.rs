@@ -39,6 +39,7 @@ mod probability;
 mod progress;
 mod record;
 mod records;
+mod repeats;
 mod ripple;
 mod rounds;
 mod search;

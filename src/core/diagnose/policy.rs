@@ -132,6 +132,7 @@ pub struct Policy {
     /// Noise is no louder than this times what is left at the speeds where that is quietest.
     pub floor_coloured_max: f64,
     /// Share of the square of what is left: more of it that lasts for ten independent samples is no noise, whether a fit predicts it or not.
+    /// Neither is what lasts less than this share of what white noise would: it swings faster.
     pub floor_lasting_share: f64,
     /// Share of the rise of the floor's square: its standard error; the recordings hold few independent stretches of slow noise.
     pub floor_rise_error: f64,

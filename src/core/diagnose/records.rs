@@ -108,6 +108,11 @@ impl Records {
         self.all.iter().flat_map(|record| record.rows.iter().map(|i| of(record, *i)).collect::<Vec<T>>()).collect()
     }
 
+    /// The speed at the rows, rad/s.
+    pub fn speeds_rad_s(&self) -> Vec<f64> {
+        self.rows(|record, i| record.own[i].velocity.abs())
+    }
+
     /// Measured y at the rows, low-passed, N m.
     pub fn measured_nm(&self) -> Vec<f64> {
         self.rows(|record, i| record.torque_nm[i])

@@ -36,6 +36,8 @@ pub struct Extent {
     pub stroke_rad: f64,
     /// Speeds that 5 % and all of the moving samples stay below, rad/s.
     pub speed_rad_s: (f64, f64),
+    /// The lowest speed of which enough was recorded to show friction, in starting and turning at least, rad/s.
+    pub slowest_rad_s: f64,
     /// The longest trial, s.
     pub trial_s: f64,
     /// The whole campaign, s.

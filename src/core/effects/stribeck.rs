@@ -33,8 +33,7 @@ pub struct Stribeck;
 impl Stribeck {
     /// The slowest speed that a search looks at, rad/s.
     fn slowest_rad_s(extent: &Extent) -> f64 {
-        let (slow, fast) = extent.speed_rad_s;
-        slow.max(fast / 200.0)
+        extent.slowest_rad_s.max(extent.speed_rad_s.1 / 200.0)
     }
 }
 

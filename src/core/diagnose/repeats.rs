@@ -1,0 +1,113 @@
+//! What repeats of one motion differ by: their residuals, aligned in time by their positions, without slow differences.
+
+use super::data::DataSet;
+use super::record::Record;
+use crate::numerics::statistics::extent;
+
+/// Slow differences are averaged over this many blocks and removed.
+const SLOW_BLOCKS: f64 = 2.0;
+/// Repeats are aligned within this many independent samples.
+const LAG_MAX: f64 = 10.0;
+
+/// The differences between all repeats.
+#[derive(Debug)]
+pub struct Differences {
+    /// Independent samples in a block.
+    block: f64,
+    /// The same in rows.
+    rows: usize,
+    /// Stretches in which both repeats are at the same place: the speed at each row, rad/s, and by what they differ there, N m.
+    runs: Vec<Vec<(f64, f64)>>,
+}
+
+impl Differences {
+    /// Of `residual_nm`, at all rows, in blocks of `block` independent samples.
+    pub fn of(data: &DataSet, residual_nm: &[f64], block: f64) -> Self {
+        let (records, apart) = (&data.records, data.policy.same_place_share);
+        let rows = |independent: f64| (independent * records.rows_per_independent).round() as usize;
+        let spans = Spans { slow: rows(SLOW_BLOCKS * block), lag: rows(LAG_MAX) as isize, apart };
+        let mut runs = Vec::new();
+        for (a, first) in records.all.iter().enumerate() {
+            for (b, second) in records.all.iter().enumerate().skip(a + 1) {
+                if first.repeats.is_some() && first.repeats == second.repeats {
+                    let [ra, rb] = [a, b].map(|at| &residual_nm[records.ranges[at].clone()]);
+                    add_runs((first, ra), (second, rb), spans, &mut runs);
+                }
+            }
+        }
+        Self { block, rows: rows(block), runs }
+    }
+
+    /// Their mean squares in blocks, (N m)^2.
+    pub fn blocks(&self) -> Vec<f64> {
+        let mean_square = |block: &[(f64, f64)]| block.iter().map(|(_, d)| d * d).sum::<f64>() / block.len() as f64;
+        self.runs.iter().flat_map(|run| run.chunks_exact(self.rows).map(mean_square)).collect()
+    }
+
+    /// The speed, rad/s, and the square, (N m)^2, at each row.
+    pub fn by_speed(&self) -> Vec<(f64, f64)> {
+        self.runs.iter().flatten().map(|(speed, d)| (*speed, d * d)).collect()
+    }
+
+    /// The mean square of white noise in one repeat where that of the differences is `square`, (N m)^2: both differ, and of their noise some
+    /// went with the slow differences.
+    pub fn of_one(&self, square: f64) -> f64 {
+        square / 2.0 / (1.0 - 1.0 / (SLOW_BLOCKS * self.block))
+    }
+}
+
+/// Lengths in rows, and how far apart repeats may be, as a share of the range.
+#[derive(Clone, Copy)]
+struct Spans {
+    slow: usize,
+    lag: isize,
+    apart: f64,
+}
+
+fn add_runs((a, ra): (&Record, &[f64]), (b, rb): (&Record, &[f64]), spans: Spans, runs: &mut Vec<Vec<(f64, f64)>>) {
+    let [qa, qb] = [a, b].map(|record| record.rows.iter().map(|i| record.own[*i].position).collect::<Vec<f64>>());
+    if ra.len() < 2 * spans.slow || rb.len() < 2 * spans.slow {
+        return;
+    }
+    // Rows of both records are counted from their own first; what lies between is part of the lag.
+    let offset = b.rows[0] as isize - a.rows[0] as isize;
+    let base = offset / (a.rows.get(1).map_or(1, |next| next - a.rows[0]).max(1)) as isize;
+    let apart = |lag: isize| {
+        let (mut sum, mut count) = (0.0, 0usize);
+        for i in (0..qa.len()).step_by(5) {
+            if let Some(q) = usize::try_from(i as isize + lag).ok().and_then(|j| qb.get(j)) {
+                sum += (q - qa[i]) * (q - qa[i]);
+                count += 1;
+            }
+        }
+        if count * 10 > qa.len() { sum / count as f64 } else { f64::INFINITY }
+    };
+    let lags = (-spans.lag..=spans.lag).map(|lag| lag - base);
+    let Some(lag) = lags.min_by(|x, y| apart(*x).total_cmp(&apart(*y))) else { return };
+    let (low, high) = extent(&qa);
+    let limit = spans.apart * (high - low);
+    let pair = |i: usize| {
+        let j = usize::try_from(i as isize + lag).ok()?;
+        let near = (qb.get(j)? - qa[i]).abs() <= limit;
+        near.then(|| (a.own[a.rows[i]].velocity.abs(), ra[i] - rb[j]))
+    };
+    let differences: Vec<Option<(f64, f64)>> = (0..qa.len()).map(pair).collect();
+    for run in differences.split(Option::is_none).filter(|run| run.len() >= spans.slow) {
+        let (speeds, run): (Vec<f64>, Vec<f64>) = run.iter().flatten().copied().unzip();
+        runs.push(speeds.into_iter().zip(without_slow(&run, spans.slow)).collect());
+    }
+}
+
+/// `values` less their running mean over `slow` of them.
+fn without_slow(values: &[f64], slow: usize) -> Vec<f64> {
+    let mut sums = Vec::with_capacity(values.len() + 1);
+    sums.push(0.0);
+    for v in values {
+        sums.push(sums[sums.len() - 1] + v);
+    }
+    let mean = |i: usize| {
+        let from = i.saturating_sub(slow / 2).min(values.len() - slow);
+        (sums[from + slow] - sums[from]) / slow as f64
+    };
+    values.iter().enumerate().map(|(i, v)| v - mean(i)).collect()
+}
