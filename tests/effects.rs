@@ -151,6 +151,8 @@ fn parameters_name_their_units_and_have_room() {
         "stiffens",
         "by_speed",
         "long_tail",
+        "parts",
+        "hardens",
         "in_place",
     ];
     for effect in LIBRARY {
@@ -409,6 +411,7 @@ fn numbers_that_contradict_the_name_are_told() {
         "load_dependent_friction:up=0.2,down=-0.15",
         "elastic_spring:stiffness_nm_rad=-0.3,stiffens=1,cubic_nm_rad3=-0.2",
         "warm_up:restarts=0,cold_share=-0.5,cold_nm=0.1,time_constant_s=15,exponent=1",
+        "warm_up:restarts=0,cold_nm=-0.1,time_constant_s=15,exponent=1,parts=2",
         "friction_ripple:periods_per_rad=1.2,sin_1_nm=0.08",
         "torque_ripple:periods_per_rad=0.9,cos_of_load=0.1",
         "sensor_drift:restarts=0,horizon_s=40,waves=0,settle_s=5,line_nm=0.01,offset_nm=0.2",
@@ -456,6 +459,21 @@ fn what_leaves_the_joint_behind_says_so() {
     for added in examples() {
         let lag_rad = added.hooks().position_lag_rad(&added.parameters, 1.0, 1.0);
         assert_eq!(lag_rad != 0.0, added.effect.lags(), "{}: {lag_rad}", added.id());
+    }
+}
+
+/// What an effect learns later is a form of it: models from before say nothing of it.
+#[test]
+fn a_form_that_a_model_does_not_know_is_the_default() {
+    let scratch = tempfile::tempdir().unwrap();
+    let file = scratch.path().join("model.json");
+    for (id, later) in [("cable_elasticity", &["hardens", "hardens_nm"][..]), ("warm_up", &["parts"])] {
+        let model = with(example(id));
+        let mut json = model.to_json();
+        let parameters = json["effects"][0]["parameters"].as_object_mut().unwrap();
+        later.iter().for_each(|name| assert!(parameters.remove(*name).is_some(), "{name}"));
+        std::fs::write(&file, json.to_string()).unwrap();
+        assert_eq!(Model::read(&file).unwrap(), model);
     }
 }
 

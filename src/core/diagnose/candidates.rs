@@ -301,16 +301,18 @@ fn begin(
     let is_kept = |at: &usize| all[..*at].iter().filter(|better| in_same_form(better, &all[*at])).count() < KEPT;
     let promising = (0..all.len()).filter(is_kept).map(|at| all[at].clone()).collect();
     let is_linear = starts.first()?.2.iter().all(|way| way.is_linear);
+    let reach = reach(alone(base), starts[0].0);
+    let has_prospect = |(cost, ..): &(f64, Model, Vec<Perturbation>)| *cost <= reach;
     let followed = match effect.about().starts {
-        Starts::Forms => {
-            let reach = reach(alone(base), starts[0].0);
-            starts.partition_point(|(cost, ..)| *cost <= reach).max(1)
-        }
+        Starts::Forms => starts.partition_point(has_prospect).max(1),
         Starts::PositionLines { .. } => 1,
         _ if is_linear || known.is_some() => 1,
         _ => STARTS,
     };
-    starts.truncate(followed);
+    // A form with fewer numbers comes behind in any fit to all rows, and may be ahead on those that a fit does not see.
+    let fewest = starts.iter().take(followed).map(|(.., moves)| moves.len()).min()?;
+    let others = starts.split_off(followed.min(starts.len()));
+    starts.extend(others.into_iter().take_while(has_prospect).find(|(.., moves)| moves.len() < fewest));
     Some(Initialised { effect, starts, promising })
 }
 

@@ -48,10 +48,11 @@ pub enum Share {
 }
 
 impl Share {
-    /// The smallest gain that counts where `gap` of `whole` remains, (N m)^2.
-    fn least(self, policy: &Policy, gap: f64, whole: f64) -> f64 {
+    /// The smallest gain that counts where `gap` of `whole` remains above a floor of `floor_square`, (N m)^2.
+    fn least(self, policy: &Policy, (gap, whole, floor_square): (f64, f64, f64)) -> f64 {
         let misfit = policy.further_explained_share * (whole - gap);
-        let further = |share: f64| (share * gap).max(misfit).min(policy.further_gap_share * whole);
+        let closing = (policy.further_closing_share * gap).max(policy.further_floors.powi(2) * floor_square);
+        let further = |share: f64| (share * gap).max(misfit).min(policy.further_gap_share * whole).min(closing);
         match self {
             Self::First => policy.first_gap_share * gap,
             Self::Further => further(policy.further_remainder_share),
@@ -122,7 +123,7 @@ pub fn requirements(
     let value = now - with.score();
     let gap = (now - floor_square).max(0.0);
     let whole = (start - floor_square).max(0.0);
-    let least = share.least(policy, gap, whole);
+    let least = share.least(policy, (gap, whole, floor_square));
     let mut all = vec![Requirement { rule: "share of the gap", value, least }];
     let of_floor = || Requirement { rule: "floors", value, least: share.least_of_floor(policy).powi(2) * floor_square };
     let sure = || sureness((policy, &with.mask.data.folds), &without.held_out, &with.held_out);
@@ -212,10 +213,13 @@ mod tests {
             assert_eq!(Share::of(policy, Cause::Effect(of_time), 1.0), Share::Further);
         }
         // A tenth of a gap of which half remains: enough for a distinct cause, not for any other.
-        let least = |share: Share| share.least(policy, 0.5, 1.0);
+        let floor_square = 1e-3;
+        let least = |share: Share| share.least(policy, (0.5, 1.0, floor_square));
         assert!(least(Share::Distinct) < 0.1 && least(Share::Further) > 0.1);
         assert!(Share::First.least_of_floor(policy) < Share::Distinct.least_of_floor(policy));
         // Of what the misfit of a formula explains no share is enough.
-        assert!(Share::Distinct.least(policy, 0.03, 1.0) > 0.03);
+        assert!(Share::Distinct.least(policy, (0.03, 1.0, 0.05)) > 0.03);
+        // But one that closes a gap of more than a floor is no misfit.
+        assert!(Share::Distinct.least(policy, (0.03, 1.0, floor_square)) < 0.03);
     }
 }

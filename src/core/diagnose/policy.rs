@@ -29,6 +29,9 @@ pub struct Policy {
     /// Share of the gap's square: enough for a further cause; in a gap with many small causes even a large one is a small share of the
     /// remainder.
     pub further_gap_share: f64,
+    /// Share of the remainder's square: enough for a further cause, if it reaches `further_floors`; one cause seldom explains to the floor what is
+    /// misfit of another's formula.
+    pub further_closing_share: f64,
     /// Share of its gain: a further cause that is ahead of every other cause by this much is distinct; `distinct_remainder_share` is then enough.
     pub distinct_share: f64,
     /// Share of the remainder's square: a distinct further cause must explain this much of it, less than one that others could replace.
@@ -166,6 +169,7 @@ impl Default for Policy {
             further_remainder_share: 0.30,
             further_explained_share: 0.035,
             further_gap_share: 0.12,
+            further_closing_share: 0.8,
             distinct_share: 0.25,
             distinct_remainder_share: 0.1,
             gain_errors: 2.0,
@@ -232,13 +236,14 @@ pub struct Threshold {
 }
 
 /// All thresholds, in the order of the fields.
-pub const ENTRIES: [Threshold; 59] = [
+pub const ENTRIES: [Threshold; 60] = [
     Threshold { name: "first_floors", field: |policy| &mut policy.first_floors },
     Threshold { name: "further_floors", field: |policy| &mut policy.further_floors },
     Threshold { name: "first_gap_share", field: |policy| &mut policy.first_gap_share },
     Threshold { name: "further_remainder_share", field: |policy| &mut policy.further_remainder_share },
     Threshold { name: "further_explained_share", field: |policy| &mut policy.further_explained_share },
     Threshold { name: "further_gap_share", field: |policy| &mut policy.further_gap_share },
+    Threshold { name: "further_closing_share", field: |policy| &mut policy.further_closing_share },
     Threshold { name: "distinct_share", field: |policy| &mut policy.distinct_share },
     Threshold { name: "distinct_remainder_share", field: |policy| &mut policy.distinct_remainder_share },
     Threshold { name: "gain_errors", field: |policy| &mut policy.gain_errors },

@@ -13,7 +13,7 @@ pub enum Role {
     Level,
     /// It selects, and is neither fitted nor has it an interval: which joint, which clock.
     Choice,
-    /// It selects a form of the effect, like a choice; 0 is the simplest, and the default.
+    /// It selects a form of the effect, like a choice; 0 is the default.
     Form,
 }
 

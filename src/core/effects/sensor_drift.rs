@@ -14,6 +14,10 @@ const FIRST_WAVE: usize = 6;
 /// Most waves; without waves the drift settles and goes on linearly, with them it varies slowly. Both together are not identifiable on a
 /// held-out trial: only the first trial shows what settles.
 const WAVES: usize = 4;
+/// So few are tried, too: what varies slowly is foreseen best by them where a trial is held out.
+const FEW_WAVES: f64 = 2.0;
+/// Largest way of a drift, as a share of the reading's range: at its ends, which few samples show, its law goes a little beyond what was read.
+const SPAN_MAX: f64 = 1.1;
 /// Where the constant stands: what drifts has no reason to begin at zero.
 const OFFSET: usize = FIRST_WAVE + WAVES;
 
@@ -68,7 +72,7 @@ impl Effect for SensorDrift {
                 shapes.into_iter().chain([0.0; 2 + WAVES + 1]).collect()
             })
         };
-        of(0.0).chain(of(WAVES as f64)).collect()
+        of(0.0).chain(of(FEW_WAVES)).chain(of(WAVES as f64)).collect()
     }
 
     fn uses(&self, p: &[f64], at: usize) -> bool {
@@ -83,7 +87,7 @@ impl Effect for SensorDrift {
     fn is_itself(&self, p: &[f64], extent: &Extent) -> bool {
         let drift_nm = |t_s| offset_nm(p, t_s);
         let (low, high) = statistics::extent(&scanned(drift_nm, p[1]));
-        high - low <= extent.torque_nm.1 - extent.torque_nm.0 && varies(drift_nm, p[1])
+        high - low <= SPAN_MAX * (extent.torque_nm.1 - extent.torque_nm.0) && varies(drift_nm, p[1])
     }
 }
 

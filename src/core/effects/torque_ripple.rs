@@ -1,8 +1,11 @@
 //! Torque that varies periodically with position whatever the direction: cogging, an eccentric pulley.
 
-use super::ripple::{parameters, repeats, ripple_nm, starts};
+use super::ripple::{parameters, periods, ripple_nm, starts};
 use super::{About, ActsOn, Effect, Excitation, Extent, Family, Hooks, Region, Sample, Starts};
 use crate::numerics::scalar::Scalar;
+
+/// At least this many periods within the range: fewer are a function of position like gravity or a spring, which say it by fewer numbers.
+const PERIODS_MIN: f64 = 1.0;
 
 static ABOUT: About = About {
     id: "torque_ripple",
@@ -33,7 +36,7 @@ impl Effect for TorqueRipple {
     }
 
     fn is_itself(&self, p: &[f64], extent: &Extent) -> bool {
-        repeats(p, extent)
+        periods(p, extent) >= PERIODS_MIN
     }
 }
 

@@ -15,6 +15,15 @@ fn cold<S: Scalar>(p: &[S], t_s: S::Given) -> S {
 
 /// How much less of all friction there may seem to be when cold, beside more of its constant and viscous part.
 const LESS_MAX: f64 = 0.1;
+/// Where the form stands that says which of friction's parts decay, and the parts' strengths: all of it, what is constant, what is viscous.
+const PARTS: usize = 7;
+const STRENGTHS: [usize; 3] = [1, 2, 3];
+const EXPONENT: usize = 5;
+
+/// The strength of the one part that decays, exponentially; none where each does so on its own, along any curve.
+fn only(p: &[f64]) -> Option<usize> {
+    STRENGTHS.into_iter().find(|at| *at as f64 == p[PARTS])
+}
 
 static ABOUT: About = About {
     id: "warm_up",
@@ -22,7 +31,7 @@ static ABOUT: About = About {
     acts_on: ActsOn::Friction,
     means: "friction decays as the joint warms up",
     formula: "friction (1 + cold_share w) + or - cold_nm w + cold_nm_s_rad v w, w = exp(-(t/time_constant_s)^exponent), or \
-              with a long_tail (1 + t/time_constant_s)^-exponent",
+              with a long_tail (1 + t/time_constant_s)^-exponent; parts: 0 each on its own, 1 cold_share alone, 2 cold_nm, 3 cold_nm_s_rad",
     source: "Simoni, Beschi, Legnani and Visioli 2015",
     signature: Region::Time,
     trades_with: &["sensor_drift"],
@@ -35,6 +44,7 @@ static ABOUT: About = About {
         Parameter::shape("time_constant_s", 1e-2, 1e6),
         Parameter::shape("exponent", 0.3, 2.0),
         Parameter::form("long_tail", 1.0),
+        Parameter::form("parts", STRENGTHS.len() as f64),
     ],
     needs: &[Excitation::Time],
     by_hand: Some("repeat the first trial cold and again after ten minutes of motion"),
@@ -61,21 +71,30 @@ impl Effect for WarmUp {
     fn starts(&self, extent: &Extent) -> Vec<Vec<f64>> {
         let of = |(restarts, horizon_s): (f64, f64)| {
             spaced(horizon_s / 20.0, horizon_s * 1.5, 4).flat_map(move |constant_s| {
-                [(0.9, 0.0), (1.0, 1.0)]
-                    .map(|(exponent, long_tail)| vec![restarts, 0.0, 0.0, 0.0, constant_s, exponent, long_tail])
+                let start = move |exponent, long_tail, parts| {
+                    vec![restarts, 0.0, 0.0, 0.0, constant_s, exponent, long_tail, parts]
+                };
+                let one = STRENGTHS.map(|at| start(1.0, 0.0, at as f64));
+                one.into_iter().chain([start(0.9, 0.0, 0.0), start(1.0, 1.0, 0.0)])
             })
         };
         extent.clocks().flat_map(of).collect()
     }
 
+    fn uses(&self, p: &[f64], at: usize) -> bool {
+        let is_of_others = |only: usize| at != only && (STRENGTHS.contains(&at) || at == EXPONENT);
+        !only(p).is_some_and(is_of_others)
+    }
+
     /// Friction that is lower when cold is not this effect; where only a part of it warms up, the share may come out slightly negative.
     /// Nor is friction that is as high at the end as at the start.
     fn is_itself(&self, p: &[f64], extent: &Extent) -> bool {
-        p[1] >= -LESS_MAX && varies(|t_s| cold(p, t_s), extent.horizon_s(p[0]))
+        let is_less_when_warm = only(p).map_or(p[1] >= -LESS_MAX, |only| p[only] >= 0.0);
+        is_less_when_warm && varies(|t_s| cold(p, t_s), extent.horizon_s(p[0]))
     }
 
     fn limits(&self, at: usize, _extent: &Extent) -> (f64, f64) {
-        (if at == 1 { -LESS_MAX } else { f64::NEG_INFINITY }, f64::INFINITY)
+        (if at == STRENGTHS[0] { -LESS_MAX } else { f64::NEG_INFINITY }, f64::INFINITY)
     }
 }
 
@@ -90,5 +109,20 @@ impl<S: Scalar> Hooks<S> for WarmUp {
         }
         let more_nm = (p[2] + sample.own.velocity.abs() * p[3]) * cold(p, clock_s(p[0].value(), sample));
         Both { up: more_nm, down: -more_nm }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Effect, WarmUp};
+
+    #[test]
+    fn where_one_part_of_friction_decays_no_other_is_fitted() {
+        let fitted = |parts: f64| {
+            let p = [0.0, 0.0, 0.0, 0.0, 15.0, 1.0, 0.0, parts];
+            [1, 2, 3, 4, 5].into_iter().filter(|at| WarmUp.uses(&p, *at)).collect::<Vec<usize>>()
+        };
+        assert_eq!(fitted(0.0), [1, 2, 3, 4, 5]);
+        assert_eq!([1.0, 2.0, 3.0].map(fitted), [[1, 4], [2, 4], [3, 4]]);
     }
 }

@@ -5,7 +5,7 @@ use super::{
 };
 use crate::document::{Document, Section};
 use crate::dynamics::{Dynamics, JointKind, Payload};
-use crate::effects::{Added, LIBRARY, Parameter};
+use crate::effects::{Added, LIBRARY, Parameter, Role};
 use crate::problem::Result;
 use serde_json::{Map, Value, json};
 use std::path::Path;
@@ -215,11 +215,16 @@ fn read_combination(s: &Section) -> Option<Combination> {
     }
 }
 
-/// One effect: its name, and a number for each of its parameters.
+/// One effect: its name, and a number for each of its parameters; a form or a shape that a file does not know is the default.
 fn read_effect(s: &Section) -> Option<Added> {
     let effect = s.need("id").choice(&LIBRARY.map(|effect| (effect.about().id, effect)))?;
     let one = |s: &Section, parameter: &Parameter| {
-        let value = s.need(parameter.name).number()?;
+        let value = match parameter.role {
+            Role::Form | Role::Shape if parameter.default.is_some() => {
+                s.may(parameter.name).number().or(parameter.default)
+            }
+            _ => s.need(parameter.name).number(),
+        }?;
         if !parameter.allows(value) {
             let (low, high) = parameter.bounds;
             s.reject(parameter.name, format!("is {value}"), format!("expected {low} to {high}"));
