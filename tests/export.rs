@@ -98,6 +98,7 @@ pub fn atan(x: f64) -> f64 { x.atan() }
 pub fn copysign(x: f64, s: f64) -> f64 { x.copysign(s) }
 pub fn cos(x: f64) -> f64 { x.cos() }
 pub fn exp(x: f64) -> f64 { x.exp() }
+pub fn log(x: f64) -> f64 { x.ln() }
 pub fn hypot(x: f64, y: f64) -> f64 { x.hypot(y) }
 pub fn fabs(x: f64) -> f64 { x.abs() }
 pub fn fmax(x: f64, y: f64) -> f64 { x.max(y) }
@@ -239,6 +240,9 @@ fn with_an_arm_the_caller_adds_the_chain_s_torque() {
     let effects = vec![example("cable_elasticity"), example("joint_coupling")];
     let model = Model { chain, effects, ..model("data/elbow/truth/model.json") };
     agree(&model, &bundled("data/arm", &model), "arm");
+    let hardens = "cable_elasticity:with_friction=1,compliance_rad_nm=0.03,hardens=1,hardens_nm=0.2";
+    let model = Model { effects: vec![Added::parse(hardens).unwrap()], ..model };
+    agree(&model, &bundled("data/arm", &model), "a cable that hardens, under loads of either sign");
 }
 
 /// `effect` as it is, and with each of its choices the other way.

@@ -74,8 +74,8 @@ impl<S: Scalar> Hooks<S> for CableElasticity {
         if p[2].value() <= 0.5 {
             return p[1] * tau_nm;
         }
-        let sign = tau_nm.value().signum();
-        p[1] * p[3] * (tau_nm * sign / p[3] + 1.0).ln() * sign
+        let stretch_rad = |tau_nm: S| p[1] * p[3] * (tau_nm / p[3] + 1.0).ln();
+        tau_nm.if_positive(|| stretch_rad(tau_nm), || -stretch_rad(-tau_nm))
     }
 }
 
