@@ -154,7 +154,7 @@ fn sureness((policy, folds): (&Policy, &Folds), before: &[f64], after: &[f64]) -
 
 /// Causes other than `taken` that do as well with no more numbers (one that a spring over a short way is mistaken for may have one
 /// less), and, unless the joint confirms it, other forms of it that explain as much within the accuracy of any formula, however many numbers
-/// they have.
+/// they have. Of a parameter out of date that has none of these, the effect known to be mistaken for it that does better by one number more.
 pub fn rivals(taken: &FittedCause, tried: &[FittedCause], start: f64) -> Vec<Cause> {
     let spare = |cause: Cause| {
         usize::from(taken.cause.effect().is_some_and(|effect| effect.about().outnumbered_by.contains(&cause.name())))
@@ -169,6 +169,12 @@ pub fn rivals(taken: &FittedCause, tried: &[FittedCause], start: f64) -> Vec<Cau
         if !found.contains(&other.cause) {
             found.push(other.cause);
         }
+    }
+    let does_better = |other: &&FittedCause| {
+        other.count() == taken.count() + 1 && other.score() < taken.score() && names(other.cause, taken.cause)
+    };
+    if found.is_empty() && matches!(taken.cause, Cause::Stale(_)) {
+        found.extend(tried.iter().find(does_better).map(|other| other.cause));
     }
     found
 }

@@ -4,8 +4,8 @@ use super::ripple::{parameters, periods, ripple_nm, starts};
 use super::{About, ActsOn, Effect, Excitation, Extent, Family, Hooks, Region, Sample, Starts};
 use crate::numerics::scalar::Scalar;
 
-/// At least this many periods within the range: fewer are a function of position like gravity or a spring, which say it by fewer numbers.
-const PERIODS_MIN: f64 = 1.0;
+/// At least this many periods within the range: fewer are not told from gravity or a spring.
+const PERIODS_MIN: f64 = 1.5;
 
 static ABOUT: About = About {
     id: "torque_ripple",
