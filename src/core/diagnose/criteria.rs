@@ -171,7 +171,8 @@ pub fn rivals(taken: &FittedCause, tried: &[FittedCause], start: f64) -> Vec<Cau
         }
     }
     let does_better = |other: &&FittedCause| {
-        other.count() == taken.count() + 1 && other.score() < taken.score() && names(other.cause, taken.cause)
+        let is_one_more = other.count() == taken.count() + 1 && names(other.cause, taken.cause);
+        is_one_more && other.score() < taken.score() && is_tie(&other.fit, &taken.fit, start)
     };
     if found.is_empty() && matches!(taken.cause, Cause::Stale(_)) {
         found.extend(tried.iter().find(does_better).map(|other| other.cause));

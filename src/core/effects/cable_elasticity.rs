@@ -10,7 +10,7 @@ static ABOUT: About = About {
     id: "cable_elasticity",
     family: Family::Physics,
     acts_on: ActsOn::Load,
-    means: "stretch of the cable takes the joint off the measured angle, in proportion to load",
+    means: "stretch of the cable takes the joint off the measured angle, the more the more it bears",
     formula: "q_joint = q - compliance_rad_nm tau; gravity is taken there; tau = the load, or y r2/r1 where with_friction; if it \
               hardens, its stiffness grows by itself with each hardens_nm: ln(1 + |tau|/hardens_nm) hardens_nm sgn(tau) instead of tau",
     source: "two-mass models; Spong 1987; stiffness that grows with the load: Feyrer, Wire Ropes, 2015",

@@ -1,12 +1,9 @@
 //! Friction that varies periodically with position and changes sign with the direction.
 
-use super::ripple::{parameters, periods, ripple_nm, starts};
+use super::ripple::{parameters, repeats, ripple_nm, starts};
 use super::{About, ActsOn, Carried, Effect, Excitation, Extent, Family, Hooks, Region, Sample, Starts};
 use crate::dynamics::Both;
 use crate::numerics::scalar::Scalar;
-
-/// At least this many periods within the range: fewer would be any function of position, with which friction may grow as it likes.
-const PERIODS_MIN: f64 = 1.5;
 
 static ABOUT: About = About {
     id: "friction_ripple",
@@ -38,7 +35,7 @@ impl Effect for FrictionRipple {
     }
 
     fn is_itself(&self, p: &[f64], extent: &Extent) -> bool {
-        periods(p, extent) >= PERIODS_MIN
+        repeats(p, extent)
     }
 }
 

@@ -29,8 +29,10 @@ pub(super) const fn parameters(sin: &'static str, cos: &'static str) -> [Paramet
     ]
 }
 
-/// Fewest and most periods within the range that are tried.
-const PERIODS: (f64, f64) = (1.5, 150.0);
+/// At least this many periods within the range: fewer are not told from any other function of position ...
+const PERIODS_MIN: f64 = 1.5;
+/// ... and at most this many.
+const PERIODS_MAX: f64 = 150.0;
 
 /// The ripple at `sample`, N m: what is always there, and what there is of it in each N m that the cable carries.
 pub(super) fn ripple_nm<S: Scalar>(p: &[S], sample: &Sample<'_, S::Given>) -> (S, S) {
@@ -49,15 +51,15 @@ pub(super) fn ripple_nm<S: Scalar>(p: &[S], sample: &Sample<'_, S::Given>) -> (S
     (sum, by_load[0] * sin + by_load[1] * cos)
 }
 
-/// How many of its periods the range shows.
-pub(super) fn periods(p: &[f64], extent: &Extent) -> f64 {
-    p[0] * (extent.position_rad.1 - extent.position_rad.0)
+/// Whether the range shows enough of its periods for them to be told from any other function of position.
+pub(super) fn repeats(p: &[f64], extent: &Extent) -> bool {
+    p[0] * (extent.position_rad.1 - extent.position_rad.0) >= PERIODS_MIN
 }
 
 /// Wave numbers so dense that the search meets every line's slope.
 pub(super) fn starts(extent: &Extent) -> Vec<Vec<f64>> {
     let range_rad = extent.position_rad.1 - extent.position_rad.0;
-    spaced(PERIODS.0 / range_rad, PERIODS.1 / range_rad, 40)
+    spaced(PERIODS_MIN / range_rad, PERIODS_MAX / range_rad, 40)
         .map(|periods| std::iter::once(periods).chain([0.0; NUMBERS - 1]).collect())
         .collect()
 }

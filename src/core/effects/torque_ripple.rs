@@ -1,11 +1,8 @@
 //! Torque that varies periodically with position whatever the direction: cogging, an eccentric pulley.
 
-use super::ripple::{parameters, periods, ripple_nm, starts};
+use super::ripple::{parameters, repeats, ripple_nm, starts};
 use super::{About, ActsOn, Effect, Excitation, Extent, Family, Hooks, Region, Sample, Starts};
 use crate::numerics::scalar::Scalar;
-
-/// At least this many periods within the range: fewer are not told from gravity or a spring.
-const PERIODS_MIN: f64 = 1.5;
 
 static ABOUT: About = About {
     id: "torque_ripple",
@@ -36,7 +33,7 @@ impl Effect for TorqueRipple {
     }
 
     fn is_itself(&self, p: &[f64], extent: &Extent) -> bool {
-        periods(p, extent) >= PERIODS_MIN
+        repeats(p, extent)
     }
 }
 

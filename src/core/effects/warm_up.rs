@@ -20,7 +20,7 @@ const PARTS: usize = 7;
 const STRENGTHS: [usize; 3] = [1, 2, 3];
 const EXPONENT: usize = 5;
 
-/// The strength of the one part that decays, exponentially; none where each does so on its own, along any curve.
+/// The strength of the one part that a fit moves, exponentially; none where each decays on its own, along any curve.
 fn only(p: &[f64]) -> Option<usize> {
     STRENGTHS.into_iter().find(|at| *at as f64 == p[PARTS])
 }
@@ -31,7 +31,8 @@ static ABOUT: About = About {
     acts_on: ActsOn::Friction,
     means: "friction decays as the joint warms up",
     formula: "friction (1 + cold_share w) + or - cold_nm w + cold_nm_s_rad v w, w = exp(-(t/time_constant_s)^exponent), or \
-              with a long_tail (1 + t/time_constant_s)^-exponent; parts: 0 each on its own, 1 cold_share alone, 2 cold_nm, 3 cold_nm_s_rad",
+              with a long_tail (1 + t/time_constant_s)^-exponent; a fit moves all of it (parts 0), or with a plain \
+              exponential cold_share alone (1), cold_nm (2), cold_nm_s_rad (3)",
     source: "Simoni, Beschi, Legnani and Visioli 2015",
     signature: Region::Time,
     trades_with: &["sensor_drift"],
