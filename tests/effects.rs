@@ -415,8 +415,8 @@ fn numbers_that_contradict_the_name_are_told() {
         "friction_ripple:periods_per_rad=1.2,sin_1_nm=0.08",
         "torque_ripple:periods_per_rad=0.9,cos_of_load=0.1",
         "sensor_drift:restarts=0,horizon_s=40,waves=0,settle_s=5,line_nm=0.01,offset_nm=0.2",
-        "sensor_gain:error=1.5",
-        "sensor_gain:error=-0.6",
+        "sensor_gain:error=2.5",
+        "sensor_gain:error=-0.7",
         "stribeck:up_nm=0.3,down_nm=0.3,speed_rad_s=6,exponent=1",
     ] {
         assert!(!is_itself(text), "{text}");

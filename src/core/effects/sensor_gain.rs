@@ -4,7 +4,7 @@ use super::{About, ActsOn, Effect, Excitation, Extent, Family, Hooks, Parameter,
 use crate::numerics::scalar::Scalar;
 
 /// Largest factor by which a scale is off.
-const OFF_BY: f64 = 2.0;
+const OFF_BY: f64 = 3.0;
 
 static ABOUT: About = About {
     id: "sensor_gain",
@@ -53,7 +53,7 @@ impl Effect for SensorGain {
         vec![vec![0.0]]
     }
 
-    /// A sensor that reads more than twice as much as there is, or less than half, is not out of calibration but another one.
+    /// A sensor that reads more than three times as much as there is, or less than a third, is not out of calibration but another one.
     fn is_itself(&self, p: &[f64], _extent: &Extent) -> bool {
         (1.0 / OFF_BY..=OFF_BY).contains(&(1.0 + p[0]))
     }

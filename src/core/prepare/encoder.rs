@@ -1,8 +1,9 @@
-//! The position that K_f follows, and the travel back below which nothing counts as a reversal.
+//! The position that a reading tells, and the travel back below which nothing counts as a reversal.
 //!
 //! K_f needs the position without the ringing that a filter leaves at a corner, so as recorded. But a coarse encoder stands
-//! still and jumps: with 4096 counts per turn a clearance of 20 mrad is 13 steps, and friction changes most in the first.
-//! Where it jumps, though, it tells the position exactly: half way between two counts.
+//! still and jumps: with 4096 counts per turn a clearance of 20 mrad is 13 steps, and friction changes most in the first; low-passed, steps
+//! leave a speed whose sign changes with each of them where the joint is slow. Where it jumps, though, it tells the position exactly: half
+//! way between two counts.
 
 use crate::numerics::statistics::deviation_by_median;
 
@@ -15,11 +16,17 @@ const DEADBAND_STEPS: f64 = 0.5;
 const STEPS_ALONE: f64 = 0.5;
 /// Changes are one step of an encoder within this share of it: a table rounds them.
 const ONE_STEP: f64 = 0.2;
-/// Steps matter where at least this share of all changes is a single one beside a sample without change; faster motion
-/// hides them.
-const LONE_SHARE: f64 = 0.5;
+/// Of changes of fewer steps than this ...
+const FEW_STEPS: f64 = 10.5;
+/// ... so many are whole numbers of steps, ...
+const WHOLE_SHARE: f64 = 0.95;
+/// ... within this share of one, where the position moves in steps.
+const WHOLE: f64 = 0.1;
+/// There, so many changes are of a single step beside a sample without change: as many of any motion that is slow somewhere, none of one that
+/// is of constant speed between its corners.
+const LONE_MIN: usize = 10;
 
-/// What K_f follows.
+/// What a reading tells.
 pub struct Position {
     /// What an encoder's jumps say of the position, rad; `None` where it is as recorded.
     pub between_jumps_rad: Option<Vec<f64>>,
@@ -61,17 +68,18 @@ pub fn smallest_change_rad(raw_rad: &[f64], above_rad: f64) -> Option<f64> {
     changes_rad(raw_rad, above_rad).min_by(f64::total_cmp)
 }
 
-/// The step of the encoder, rad; `None` where the position does not move in steps, or so fast that they do not matter.
+/// The step of the encoder, rad; `None` where the position does not move in steps.
 fn encoder_step_rad(raw_rad: &[f64]) -> Option<f64> {
-    let changes = || changes_rad(raw_rad, 0.0);
-    let step_rad = smallest_change_rad(raw_rad, 0.0)?;
-    let is_lone = |four: &&[f64]| {
-        let change_rad = (four[2] - four[1]).abs();
-        let beside_rest = four[0] == four[1] || four[2] == four[3];
-        change_rad > 0.0 && change_rad < (1.0 + ONE_STEP) * step_rad && beside_rest
-    };
+    let smallest_rad = smallest_change_rad(raw_rad, 0.0)?;
+    let mean = |changes: &[f64]| changes.iter().sum::<f64>() / changes.len() as f64;
+    let is_single = |change: f64| change > 0.0 && change < (1.0 + ONE_STEP) * smallest_rad;
+    let single: Vec<f64> = changes_rad(raw_rad, 0.0).filter(|change| is_single(*change)).collect();
+    let step_rad = mean(&single);
+    let is_lone = |four: &&[f64]| is_single((four[2] - four[1]).abs()) && (four[0] == four[1] || four[2] == four[3]);
     let lone = raw_rad.windows(4).filter(is_lone).count();
-    (lone as f64 >= LONE_SHARE * changes().count() as f64).then_some(step_rad)
+    let few = || changes_rad(raw_rad, 0.0).map(|change| change / step_rad).filter(|steps| *steps < FEW_STEPS);
+    let whole = few().filter(|steps| (steps - steps.round()).abs() < WHOLE).count();
+    (lone >= LONE_MIN && whole as f64 >= WHOLE_SHARE * few().count() as f64).then_some(step_rad)
 }
 
 /// Straight lines between the jumps of an encoder of step `step_rad`; where it jumps back, the crest that the jumps before
@@ -148,4 +156,81 @@ fn crest(there_and_back: [Jump; 2], outer: Option<[Jump; 2]>, step_rad: f64) -> 
     let time = |[from, to]: [Jump; 2]| to.at - from.at;
     let share = time(there_and_back).powi(2) / (time(outer).powi(2) - time(there_and_back).powi(2));
     if share < 1.0 { Crest::Parabola(height_rad[0] * share) } else { Crest::Rest }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Position, between_jumps, encoder_step_rad};
+
+    const STEP_RAD: f64 = 1e-3;
+    const RATE_HZ: f64 = 200.0;
+
+    /// Read in steps.
+    fn read(rad: &[f64], step_rad: f64) -> Vec<f64> {
+        rad.iter().map(|x| (x / step_rad).round() * step_rad).collect()
+    }
+
+    /// 5 s of a motion.
+    fn motion(position_rad: impl Fn(f64) -> f64) -> Vec<f64> {
+        (0..1000).map(|i| position_rad(f64::from(i) / RATE_HZ)).collect()
+    }
+
+    /// Turns slowly and goes quickly, several steps a sample.
+    fn slow_and_quick(t: f64) -> f64 {
+        0.5 * (1.3 * t).sin() + 0.04 * (7.1 * t).cos()
+    }
+
+    fn largest(a: &[f64], b: &[f64]) -> f64 {
+        a.iter().zip(b).map(|(x, y)| (x - y).abs()).fold(0.0, f64::max)
+    }
+
+    #[test]
+    fn an_encoder_has_steps_at_any_speed_and_nothing_else_has() {
+        let truth = motion(slow_and_quick);
+        for step_rad in [1e-2, STEP_RAD, 1e-4] {
+            // A table rounds what it holds.
+            let rounded = read(&read(&truth, step_rad), 1e-3 * step_rad);
+            let found_rad = encoder_step_rad(&rounded).unwrap();
+            assert!((found_rad / step_rad - 1.0).abs() < 1e-3, "{found_rad} of {step_rad}");
+        }
+        assert_eq!(encoder_step_rad(&truth), None);
+        assert_eq!(encoder_step_rad(&[1.0; 100]), None);
+        assert_eq!(encoder_step_rad(&[]), None);
+        let sweep = motion(|t| 0.1 * (t % 2.0 - 1.0).abs());
+        assert_eq!(encoder_step_rad(&sweep), None);
+        let drifting: Vec<f64> = truth.iter().enumerate().map(|(i, x)| x + 1e-6 * i as f64).collect();
+        assert_eq!(encoder_step_rad(&drifting), None);
+    }
+
+    #[test]
+    fn between_its_jumps_a_slow_joint_is_where_it_was_even_if_it_is_quick_elsewhere() {
+        let truth = motion(slow_and_quick);
+        let raw = read(&truth, STEP_RAD);
+        let Position { between_jumps_rad, deadband_rad, step_rad } = Position::new(&raw, &truth);
+        assert!((step_rad / STEP_RAD - 1.0).abs() < 1e-9 && deadband_rad <= 0.5 * STEP_RAD * (1.0 + 1e-9));
+        let told = between_jumps_rad.unwrap();
+        // Slower than a step in two samples: there a reading is half a step off, a line between two jumps a tenth.
+        let slow: Vec<usize> = (10..990usize).filter(|&i| (truth[i + 1] - truth[i]).abs() < 0.5 * STEP_RAD).collect();
+        let off = |of: &[f64]| slow.iter().map(|i| (of[*i] - truth[*i]).powi(2)).sum::<f64>().sqrt();
+        assert!(slow.len() > 20 && off(&told) < 0.5 * off(&raw), "{} of {}", off(&told), off(&raw));
+    }
+
+    #[test]
+    fn a_turn_between_two_jumps_is_found_where_it_was() {
+        // 0.6 steps beyond the last jump, at 2 s.
+        let truth = motion(|t| (5.1 - 40.0 * (t - 2.0).powi(2)) * STEP_RAD);
+        let told = between_jumps(&read(&truth, STEP_RAD), STEP_RAD);
+        let top = (0..truth.len()).max_by(|a, b| told[*a].total_cmp(&told[*b])).unwrap();
+        assert!(top.abs_diff(400) <= 2, "{top}");
+        assert!(largest(&told[350..450], &truth[350..450]) < 0.15 * STEP_RAD);
+    }
+
+    #[test]
+    fn a_reading_noisier_than_its_steps_is_kept() {
+        let truth = motion(slow_and_quick);
+        let noise = |i: usize| STEP_RAD * (((i * 7919) % 101) as f64 / 25.0 - 2.0);
+        let raw = read(&truth.iter().enumerate().map(|(i, x)| x + noise(i)).collect::<Vec<_>>(), STEP_RAD);
+        let found = Position::new(&raw, &truth);
+        assert!(found.between_jumps_rad.is_none() && found.deadband_rad > STEP_RAD);
+    }
 }

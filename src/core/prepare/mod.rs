@@ -46,7 +46,7 @@ pub struct Trial {
     pub log: Log,
     /// y after the campaign's zero-phase low-pass, N m.
     pub torque_nm: Vec<f64>,
-    /// Position after the motion's low-pass, rad.
+    /// Position after the motion's low-pass, rad; of a coarse encoder what its jumps tell.
     pub position_rad: Vec<f64>,
     /// The recorded speed after the motion's low-pass, rad/s.
     recorded_velocity_rad_s: Option<Vec<f64>>,
@@ -59,7 +59,7 @@ pub struct Trial {
     pub others: Vec<Vec<Motion>>,
     /// When the trial began, s since the campaign did; 0 where the campaign's clock is not needed.
     pub began_s: f64,
-    /// Position that K_f follows where that is not the recorded one, rad.
+    /// What an encoder's jumps tell of the position, rad; nothing where it is as recorded.
     between_jumps_rad: Option<Vec<f64>>,
     /// Travel back below which nothing counts as a reversal: noise, rad.
     pub deadband_rad: f64,
@@ -180,6 +180,7 @@ pub fn prepare(campaign: &Campaign, index: usize, mut log: Log) -> Result<Trial>
         log.other_position_rad.iter().map(|recorded| rigid::moving(recorded, &motion, rate_hz)).collect();
     let lowpass_hz = campaign.signal.lowpass_hz;
     let Position { between_jumps_rad, deadband_rad, step_rad } = Position::new(&log.position_rad, &position_rad);
+    let position_rad = between_jumps_rad.as_deref().map_or(position_rad, |between| motion.zero_phase(between));
     let legs = match entry.protocol {
         Protocol::Uniform { speed_rad_s } => find_legs(&log, &position_rad, speed_rad_s, &campaign.joint, lowpass_hz)?,
         _ => Vec::new(),
