@@ -52,8 +52,8 @@ fn what_a_coarse_encoder_leaves_of_a_true_model_is_floor_and_no_cause() {
     assert!(floor.encoder_nm > 0.5 * rmse_nm, "{:?}", right.gap);
     assert_eq!(right.verdict.kind, Kind::None, "{:?} {:?}", right.gap, right.verdict.effects);
     let mut worn = truth();
-    worn.friction.up.d *= 1.5;
-    worn.friction.down.d *= 1.5;
+    worn.friction.up.d *= 2.5;
+    worn.friction.down.d *= 2.5;
     let found = read_coarsely(&worn);
     assert_ne!(found.verdict.kind, Kind::None);
     let probabilities: f64 = found.verdict.probabilities.iter().map(|(_, p)| p).sum();
