@@ -7,7 +7,7 @@ use super::flexible::{self, Flexible};
 use super::mask::Mask;
 use super::policy::Policy;
 use crate::dynamics::Motion;
-use crate::numerics::statistics::{extent, mean, quantile, standard_deviation};
+use crate::numerics::statistics::{mean, quantile, standard_deviation};
 use std::ops::Range;
 
 /// Rounds of fitting without what the last round found.
@@ -47,7 +47,6 @@ pub fn find(base: &BaseModel<'_>, columns: &[Vec<f64>], target_nm: &[f64]) -> (V
         }
         events = found;
         fitted = flexible::fit(&mask.without(rows(&events)), columns, target_nm);
-        within_range(&mut fitted.residual_nm, target_nm, &events);
     }
     let data = base.data();
     let (states, encoder_nm) = (states(data), data.encoder_nm(&base.model));
@@ -58,20 +57,6 @@ pub fn find(base: &BaseModel<'_>, columns: &[Vec<f64>], target_nm: &[f64]) -> (V
     };
     let events = events.iter().filter(|event| once(event)).cloned().collect();
     (events, fitted)
-}
-
-/// Holds a fit without the rows of `events` there to what it predicts elsewhere: beyond the states that it was fitted in it may be anything, and
-/// what it leaves there is no contact.
-fn within_range(residual_nm: &mut [f64], target_nm: &[f64], events: &[ContactEvent]) {
-    let mut is_event = vec![false; residual_nm.len()];
-    rows(events).for_each(|rows| is_event[rows].fill(true));
-    let predicted_nm = |row: usize, residual_nm: &[f64]| target_nm[row] - residual_nm[row];
-    let elsewhere: Vec<f64> =
-        (0..is_event.len()).filter(|row| !is_event[*row]).map(|row| predicted_nm(row, residual_nm)).collect();
-    let (low_nm, high_nm) = extent(&elsewhere);
-    for row in rows(events).flatten().filter(|_| low_nm <= high_nm) {
-        residual_nm[row] = target_nm[row] - predicted_nm(row, residual_nm).clamp(low_nm, high_nm);
-    }
 }
 
 /// Whether most of the squares in `events` oscillate: an oscillating residual is not a contact event.

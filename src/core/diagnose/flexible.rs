@@ -160,6 +160,14 @@ fn hat(x: f64, (low, high): (f64, f64), k: usize, count: usize) -> f64 {
     (1.0 - (at - k as f64).abs()).max(0.0)
 }
 
+/// Holds what is predicted at rows that did not count to the range of it at those that did: beyond the states that it was fitted in a fit
+/// may say anything.
+fn hold_within(predicted_nm: &mut [f64], counts: impl Fn(usize) -> bool) {
+    let counted: Vec<f64> = (0..predicted_nm.len()).filter(|row| counts(*row)).map(|row| predicted_nm[row]).collect();
+    let (low_nm, high_nm) = if counted.is_empty() { (0.0, 0.0) } else { extent(&counted) };
+    predicted_nm.iter_mut().for_each(|nm| *nm = nm.max(low_nm).min(high_nm));
+}
+
 /// Fits `columns` to `target_nm` over the rows that count.
 pub fn fit(mask: &Mask<'_>, columns: &[Vec<f64>], target_nm: &[f64]) -> Flexible {
     let size = root_mean_square(target_nm);
@@ -171,9 +179,28 @@ pub fn fit(mask: &Mask<'_>, columns: &[Vec<f64>], target_nm: &[f64]) -> Flexible
     let (prior, folds) = (mask.prior(&deviations), &mask.data.folds);
     let gram = Gram::new(folds, &all, &counted(target_nm));
     let x = gram.solve(prior).x;
-    let mut residual_nm = target_nm.to_vec();
+    let mut predicted_nm = vec![0.0; target_nm.len()];
     for (column, x) in columns.iter().zip(x.iter()) {
-        residual_nm.iter_mut().zip(column).for_each(|(r, c)| *r -= x * c);
+        predicted_nm.iter_mut().zip(column).for_each(|(p, c)| *p += x * c);
     }
+    hold_within(&mut predicted_nm, |row| mask.counts(row));
+    let residual_nm = target_nm.iter().zip(predicted_nm).map(|(y, p)| y - p).collect();
     Flexible { held_out: gram.held_out(folds, prior).iter().sum::<f64>() / mask.rows().max(1) as f64, residual_nm }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::hold_within;
+
+    #[test]
+    fn a_fit_predicts_no_more_where_it_was_not_fitted() {
+        let held = |counts: &dyn Fn(usize) -> bool| {
+            let mut predicted_nm = vec![-1.0, 0.5, 9.0, 2.0, -7.0];
+            hold_within(&mut predicted_nm, counts);
+            predicted_nm
+        };
+        assert_eq!(held(&|row| ![2, 4].contains(&row)), [-1.0, 0.5, 2.0, 2.0, -1.0]);
+        assert_eq!(held(&|_| true), [-1.0, 0.5, 9.0, 2.0, -7.0]);
+        assert_eq!(held(&|_| false), [0.0; 5]);
+    }
 }

@@ -5,7 +5,7 @@
 //! leave a speed whose sign changes with each of them where the joint is slow. Where it jumps, though, it tells the position exactly: half
 //! way between two counts.
 
-use crate::numerics::statistics::deviation_by_median;
+use crate::numerics::statistics::{deviation_by_median, mean};
 
 /// A reversal counts once the joint came back by this many standard deviations of the position's noise: two samples at
 /// rest, the extremes of hundreds, differ by 6.
@@ -71,7 +71,6 @@ pub fn smallest_change_rad(raw_rad: &[f64], above_rad: f64) -> Option<f64> {
 /// The step of the encoder, rad; `None` where the position does not move in steps.
 fn encoder_step_rad(raw_rad: &[f64]) -> Option<f64> {
     let smallest_rad = smallest_change_rad(raw_rad, 0.0)?;
-    let mean = |changes: &[f64]| changes.iter().sum::<f64>() / changes.len() as f64;
     let is_single = |change: f64| change > 0.0 && change < (1.0 + ONE_STEP) * smallest_rad;
     let single: Vec<f64> = changes_rad(raw_rad, 0.0).filter(|change| is_single(*change)).collect();
     let step_rad = mean(&single);
