@@ -110,6 +110,6 @@ impl<'d> Explanation<'d> {
         let oscillating: f64 = self.oscillations.iter().map(|oscillation| oscillation.share).sum();
         let left_square = (1.0 - oscillating) * self.choice.last.held_out_square();
         let unpredicted_square = flexible::fit(mask, columns, &self.quiet_nm).held_out.min(left_square);
-        floor::settled((mask.data, &self.after), &self.quiet_nm, (unpredicted_square, left_square), self.is_bare())
+        floor::settled((mask, &self.after), &self.quiet_nm, (unpredicted_square, left_square), self.is_bare())
     }
 }

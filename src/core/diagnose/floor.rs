@@ -1,17 +1,19 @@
 //! The noise floor: the part of the torque that no model could explain, because it does not repeat with the motion.
 //!
 //! From repeats of one motion: half the variance of the difference of their residuals, aligned in time by their positions. Slow differences
-//! are removed (a drift between repeats is not noise), and blocks are combined by their median (neither is a contact in one repeat).
+//! are removed (a drift between repeats is not noise), and blocks are combined by their median (neither is a contact in one repeat). Rows that a
+//! contact event sets aside do not count, and no floor is much above what is left in the quietest cycles.
 //! Without repeats: the density of the raw torque's noise beyond the low-pass, extrapolated below; where no fit predicts any of the
 //! residual on held-out data, all of it. In both cases the residual that the encoder's steps give a perfect model is added, as far as it
 //! repeats with the motion.
 
-use super::data::DataSet;
+use super::mask::Mask;
 use super::policy::Policy;
 use super::repeats::Differences;
 use super::spectrum::SpectralFloor;
 use crate::model::{AT_REST_RAD_S, Model};
 use crate::numerics::statistics::{median_of_squares, quantile, root_mean_square};
+use std::ops::Range;
 
 /// Independent samples in a block.
 const BLOCK: f64 = 10.0;
@@ -19,6 +21,9 @@ const BLOCK: f64 = 10.0;
 const BLOCK_LATER: f64 = 40.0;
 /// Fewer blocks do not determine a floor.
 const BLOCKS_MIN: usize = 8;
+/// Of fewer cycles, or of cycles with fewer rows that count, chance alone makes the quietest third much quieter than the rest.
+const UNITS_MIN: usize = 6;
+const UNIT_ROWS_MIN: usize = 25;
 
 /// The floor and where it comes from.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -94,13 +99,14 @@ impl FloorSource {
     }
 }
 
-/// The floor of noise alone; some fit leaves `most_square` on held-out units: where the density extrapolated below the low-pass exceeds
+/// The floor of noise alone under the rows of `mask`; some fit leaves `most_square` on held-out units: where the density extrapolated below the low-pass exceeds
 /// that, all of it is noise; where far, the density was not that of noise, and only its lowest part is used.
-pub fn of_noise(data: &DataSet, residual_nm: &[f64], most_square: f64) -> Floor {
-    let differences = Differences::of(data, residual_nm, BLOCK);
+pub fn of_noise(mask: &Mask<'_>, residual_nm: &[f64], most_square: f64) -> Floor {
+    let (data, differences) = (mask.data, Differences::of(mask, residual_nm, BLOCK));
+    let steady_square = most_steady_square(mask, residual_nm);
     if let Some(usual_square) = usual_square(&differences) {
         let (_, most) = moving_and_most_square(&data.policy, differences.by_speed());
-        let rms_nm = usual_square.min(differences.of_one(most)).sqrt();
+        let rms_nm = usual_square.min(differences.of_one(most)).min(steady_square).sqrt();
         let chance = (std::f64::consts::PI / (BLOCK * differences.blocks().len() as f64)).sqrt();
         let relative_error = chance.hypot(data.policy.floor_repeats_error);
         return Floor::of_noise(rms_nm, FloorSource::Repeats, relative_error);
@@ -110,19 +116,19 @@ pub fn of_noise(data: &DataSet, residual_nm: &[f64], most_square: f64) -> Floor 
         Some(quantile(&mut floors.collect::<Vec<f64>>(), 0.5)).filter(|rms_nm| rms_nm.is_finite()).unwrap_or_default()
     };
     let (carried_nm, white_nm) = (usual(|floor| floor.carried_nm), usual(|floor| floor.white_nm));
-    let most_nm = most_square.sqrt();
+    let most_nm = most_square.min(steady_square).sqrt();
     let rms_nm =
-        if carried_nm <= data.policy.floor_coloured_max * most_nm { carried_nm.min(most_nm) } else { white_nm };
+        if carried_nm <= data.policy.floor_coloured_max * most_nm { carried_nm } else { white_nm }.min(most_nm);
     Floor::of_noise(rms_nm, FloorSource::Spectrum, data.policy.floor_spectrum_error)
 }
 
 /// Mean square of the residual that the encoder alone causes on a joint exactly like `model`, (N m)^2, without the part that differs
 /// between repeats: it repeats with the motion.
-fn of_encoder(data: &DataSet, model: &Model) -> f64 {
-    let Some(again) = data.again() else { return 0.0 };
-    let (encoder_nm, scored) = (data.encoder_nm(model), data.scored(model));
-    let counted: Vec<f64> = encoder_nm.iter().zip(scored).filter(|(_, scored)| *scored).map(|(x, _)| *x).collect();
-    let in_repeats = usual_square(&Differences::of(again, &encoder_nm, BLOCK)).unwrap_or_default();
+fn of_encoder(mask: &Mask<'_>, model: &Model) -> f64 {
+    let Some(again) = mask.again() else { return 0.0 };
+    let encoder_nm = mask.data.encoder_nm(model);
+    let counted: Vec<f64> = (0..encoder_nm.len()).filter(|i| mask.counts(*i)).map(|i| encoder_nm[i]).collect();
+    let in_repeats = usual_square(&Differences::of(&again, &encoder_nm, BLOCK)).unwrap_or_default();
     if counted.is_empty() { 0.0 } else { (root_mean_square(&counted).powi(2) - in_repeats).max(0.0) }
 }
 
@@ -132,31 +138,35 @@ fn usual_square(differences: &Differences) -> Option<f64> {
     (blocks.len() >= BLOCKS_MIN).then(|| differences.of_one(quantile(&mut blocks, 0.5) / median_of_squares(BLOCK)))
 }
 
-/// The floor under `left_nm`, the residual at all rows of `after`, the model with its causes, oscillations left out; it includes slow noise.
+/// The floor under `left_nm`, the residual of `after` where `mask` counts, the model with its causes, oscillations left out; it includes slow noise.
 /// Without long repeats, slow noise differs from a cause only in that no fit predicts it on held-out units: `unforeseen_square` is the residual
 /// of a flexible fit there, (N m)^2. The residual of the model itself, `left_square`, limits the encoder's part. Where there are no repeats and
 /// such a fit predicts nothing, the residual is noise unless its level depends on the speed, most of it lasts, or so little of it that it swings
-/// faster than noise: all of it if no cause and no contact was found (`is_bare`), else as far as noise that is not white may exceed the density
+/// faster than noise: all of it if no cause and no contact was found (`is_bare`) and it is as loud at any time, else as far as noise that is not white may exceed the density
 /// beyond the low-pass.
 pub fn settled(
-    (data, after): (&DataSet, &Model),
+    (mask, after): (&Mask<'_>, &Model),
     left_nm: &[f64],
     (unforeseen_square, left_square): (f64, f64),
     is_bare: bool,
 ) -> Floor {
-    let (policy, encoder_square) = (&data.policy, of_encoder(data, after));
-    let noise_square = (unforeseen_square - encoder_square).max(0.0);
-    let fast = of_noise(data, left_nm, noise_square);
+    let (data, policy) = (mask.data, &mask.data.policy);
+    let encoder_square = of_encoder(mask, after);
+    let unpredicted_square = (unforeseen_square - encoder_square).max(0.0);
+    let steady_square = most_steady_square(mask, left_nm);
+    let noise_square = unpredicted_square.min(steady_square);
+    let fast = of_noise(mask, left_nm, noise_square);
     let found_again = left_square - unforeseen_square;
     let least = policy.floor_found_again_share * (left_square - encoder_square - fast.rms_nm.powi(2));
-    let lasting = lasting_share(data, left_nm);
+    let lasting = lasting_share(mask, left_nm);
     let by_speed = data.records.speeds_rad_s().into_iter().zip(left_nm).map(|(speed, left)| (speed, left * left));
+    let counted = by_speed.enumerate().filter(|(i, _)| mask.counts(*i)).map(|(_, row)| row);
     let is_noise = found_again <= least
-        && !depends_on_speed(policy, by_speed.collect())
+        && !depends_on_speed(policy, counted.collect())
         && (policy.floor_lasting_share / BLOCK..=policy.floor_lasting_share).contains(&lasting);
     if fast.source == FloorSource::Spectrum && noise_square > fast.rms_nm.powi(2) && is_noise {
         let all_nm = noise_square.sqrt();
-        let (rms_nm, source) = match is_bare {
+        let (rms_nm, source) = match is_bare && unpredicted_square <= steady_square {
             true => (all_nm, FloorSource::Unforeseen),
             false => (all_nm.min(policy.floor_coloured_max * fast.rms_nm), FloorSource::Spectrum),
         };
@@ -166,22 +176,44 @@ pub fn settled(
             left_square,
         );
     }
-    let slower = Differences::of(data, left_nm, BLOCK_LATER);
+    let slower = Differences::of(mask, left_nm, BLOCK_LATER);
     let blocks = slower.blocks();
     let whole_square = match blocks.len() >= BLOCKS_MIN {
         true => slower.of_one(usual_mean(blocks, policy.floor_outlier)),
         false => noise_square,
     };
-    let rms_nm = whole_square.sqrt().min(policy.floor_rise_max * fast.rms_nm).max(fast.rms_nm);
+    let rms_nm = whole_square.min(steady_square).sqrt().min(policy.floor_rise_max * fast.rms_nm).max(fast.rms_nm);
     let rise = (rms_nm / fast.rms_nm.max(f64::MIN_POSITIVE)).powi(2) - 1.0;
     let settled = Floor { rms_nm, relative_error: fast.relative_error.hypot(policy.floor_rise_error * rise), ..fast };
     settled.with_encoder(policy, encoder_square, left_square)
 }
 
+/// The most that the mean square of `left_nm` may be if it is noise, (N m)^2: noise does not depend on time, either, and exceeds what is left in the
+/// third of the motion cycles that is quietest by no more than chance and slow noise allow. At rest a torque that is read in steps does not
+/// change.
+fn most_steady_square(mask: &Mask<'_>, left_nm: &[f64]) -> f64 {
+    let speeds_rad_s = mask.data.records.speeds_rad_s();
+    let mean_square = |unit: &Range<usize>| {
+        let moves = |i: &usize| mask.counts(*i) && speeds_rad_s[*i] >= AT_REST_RAD_S;
+        let squares: Vec<f64> = unit.clone().filter(moves).map(|i| left_nm[i] * left_nm[i]).collect();
+        (squares.len() >= UNIT_ROWS_MIN).then(|| squares.iter().sum::<f64>() / squares.len() as f64)
+    };
+    let mut squares: Vec<f64> = mask.data.folds.units.iter().filter_map(mean_square).collect();
+    if squares.len() < UNITS_MIN {
+        return f64::INFINITY;
+    }
+    squares.sort_unstable_by(f64::total_cmp);
+    squares.truncate(squares.len().div_ceil(3));
+    mask.data.policy.floor_unsteady_max.powi(2) * squares.iter().sum::<f64>() / squares.len() as f64
+}
+
 /// Share of the square of `left_nm` that stands in means over blocks of [`BLOCK`] independent samples: a tenth of white noise.
-fn lasting_share(data: &DataSet, left_nm: &[f64]) -> f64 {
-    let rows = (BLOCK * data.records.rows_per_independent).round().max(1.0) as usize;
-    let pieces = || data.records.ranges.iter().flat_map(|range| left_nm[range.clone()].chunks_exact(rows));
+fn lasting_share(mask: &Mask<'_>, left_nm: &[f64]) -> f64 {
+    let records = &mask.data.records;
+    let rows = (BLOCK * records.rows_per_independent).round().max(1.0) as usize;
+    let of_range = |range: &Range<usize>| range.clone().filter(|i| mask.counts(*i)).map(|i| left_nm[i]).collect();
+    let counted: Vec<Vec<f64>> = records.ranges.iter().map(of_range).collect();
+    let pieces = || counted.iter().flat_map(|left_nm| left_nm.chunks_exact(rows));
     let sum = |of: fn(&[f64]) -> f64| pieces().map(of).sum::<f64>();
     let lasting = sum(|piece| piece.iter().sum::<f64>().powi(2) / piece.len() as f64);
     lasting / sum(|piece| piece.iter().map(|x| x * x).sum()).max(f64::MIN_POSITIVE)
@@ -219,6 +251,25 @@ mod tests {
     use crate::diagnose::Policy;
     use crate::diagnose::data::DataSet;
     use crate::diagnose::data::tests::bundled;
+    use crate::diagnose::mask::Mask;
+    use crate::log::Campaign;
+    use crate::model::Model;
+    use std::path::Path;
+    use std::sync::Arc;
+
+    /// All rows.
+    fn all(data: &DataSet) -> Arc<Mask<'_>> {
+        Mask::new(data, vec![true; data.measured_nm.len()], 0.0)
+    }
+
+    /// Three repeats of one motion, and a model that has nothing to do with them.
+    fn repeated() -> (DataSet, Model) {
+        let folder = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../../data"));
+        let mut campaign = Campaign::read(&folder.join("elbow")).unwrap();
+        campaign.trials.retain(|trial| trial.file.starts_with("cosine"));
+        let model = Model::read(&folder.join("davinci_l4/base_model.json")).unwrap();
+        (DataSet::read(&campaign, &model, &Policy::default(), &|_| ()).unwrap(), model)
+    }
 
     /// Noise with as many independent samples as the recordings have.
     fn white(data: &DataSet) -> Vec<f64> {
@@ -244,11 +295,12 @@ mod tests {
         data.records.all.iter_mut().for_each(|record| record.repeats = None);
         let (white, slow, quick) = (white(&data), wave(&data, 50.0), wave(&data, 3.0));
         let of_left = |left_nm: &[f64], left_square: f64, unforeseen_square: f64, is_bare: bool| -> Floor {
-            settled((&data, &model), left_nm, (unforeseen_square, left_square), is_bare)
+            settled((&all(&data), &model), left_nm, (unforeseen_square, left_square), is_bare)
         };
         let of = |left_square, unforeseen_square, is_bare| of_left(&white, left_square, unforeseen_square, is_bare);
         let without_encoder = |floor: Floor| (floor.rms_nm.powi(2) - floor.encoder_nm.powi(2)).sqrt();
-        let (fast_nm, encoder_square) = (of_noise(&data, &white, f64::MAX).rms_nm, of_encoder(&data, &model));
+        let (fast_nm, encoder_square) =
+            (of_noise(&all(&data), &white, f64::MAX).rms_nm, of_encoder(&all(&data), &model));
         let [less, weak, strong] = [0.8, 1.5, 10.0].map(|factor: f64| (factor * fast_nm).powi(2) + encoder_square);
         let (limit, rise) = (data.policy.floor_coloured_max, data.policy.floor_rise_max);
         let near = |floor: Floor, factor: f64| (without_encoder(floor) / fast_nm - factor).abs() < 1e-6;
@@ -269,10 +321,50 @@ mod tests {
     }
 
     #[test]
+    fn rows_that_do_not_count_are_in_no_floor() {
+        let (data, model) = repeated();
+        let (white, whole) = (white(&data), all(&data));
+        let hit = |i: usize| (i / 40).is_multiple_of(2);
+        let hit_nm: Vec<f64> = white.iter().enumerate().map(|(i, x)| if hit(i) { 10.0 * x } else { *x }).collect();
+        let spared = Mask::new(&data, (0..white.len()).map(|i| !hit(i)).collect(), 0.0);
+        let floors_nm = |mask: &Mask<'_>, left_nm: &[f64]| {
+            [of_noise(mask, left_nm, f64::MAX), settled((mask, &model), left_nm, (f64::MAX, f64::MAX), false)].map(
+                |floor| {
+                    assert_eq!(floor.source, FloorSource::Repeats);
+                    (floor.rms_nm.powi(2) - floor.encoder_nm.powi(2)).sqrt()
+                },
+            )
+        };
+        let (quiet, loud, without) =
+            (floors_nm(&whole, &white), floors_nm(&whole, &hit_nm), floors_nm(&spared, &hit_nm));
+        for ((quiet, loud), without) in quiet.into_iter().zip(loud).zip(without) {
+            assert!(loud > 3.0 * quiet && (without / quiet - 1.0).abs() < 0.1, "{quiet}, {loud}, {without}");
+        }
+    }
+
+    #[test]
+    fn noise_is_as_loud_in_one_trial_as_in_another() {
+        let (data, model) = repeated();
+        let (white, mask) = (white(&data), all(&data));
+        let noise_nm = |floor: Floor| (floor.rms_nm.powi(2) - floor.encoder_nm.powi(2)).sqrt();
+        let floors_nm = |left_nm: &[f64]| {
+            let settled = settled((&mask, &model), left_nm, (f64::MAX, f64::MAX), true);
+            [of_noise(&mask, left_nm, f64::MAX), settled].map(noise_nm)
+        };
+        // Of three repeats two are loud: any two differ by much.
+        let mut loud = white.clone();
+        loud[data.records.ranges[1].start..].iter_mut().for_each(|x| *x *= 20.0);
+        for (quiet_nm, loud_nm) in floors_nm(&white).into_iter().zip(floors_nm(&loud)) {
+            let factor = loud_nm / quiet_nm;
+            assert!((1.0..=1.1 * data.policy.floor_unsteady_max).contains(&factor), "{factor}");
+        }
+    }
+
+    #[test]
     fn what_lasts_is_told_from_noise() {
         let (data, _) = bundled();
         // Of independent samples a tenth stands in means of ten; of a wave as long as 50 nearly all.
-        let [white, wave] = [white(&data), wave(&data, 50.0)].map(|left_nm| lasting_share(&data, &left_nm));
+        let [white, wave] = [white(&data), wave(&data, 50.0)].map(|left_nm| lasting_share(&all(&data), &left_nm));
         assert!((0.05..0.2).contains(&white) && wave > 0.8, "{white} and {wave}");
     }
 

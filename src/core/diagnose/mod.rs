@@ -242,13 +242,13 @@ pub fn run_by(campaign: &Campaign, model: &Model, policy: &Policy, listener: Lis
     begins(Phase::NoiseFloor);
     let base = BaseModel::new(&mask, &model, within_confidence(&model));
     let base_nm = base.residual_nm();
-    let mut base = base.above(floor::of_noise(&data, &base_nm, f64::INFINITY).rms_nm);
+    let mut base = base.above(floor::of_noise(&mask, &base_nm, f64::INFINITY).rms_nm);
     begins(Phase::ContactEvents);
     let rest_nm = base.residual_nm();
     let lines = [false, true].map(|by_direction| ripple::starts(&base, &rest_nm, by_direction));
     let columns = flexible::columns(&base, &lines.concat());
     let (mut events, mut flexible) = contact_events::find(&base, &columns, &rest_nm);
-    let floor_nm = floor::of_noise(&data, &base_nm, flexible.held_out).rms_nm.min(flexible.held_out.sqrt());
+    let floor_nm = floor::of_noise(&mask, &base_nm, flexible.held_out).rms_nm.min(flexible.held_out.sqrt());
     if floor_nm < base.mask.floor_nm {
         base = base.above(floor_nm);
         (events, flexible) = contact_events::find(&base, &columns, &rest_nm);

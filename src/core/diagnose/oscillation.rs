@@ -24,6 +24,8 @@ const NEIGHBOURHOOD: f64 = 8.0;
 const MOST: usize = 3;
 /// Frequencies are the same within so many 1/T, beside the errors of both.
 const RESOLVED: f64 = 0.5;
+/// The error of the motion's own frequency, in 1/T; a multiple's is as many times as large.
+const OF_MOTION: f64 = 0.05;
 
 /// One oscillation.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -66,7 +68,7 @@ pub fn without_oscillations(data: &DataSet, residual_nm: &[f64]) -> (Vec<Oscilla
     let is_multiple = |hz: f64, of: &Oscillation| {
         let order = (hz / of.frequency_hz).round();
         let apart_hz = (hz - order * of.frequency_hz).abs();
-        let within = RESOLVED + policy.oscillation_order_error * order;
+        let within = RESOLVED + OF_MOTION * order;
         (1.0..=policy.oscillation_orders).contains(&order) && apart_hz * stretches.length_s < within
     };
     stretches.lines(residual_nm.to_vec(), &|hz| !of_motion.iter().any(|line| is_multiple(hz, line)))

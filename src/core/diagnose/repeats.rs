@@ -1,6 +1,6 @@
 //! What repeats of one motion differ by: their residuals, aligned in time by their positions, without slow differences.
 
-use super::data::DataSet;
+use super::mask::Mask;
 use super::record::Record;
 use crate::numerics::statistics::extent;
 
@@ -16,22 +16,25 @@ pub struct Differences {
     block: f64,
     /// The same in rows.
     rows: usize,
-    /// Stretches in which both repeats are at the same place: the speed at each row, rad/s, and by what they differ there, N m.
+    /// Stretches in which both repeats are at the same place, without the rows that do not count: the speed at each row, rad/s, and by what they differ there, N m.
     runs: Vec<Vec<(f64, f64)>>,
 }
 
 impl Differences {
-    /// Of `residual_nm`, at all rows, in blocks of `block` independent samples.
-    pub fn of(data: &DataSet, residual_nm: &[f64], block: f64) -> Self {
-        let (records, apart) = (&data.records, data.policy.same_place_share);
+    /// Of `residual_nm`, at all rows, where both repeats count, in blocks of `block` independent samples.
+    pub fn of(mask: &Mask<'_>, residual_nm: &[f64], block: f64) -> Self {
+        let (records, apart) = (&mask.data.records, mask.data.policy.same_place_share);
         let rows = |independent: f64| (independent * records.rows_per_independent).round() as usize;
         let spans = Spans { slow: rows(SLOW_BLOCKS * block), lag: rows(LAG_MAX) as isize, apart };
         let mut runs = Vec::new();
         for (a, first) in records.all.iter().enumerate() {
             for (b, second) in records.all.iter().enumerate().skip(a + 1) {
                 if first.repeats.is_some() && first.repeats == second.repeats {
-                    let [ra, rb] = [a, b].map(|at| &residual_nm[records.ranges[at].clone()]);
-                    add_runs((first, ra), (second, rb), spans, &mut runs);
+                    let of_rows = |at: usize| {
+                        records.ranges[at].clone().map(|i| mask.counts(i).then_some(residual_nm[i])).collect()
+                    };
+                    let [ra, rb]: [Vec<Option<f64>>; 2] = [a, b].map(of_rows);
+                    add_runs((first, &ra), (second, &rb), spans, &mut runs);
                 }
             }
         }
@@ -64,7 +67,13 @@ struct Spans {
     apart: f64,
 }
 
-fn add_runs((a, ra): (&Record, &[f64]), (b, rb): (&Record, &[f64]), spans: Spans, runs: &mut Vec<Vec<(f64, f64)>>) {
+/// Adds the runs of two records, each with its residual at the rows that count.
+fn add_runs(
+    (a, ra): (&Record, &[Option<f64>]),
+    (b, rb): (&Record, &[Option<f64>]),
+    spans: Spans,
+    runs: &mut Vec<Vec<(f64, f64)>>,
+) {
     let [qa, qb] = [a, b].map(|record| record.rows.iter().map(|i| record.own[*i].position).collect::<Vec<f64>>());
     if ra.len() < 2 * spans.slow || rb.len() < 2 * spans.slow {
         return;
@@ -86,14 +95,18 @@ fn add_runs((a, ra): (&Record, &[f64]), (b, rb): (&Record, &[f64]), spans: Spans
     let Some(lag) = lags.min_by(|x, y| apart(*x).total_cmp(&apart(*y))) else { return };
     let (low, high) = extent(&qa);
     let limit = spans.apart * (high - low);
-    let pair = |i: usize| {
+    let near = |i: usize| {
         let j = usize::try_from(i as isize + lag).ok()?;
-        let near = (qb.get(j)? - qa[i]).abs() <= limit;
-        near.then(|| (a.own[a.rows[i]].velocity.abs(), ra[i] - rb[j]))
+        ((qb.get(j)? - qa[i]).abs() <= limit).then_some((i, j))
     };
-    let differences: Vec<Option<(f64, f64)>> = (0..qa.len()).map(pair).collect();
-    for run in differences.split(Option::is_none).filter(|run| run.len() >= spans.slow) {
-        let (speeds, run): (Vec<f64>, Vec<f64>) = run.iter().flatten().copied().unzip();
+    let pairs: Vec<Option<(usize, usize)>> = (0..qa.len()).map(near).collect();
+    for run in pairs.split(Option::is_none) {
+        // A run goes on beyond rows that do not count, such as a contact's.
+        let difference = |(i, j): &(usize, usize)| Some((a.own[a.rows[*i]].velocity.abs(), ra[*i]? - rb[*j]?));
+        let (speeds, run): (Vec<f64>, Vec<f64>) = run.iter().flatten().filter_map(difference).unzip();
+        if run.len() < spans.slow {
+            continue;
+        }
         runs.push(speeds.into_iter().zip(without_slow(&run, spans.slow)).collect());
     }
 }
