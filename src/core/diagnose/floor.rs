@@ -21,8 +21,9 @@ const BLOCK: f64 = 10.0;
 const BLOCK_LATER: f64 = 40.0;
 /// Fewer blocks do not determine a floor.
 const BLOCKS_MIN: usize = 8;
-/// Of fewer cycles, or of cycles with fewer rows that count, chance alone makes the quietest third much quieter than the rest.
+/// Of fewer motion cycles chance alone makes the quietest third much quieter than the rest ...
 const UNITS_MIN: usize = 6;
+/// ... and so it does of cycles with fewer rows that count.
 const UNIT_ROWS_MIN: usize = 25;
 
 /// The floor and where it comes from.
@@ -99,8 +100,9 @@ impl FloorSource {
     }
 }
 
-/// The floor of noise alone under the rows of `mask`; some fit leaves `most_square` on held-out units: where the density extrapolated below the low-pass exceeds
-/// that, all of it is noise; where far, the density was not that of noise, and only its lowest part is used.
+/// The floor of noise alone under `residual_nm` where `mask` counts; some fit leaves `most_square` on held-out units: where the density
+/// extrapolated below the low-pass exceeds that, all of it is noise; where far, the density was not that of noise, and only its lowest part is
+/// used.
 pub fn of_noise(mask: &Mask<'_>, residual_nm: &[f64], most_square: f64) -> Floor {
     let (data, differences) = (mask.data, Differences::of(mask, residual_nm, BLOCK));
     let steady_square = most_steady_square(mask, residual_nm);
@@ -142,8 +144,8 @@ fn usual_square(differences: &Differences) -> Option<f64> {
 /// Without long repeats, slow noise differs from a cause only in that no fit predicts it on held-out units: `unforeseen_square` is the residual
 /// of a flexible fit there, (N m)^2. The residual of the model itself, `left_square`, limits the encoder's part. Where there are no repeats and
 /// such a fit predicts nothing, the residual is noise unless its level depends on the speed, most of it lasts, or so little of it that it swings
-/// faster than noise: all of it if no cause and no contact was found (`is_bare`) and it is as loud at any time, else as far as noise that is not white may exceed the density
-/// beyond the low-pass.
+/// faster than noise: all of it if no cause and no contact was found (`is_bare`) and it is as loud at any time, else as far as noise that is not
+/// white may exceed the density beyond the low-pass.
 pub fn settled(
     (mask, after): (&Mask<'_>, &Model),
     left_nm: &[f64],
@@ -246,7 +248,8 @@ fn usual_mean(mut blocks: Vec<f64>, outlier: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::{
-        Floor, FloorSource, depends_on_speed, lasting_share, moving_and_most_square, of_encoder, of_noise, settled,
+        Floor, FloorSource, depends_on_speed, lasting_share, moving_and_most_square, of_encoder, of_noise,
+        root_mean_square, settled,
     };
     use crate::diagnose::Policy;
     use crate::diagnose::data::DataSet;
@@ -310,6 +313,14 @@ mod tests {
             [false, true].map(|is_bare| of(strong, strong, is_bare).source),
             [FloorSource::Spectrum, FloorSource::Unforeseen]
         );
+        // What is loud in one half of the time alone is no residual of which all is noise.
+        let quiet = root_mean_square(&white) / fast_nm;
+        let source = |loud_later: f64| {
+            let loud = |i: usize| if 2 * i < white.len() { 10.0 } else { loud_later };
+            let left_nm: Vec<f64> = white.iter().enumerate().map(|(i, x)| loud(i) * x / quiet).collect();
+            of_left(&left_nm, strong, strong, true).source
+        };
+        assert_eq!([10.0, 1.0].map(source), [FloorSource::Unforeseen, FloorSource::Spectrum]);
         // No floor is above what a fit leaves on held-out units.
         assert!([false, true].iter().all(|is_bare| near(of(strong, less, *is_bare), 0.8)));
         // What a fit predicts is no noise, and neither is what lasts, swings faster than noise or is as loud as the speed.

@@ -16,7 +16,8 @@ pub struct Differences {
     block: f64,
     /// The same in rows.
     rows: usize,
-    /// Stretches in which both repeats are at the same place, without the rows that do not count: the speed at each row, rad/s, and by what they differ there, N m.
+    /// Stretches in which both repeats are at the same place, without the rows that do not count: the speed at each row, rad/s, and by what they
+    /// differ there, N m.
     runs: Vec<Vec<(f64, f64)>>,
 }
 
