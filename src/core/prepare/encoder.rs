@@ -64,7 +64,7 @@ fn changes_rad(raw_rad: &[f64], above_rad: f64) -> impl Iterator<Item = f64> {
 }
 
 /// The smallest change from sample to sample of more than `above_rad`, rad: of a coarse encoder its step.
-pub fn smallest_change_rad(raw_rad: &[f64], above_rad: f64) -> Option<f64> {
+fn smallest_change_rad(raw_rad: &[f64], above_rad: f64) -> Option<f64> {
     changes_rad(raw_rad, above_rad).min_by(f64::total_cmp)
 }
 

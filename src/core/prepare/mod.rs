@@ -24,7 +24,6 @@ use crate::numerics::line::crossing;
 use crate::problem::{Problem, Result};
 use crate::trajectory::Trajectory;
 use encoder::Position;
-pub use encoder::smallest_change_rad;
 use legs::cut;
 use std::ops::Range;
 
