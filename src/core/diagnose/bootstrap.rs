@@ -104,6 +104,11 @@ impl Resamples {
         self.cluster.iter().map(|cluster| self.weights[i][*cluster]).collect()
     }
 
+    /// How many resamples there are.
+    pub fn count(&self) -> usize {
+        self.weights.len()
+    }
+
     /// Share of the resamplings in which `holds` does, told the resampling's number.
     pub fn share(&self, holds: impl Fn(usize) -> bool) -> f64 {
         (0..self.weights.len()).filter(|i| holds(*i)).count() as f64 / self.weights.len().max(1) as f64

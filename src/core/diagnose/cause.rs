@@ -13,6 +13,11 @@ impl Cause {
         if let Self::Effect(id) = self { find(id) } else { None }
     }
 
+    /// Whether it is a law of time, not of the motion.
+    pub fn is_of_time(self) -> bool {
+        self.effect().is_some_and(|effect| effect.about().of_time)
+    }
+
     /// Whether `other` is another form of it: the same behaviour by another formula. Both are never named together.
     pub fn is_alike(self, other: Self) -> bool {
         self.effect().is_some_and(|effect| effect.about().alike.contains(&other.name()))

@@ -73,8 +73,7 @@ impl Share {
 
     /// That of a further `cause` of which it has yet to show whether it is distinct.
     pub fn at_best(cause: Cause) -> Self {
-        let of_time = cause.effect().is_some_and(|effect| effect.about().of_time);
-        if of_time { Self::Further } else { Self::Distinct }
+        if cause.is_of_time() { Self::Further } else { Self::Distinct }
     }
 }
 

@@ -9,16 +9,17 @@ use crate::effects::Extent;
 use crate::log::Campaign;
 use crate::model::{Combination, Model};
 use crate::problem::Result;
+use std::sync::Arc;
 
 /// What does not change while causes are sought.
 #[derive(Debug)]
 pub struct DataSet {
     /// The recordings, thinned.
-    pub records: Records,
+    pub records: Arc<Records>,
     /// Measured y at the rows, N m.
     pub measured_nm: Vec<f64>,
     /// The motions without their encoder, and as it would have read them once more with what a joint like the model would have shown.
-    again: Option<(Records, Box<DataSet>)>,
+    again: Option<(Arc<Records>, Box<DataSet>)>,
     /// Units of resampling, and the folds that are held out.
     pub folds: Folds,
     /// Over what range the campaign moves.
@@ -38,9 +39,27 @@ impl DataSet {
         let again = beside.map(|(smooth, records)| {
             let (folds, extent, policy) = (folds.clone(), extent.clone(), policy.clone());
             let measured_nm = smooth.predicted_by(model);
-            (smooth, Box::new(Self { records, measured_nm, again: None, folds, extent, policy }))
+            (
+                Arc::new(smooth),
+                Box::new(Self { records: Arc::new(records), measured_nm, again: None, folds, extent, policy }),
+            )
         });
-        Ok(Self { records, measured_nm, again, folds, extent, policy: policy.clone() })
+        Ok(Self { records: Arc::new(records), measured_nm, again, folds, extent, policy: policy.clone() })
+    }
+
+    /// The same with motion cycles held out; nothing where they are already.
+    pub fn with_cycles_held_out(&self) -> Option<Self> {
+        let folds = self.folds.of_cycles(&self.records)?;
+        let with = |data: &Self, again| Self {
+            records: data.records.clone(),
+            measured_nm: data.measured_nm.clone(),
+            again,
+            folds: folds.clone(),
+            extent: data.extent.clone(),
+            policy: data.policy.clone(),
+        };
+        let again = self.again.as_ref().map(|(smooth, again)| (smooth.clone(), Box::new(with(again, None))));
+        Some(with(self, again))
     }
 
     /// The motions as the encoder would have read them once more, with what a joint like the model would have shown.

@@ -23,7 +23,8 @@ const STEP_VARIANCE: f64 = 1.0 / 12.0;
 const STEP_VARIANCE_BY_MEDIAN: f64 = 0.1374;
 /// Variance of the fourth difference of white noise of variance 1: 1 + 16 + 36 + 16 + 1.
 const FOURTH_DIFFERENCE_VARIANCE: f64 = 70.0;
-/// Distances of less than this share of the position's range are rounding of numbers, or too small to matter.
+/// Distances of less than this share of the position's range are rounding of numbers; finer steps are taken for as large, which is still too small to
+/// matter.
 const ROUNDING: f64 = 1e-6;
 /// Share of the distances between readings that may be smaller than a step: a stretch without readings that was filled in has some.
 const OFF_STEP: f64 = 0.05;

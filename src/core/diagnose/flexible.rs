@@ -27,6 +27,8 @@ const WIDE: f64 = 3.0;
 pub struct Flexible {
     /// Mean square left on held-out units, (N m)^2.
     pub held_out: f64,
+    /// Mean square of what it was fitted to, on the rows that it was fitted on, (N m)^2.
+    pub of: f64,
     /// What it leaves at every row, N m.
     pub residual_nm: Vec<f64>,
 }
@@ -185,7 +187,9 @@ pub fn fit(mask: &Mask<'_>, columns: &[Vec<f64>], target_nm: &[f64]) -> Flexible
     }
     hold_within(&mut predicted_nm, |row| mask.counts(row));
     let residual_nm = target_nm.iter().zip(predicted_nm).map(|(y, p)| y - p).collect();
-    Flexible { held_out: gram.held_out(folds, prior).iter().sum::<f64>() / mask.rows().max(1) as f64, residual_nm }
+    let mean = |squares: f64| squares / mask.rows().max(1) as f64;
+    let held_out = mean(gram.held_out(folds, prior).iter().sum());
+    Flexible { held_out, of: mean(counted(target_nm).iter().map(|y| y * y).sum()), residual_nm }
 }
 
 #[cfg(test)]

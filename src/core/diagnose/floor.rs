@@ -295,7 +295,8 @@ mod tests {
     #[test]
     fn without_repeats_what_no_fit_predicts_is_noise_beside_causes_up_to_a_limit() {
         let (mut data, model) = bundled();
-        data.records.all.iter_mut().for_each(|record| record.repeats = None);
+        let records = Arc::get_mut(&mut data.records).unwrap();
+        records.all.iter_mut().for_each(|record| record.repeats = None);
         let (white, slow, quick) = (white(&data), wave(&data, 50.0), wave(&data, 3.0));
         let of_left = |left_nm: &[f64], left_square: f64, unforeseen_square: f64, is_bare: bool| -> Floor {
             settled((&all(&data), &model), left_nm, (unforeseen_square, left_square), is_bare)

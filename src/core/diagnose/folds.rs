@@ -1,7 +1,7 @@
 //! The independent observations: motion cycles, and the folds that are held out in turn.
 //!
-//! Samples of a filtered signal are no independent observations, cycles nearly are. Whole trials are held out where there are
-//! enough of them, else cycles.
+//! Samples of a filtered signal are no independent observations, cycles nearly are. Whole trials are held out where there are enough of them:
+//! their motion is new then. Else cycles are, and where the gap wanders from trial to trial, so that nothing foresees a whole one.
 
 use super::record::Record;
 use super::records::Records;
@@ -10,7 +10,7 @@ use std::ops::Range;
 
 /// Folds held out in turn.
 pub const FOLDS: usize = 4;
-/// From this many trials on, trials are held out and resampled; with fewer, cycles.
+/// From this many trials on, trials are held out, from twice as many on they are resampled; with fewer, cycles.
 const TRIALS_MIN: usize = 4;
 /// A reversal is one after travel back of this share of the range.
 const REVERSAL: f64 = 0.05;
@@ -28,8 +28,9 @@ pub struct Folds {
     pub fold: Vec<usize>,
     /// What is resampled as a whole, for each unit: its trial, or itself.
     pub cluster: Vec<usize>,
-    /// What is held out, for people: "trials" or "motion cycles".
-    pub held_out: &'static str,
+    /// Whether whole trials are held out, not cycles; and whether they are resampled.
+    by_trial: bool,
+    trials_resampled: bool,
 }
 
 impl Folds {
@@ -40,12 +41,26 @@ impl Folds {
 
     /// `rows` that are all one.
     pub fn whole(rows: usize) -> Self {
-        Self { units: std::iter::once(0..rows).collect(), fold: vec![0], cluster: vec![0], held_out: "" }
+        Self {
+            units: std::iter::once(0..rows).collect(),
+            fold: vec![0],
+            cluster: vec![0],
+            by_trial: false,
+            trials_resampled: false,
+        }
     }
 
-    /// Of `records`.
+    /// Of `records`: trials are held out where there are enough of them.
     pub fn new(records: &Records) -> Self {
-        let by_trial = records.all.iter().filter(|record| !record.rows.is_empty()).count() >= TRIALS_MIN;
+        Self::of(records, usable(records) >= TRIALS_MIN)
+    }
+
+    /// Of `records`: cycles are held out; nothing where that is what [`Self::new`] does.
+    pub fn of_cycles(&self, records: &Records) -> Option<Self> {
+        self.by_trial.then(|| Self::of(records, false))
+    }
+
+    fn of(records: &Records, by_trial: bool) -> Self {
         let (mut units, mut record_of) = (Vec::new(), Vec::new());
         for (at, (record, range)) in records.all.iter().zip(&records.ranges).enumerate() {
             let mut cuts = cycles(record);
@@ -61,14 +76,25 @@ impl Folds {
             true => record_of.iter().map(|at| at % FOLDS).collect(),
             false => (0..units.len()).map(|at| at % FOLDS).collect(),
         };
-        let cluster = if by_trial && records.all.len() >= 2 * TRIALS_MIN {
-            record_of.clone()
-        } else {
-            (0..units.len()).collect()
-        };
-        let held_out = if by_trial { "trials" } else { "motion cycles" };
-        Self { units, fold, cluster, held_out }
+        let trials_resampled = usable(records) >= 2 * TRIALS_MIN;
+        let cluster = if trials_resampled { record_of } else { (0..units.len()).collect() };
+        Self { units, fold, cluster, by_trial, trials_resampled }
     }
+
+    /// What is held out, for people.
+    pub fn held_out(&self) -> &'static str {
+        if self.by_trial { "trials" } else { "motion cycles" }
+    }
+
+    /// What is resampled as a whole, for people.
+    pub fn resampled(&self) -> &'static str {
+        if self.trials_resampled { "trials" } else { "motion cycles" }
+    }
+}
+
+/// How many of `records` have rows.
+fn usable(records: &Records) -> usize {
+    records.all.iter().filter(|record| !record.rows.is_empty()).count()
 }
 
 /// The rows of each cycle of `record`: from one lower reversal to the next.

@@ -29,6 +29,8 @@ pub enum Phase {
     Pairs,
     /// All other causes are tried in the place of this one.
     Rivals(&'static str),
+    /// All is done again with motion cycles held out.
+    MotionCycles,
     /// The verdict is drawn.
     Verdict,
     /// The next experiment is designed.
@@ -44,6 +46,7 @@ impl std::fmt::Display for Phase {
             Self::Cause(number) => write!(f, "cause {number}"),
             Self::Pairs => f.write_str("pairs of causes"),
             Self::Rivals(cause) => write!(f, "rivals of {cause}"),
+            Self::MotionCycles => f.write_str("again on motion cycles"),
             Self::Verdict => f.write_str("verdict"),
             Self::NextExperiment => f.write_str("next experiment"),
         }

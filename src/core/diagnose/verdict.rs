@@ -14,6 +14,8 @@ use crate::model::groups::LOAD_COEFFICIENT;
 
 /// What the rule says of a verdict that belongs to those that were right more often.
 const CLEAR: &str = "clear";
+/// What it says of causes that the gap is not put down to.
+const UNNAMED: &str = "causes do not name the gap";
 
 /// The answer.
 #[derive(Debug, Clone, PartialEq)]
@@ -94,7 +96,7 @@ impl Evidence<'_> {
         let is_news = rest > self.policy.news_factor.powi(2) * self.own_square;
         let known_square = if is_news { self.floor_square.max(self.own_square) } else { self.floor_square };
         let (value, limit) = (above(last, known_square), self.policy.unnamed_share * above(rest, known_square));
-        let outcome = if value > limit { "causes do not name the gap" } else { "causes named, form approximate" };
+        let outcome = if value > limit { UNNAMED } else { "causes named, form approximate" };
         Decision { rule: "named", subject: "all causes", value, limit, outcome }
     }
 
@@ -116,8 +118,17 @@ fn causes(choice: &Choice<'_>, evidence: &Evidence<'_>) -> Vec<Cause> {
     choice.found.iter().map(|found| found.cause).chain(contact).collect()
 }
 
-/// The kind of answer, and the share of the resamples that come to the same.
-fn judged(choice: &Choice<'_>, evidence: &Evidence<'_>) -> (Kind, f64) {
+/// What the causes amount to.
+struct Judged {
+    kind: Kind,
+    /// Share of the resamples that come to the same.
+    agreement: f64,
+    /// Share of the resamples in which the first cause, the one that explains most alone, does best in its place and all together name the gap.
+    on_first: f64,
+}
+
+/// What the causes of `choice` amount to.
+fn judged(choice: &Choice<'_>, evidence: &Evidence<'_>) -> Judged {
     let has_causes = !causes(choice, evidence).is_empty();
     let is_unknown = evidence.is_unknown(evidence.mean(&evidence.rest), evidence.mean(&evidence.last), has_causes);
     let kind = match (&choice.found[..], evidence.contact) {
@@ -132,17 +143,22 @@ fn judged(choice: &Choice<'_>, evidence: &Evidence<'_>) -> (Kind, f64) {
     let [rests, lasts] =
         [&evidence.rest, &evidence.last].map(|squares| evidence.resamples.mean_squares(squares, &evidence.rows));
     let unknown = evidence.resamples.share(|i| evidence.is_unknown(rests[i], lasts[i], has_causes));
+    let stand: Vec<Vec<bool>> = choice.found.iter().map(|found| stands(found, evidence)).collect();
+    let shares = stand.iter().map(|stands| evidence.resamples.share(|i| stands[i]));
     let agreement = match kind {
         Kind::Unknown => unknown,
         Kind::None => 1.0 - unknown,
-        _ => stands(&choice.found, evidence).min(1.0 - unknown),
+        _ => shares.fold(1.0 - unknown, f64::min),
     };
-    (kind, agreement)
+    let stands_first = |i: usize| stand.first().is_none_or(|first| first[i]);
+    let on_first =
+        evidence.resamples.share(|i| stands_first(i) && !evidence.is_unknown(rests[i], lasts[i], has_causes));
+    Judged { kind, agreement, on_first }
 }
 
 /// The share of the resamples that agree on causes of a gap that is too weak for so few.
 pub fn too_weak(choice: &Choice<'_>, evidence: &Evidence<'_>) -> Option<f64> {
-    let (kind, agreement) = judged(choice, evidence);
+    let Judged { kind, agreement, .. } = judged(choice, evidence);
     let is_named = !matches!(kind, Kind::None | Kind::Unknown);
     let Policy { weak_floors, weak_agreement, .. } = *evidence.policy;
     let is_weak =
@@ -155,7 +171,7 @@ pub fn verdict(choice: &Choice<'_>, evidence: &Evidence<'_>) -> Verdict {
     let Evidence { policy, floor_square, .. } = *evidence;
     let [delivered, rest, last] = [&evidence.delivered, &evidence.rest, &evidence.last].map(|s| evidence.mean(s));
     let mut effects = causes(choice, evidence);
-    let (kind, mut agreement) = judged(choice, evidence);
+    let Judged { mut kind, mut agreement, on_first } = judged(choice, evidence);
     let (is_open, open) = evidence.open(rest, last);
     let oscillating = evidence.oscillations.iter().map(|o| o.decision(policy)).collect();
     let mut decisions = [choice.decisions.clone(), oscillating, open].concat();
@@ -170,16 +186,23 @@ pub fn verdict(choice: &Choice<'_>, evidence: &Evidence<'_>) -> Verdict {
     if kind == Kind::Ambiguous {
         effects.extend(choice.found[0].rivals.iter().copied());
     }
-    let form = match kind {
-        Kind::None | Kind::Unknown => None,
-        _ if is_open => Some(Form::Approximate),
-        _ => Some(Form::Fits),
-    };
     let gap_before_nm = above(delivered, floor_square);
     let gap_after_nm = above(last, floor_square).max(evidence.numbers.square().sqrt());
     let clear = clear(policy, kind, (gap_before_nm, gap_after_nm, floor_square.sqrt()));
     let is_clear = clear.iter().all(|decision| decision.outcome == CLEAR);
     decisions.extend(clear);
+    if kind == Kind::Several && !is_clear {
+        let first = on_first_cause(policy, on_first);
+        if first.outcome == UNNAMED {
+            (kind, agreement) = (Kind::Unknown, 1.0 - on_first);
+        }
+        decisions.push(first);
+    }
+    let form = match kind {
+        Kind::None | Kind::Unknown => None,
+        _ if is_open => Some(Form::Approximate),
+        _ => Some(Form::Fits),
+    };
     let probabilities = probabilities(policy, (kind, is_clear), agreement, &effects);
     Verdict {
         kind,
@@ -211,6 +234,14 @@ fn clear(policy: &Policy, kind: Kind, (gap_before_nm, gap_after_nm, floor_nm): (
     ]
 }
 
+/// Whether enough resamples agree on the first of several causes that are not clear: together they can imitate what none of them is, but then another
+/// cause would often do as well in its place.
+fn on_first_cause(policy: &Policy, on_first: f64) -> Decision {
+    let limit = policy.weak_agreement;
+    let outcome = if on_first < limit { UNNAMED } else { "causes named" };
+    Decision { rule: "agreement", subject: "first cause", value: on_first, limit, outcome }
+}
+
 fn kind_of(cause: Cause) -> Kind {
     match cause {
         Cause::Effect(_) => Kind::Effect,
@@ -218,23 +249,20 @@ fn kind_of(cause: Cause) -> Kind {
     }
 }
 
-/// Share of the resamplings in which every cause that was taken, or a rival that the verdict names with it, still does best.
-fn stands(found: &[Found<'_>], evidence: &Evidence<'_>) -> f64 {
-    let holds = |found: &Found<'_>| {
-        let named = |cause: Cause| cause == found.cause || found.rivals.contains(&cause);
-        let squares = |wanted: bool| -> Vec<Vec<f64>> {
-            let of = found.tried.iter().filter(|t| named(t.cause) == wanted);
-            of.map(|t| {
-                let factor = t.fit.prior_factor();
-                evidence.resamples.mean_squares(&t.fit.held_out, &evidence.rows).iter().map(|s| factor * s).collect()
-            })
-            .collect()
-        };
-        let (ours, theirs) = (squares(true), squares(false));
-        let least = |all: &[Vec<f64>], i: usize| all.iter().map(|s| s[i]).fold(f64::INFINITY, f64::min);
-        evidence.resamples.share(|i| least(&ours, i) <= least(&theirs, i))
+/// In which of the resamples the cause that was taken, or a rival that the verdict names with it, still does best in its place.
+fn stands(found: &Found<'_>, evidence: &Evidence<'_>) -> Vec<bool> {
+    let named = |cause: Cause| cause == found.cause || found.rivals.contains(&cause);
+    let squares = |wanted: bool| -> Vec<Vec<f64>> {
+        let of = found.tried.iter().filter(|t| named(t.cause) == wanted);
+        of.map(|t| {
+            let factor = t.fit.prior_factor();
+            evidence.resamples.mean_squares(&t.fit.held_out, &evidence.rows).iter().map(|s| factor * s).collect()
+        })
+        .collect()
     };
-    found.iter().map(holds).fold(1.0, f64::min)
+    let (ours, theirs) = (squares(true), squares(false));
+    let least = |all: &[Vec<f64>], i: usize| all.iter().map(|s| s[i]).fold(f64::INFINITY, f64::min);
+    (0..evidence.resamples.count()).map(|i| least(&ours, i) <= least(&theirs, i)).collect()
 }
 
 /// Where a cause shows by its nature.
@@ -248,7 +276,14 @@ pub fn signature(cause: Cause, how: &str) -> Region {
 
 #[cfg(test)]
 mod tests {
-    use super::{CLEAR, Kind, Policy, clear};
+    use super::{CLEAR, Kind, Policy, UNNAMED, clear, on_first_cause};
+
+    #[test]
+    fn several_causes_need_a_first_one_that_most_resamples_agree_on() {
+        let outcome = |on_first: f64| on_first_cause(&Policy::default(), on_first).outcome;
+        assert_eq!(outcome(0.3), UNNAMED);
+        assert_ne!(outcome(0.9), UNNAMED);
+    }
 
     #[test]
     fn a_verdict_is_clear_where_its_causes_close_a_gap_above_the_floor() {

@@ -38,7 +38,7 @@ pub fn evidence(found: &Diagnosis) -> Vec<String> {
         "The confidence in the verdict, {sure}, is the share of right verdicts among those of its kind{} on simulated joints with withheld \
          answers, reduced where the bootstrap resamples disagree: of those of whole {}, {agree} give the same verdict.",
         clearness(found).map_or(String::new(), |clearness| format!(" ({clearness})")),
-        found.held_out,
+        found.resampled,
     ));
     all.iter().map(|sentence| kept_together(sentence)).collect()
 }
@@ -48,6 +48,10 @@ fn clearness(found: &Diagnosis) -> Option<&'static str> {
     let mut clear = found.verdict.decisions.iter().filter(|decision| decision.rule == "clear").peekable();
     clear.peek()?;
     Some(match clear.all(|decision| decision.outcome == "clear") {
+        _ if found.verdict.kind == Kind::Unknown => {
+            "those of several causes that leave more than a tenth of the gap, or whose gap is below the floor, \
+                                                     where fewer resamples than needed agree on the first"
+        }
         true => "those that close a gap as large as the floor to a tenth",
         false => "those that leave more than a tenth of the gap, or whose gap is below the floor",
     })
