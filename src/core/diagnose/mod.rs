@@ -207,8 +207,8 @@ const UNFORESEEN: &str = "what is left exceeds the torque's noise beyond the low
                           counts as slow noise; whether it comes again with the motion, only repeats of one motion would tell";
 
 /// Warning where a cause of time was found on motion cycles, nothing on trials.
-const WANDERS: &str = "on held-out trials nothing names the gap, which changes from one to the next; the verdict is that on held-out motion cycles, while \
-                       the rest of their trials was fitted: the causes tell how it went, not how it will be in another trial";
+const WANDERS: &str = "on held-out trials no cause names the gap, which changes from trial to trial; the verdict is on held-out motion cycles, with the rest of \
+                       their trials fitted: it tells what happened in these trials, not what will happen in another";
 
 /// Warning where the residual oscillates.
 fn oscillates(oscillations: &[Oscillation]) -> Option<String> {
