@@ -293,7 +293,8 @@ mod tests {
         let (data, model) = bundled();
         let base = BaseModel::new(&Mask::new(&data, data.scored(&model), FLOOR_NM), &model, within_confidence(&model));
         let rest_nm = base.residual_nm();
-        let events = [500..900, 2000..2100].map(|rows| ContactEvent { rows, record: 0, peak_nm: 1.0 }).to_vec();
+        let events =
+            [500..900, 2000..2100].map(|rows| ContactEvent { rows, record: 0, peak_nm: 1.0, of_turn: false }).to_vec();
         let mask = base.mask.without(contact_events::rows(&events));
         // One of the two is predicted after all: it was set aside, and is no contact.
         let contact = events[..1].to_vec();

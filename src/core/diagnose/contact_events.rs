@@ -30,6 +30,8 @@ pub struct ContactEvent {
     pub record: usize,
     /// Its largest excursion, N m.
     pub peak_nm: f64,
+    /// Whether friction that turns earlier or later than the encoder tells would explain it.
+    pub of_turn: bool,
 }
 
 /// The rows of `events`.
@@ -59,9 +61,10 @@ pub fn find(base: &BaseModel<'_>, columns: &[Vec<f64>], target_nm: &[f64]) -> (V
         !is_repeated(data, &states, &fitted.residual_nm, event)
             && !recurs(data, &states, &fitted.residual_nm, &events, event)
             && !is_of_encoder(&data.policy, &encoder_nm, event)
-            && !is_of_turn(mask, &undecided_nm, &fitted.residual_nm, event)
     };
-    let events = events.iter().filter(|event| once(event)).cloned().collect();
+    let of_turn = |event: &ContactEvent| is_of_turn(mask, &undecided_nm, &fitted.residual_nm, event);
+    let events = events.iter().filter(|event| once(event));
+    let events = events.map(|event| ContactEvent { of_turn: of_turn(event), ..event.clone() }).collect();
     (events, fitted)
 }
 
@@ -139,7 +142,7 @@ fn stretches(mask: &Mask<'_>, residual_nm: &[f64]) -> Vec<ContactEvent> {
                 let rows = range.start + at.saturating_sub(reach)..range.start + (end + reach).min(level.len());
                 let peak_nm =
                     residual_nm[rows.clone()].iter().fold(0.0, |p: f64, r| if r.abs() > p.abs() { *r } else { p });
-                found.push(ContactEvent { rows, record, peak_nm });
+                found.push(ContactEvent { rows, record, peak_nm, of_turn: false });
             }
             at = end;
         }
@@ -160,7 +163,8 @@ fn level(values: &[f64], reach: usize) -> Vec<f64> {
 }
 
 /// Keeps the events that a model, fitted without them, leaves as they were: one that it predicts was not contact; and of those that gather where
-/// the joint is slow the ones that are not there. None is kept if they still gather at one speed or acceleration.
+/// the joint is slow the ones that are not there. None is kept if they still gather at one speed or acceleration, or if friction that turns at another
+/// time would explain each of them.
 pub fn keep_unexplained(mask: &Mask<'_>, events: &mut Vec<ContactEvent>, before_nm: &[f64], after_nm: &[f64]) {
     let policy = &mask.data.policy;
     events.retain(|event| is_left(mask, event, |row| before_nm[row], |row| after_nm[row]));
@@ -172,7 +176,8 @@ pub fn keep_unexplained(mask: &Mask<'_>, events: &mut Vec<ContactEvent>, before_
     drop_slow(policy, &by_speed, events);
     let by_acceleration = ranks(states.iter().map(|state| state.acceleration.abs()));
     let centres: Vec<usize> = events.iter().map(|event| centre_row(after_nm, event)).collect();
-    if gather(policy, &by_speed, &centres) || gather(policy, &by_acceleration, &centres) {
+    let is_of_turns = events.iter().all(|event| event.of_turn);
+    if is_of_turns || gather(policy, &by_speed, &centres) || gather(policy, &by_acceleration, &centres) {
         events.clear();
     }
 }
@@ -361,7 +366,7 @@ mod tests {
     #[test]
     fn what_swings_to_and_fro_rings_and_a_push_does_not() {
         let series = |of: fn(f64) -> f64| (0..60).map(|i| of(f64::from(i) / 60.0)).collect::<Vec<f64>>();
-        let events = [ContactEvent { rows: 0..60, record: 0, peak_nm: 1.0 }];
+        let events = [ContactEvent { rows: 0..60, record: 0, peak_nm: 1.0, of_turn: false }];
         let rings = |of: fn(f64) -> f64| ring(&Policy::default(), &events, &series(of));
         assert!(rings(|t| (-t).exp() * (8.0 * PI * t).sin()));
         assert!(!rings(|t| (PI * t).sin()), "a push");
@@ -374,8 +379,10 @@ mod tests {
     fn events_that_gather_where_the_joint_is_slow_are_no_contacts() {
         let by_speed: Vec<f64> = (0..1000).map(|i| f64::from(i) / 1000.0).collect();
         let left = |rows: &[usize]| {
-            let mut events: Vec<ContactEvent> =
-                rows.iter().map(|at| ContactEvent { rows: *at..at + 10, record: 0, peak_nm: 1.0 }).collect();
+            let mut events: Vec<ContactEvent> = rows
+                .iter()
+                .map(|at| ContactEvent { rows: *at..at + 10, record: 0, peak_nm: 1.0, of_turn: false })
+                .collect();
             drop_slow(&Policy::default(), &by_speed, &mut events);
             events.iter().map(|event| event.rows.start).collect::<Vec<usize>>()
         };
@@ -402,8 +409,9 @@ mod tests {
     #[test]
     fn the_middle_of_an_event_is_that_of_its_squares() {
         let residual_nm: Vec<f64> = (0..100).map(|i| if i < 90 { 1.0 } else { 1.2 }).collect();
-        let centre =
-            |rows: std::ops::Range<usize>| centre_row(&residual_nm, &ContactEvent { rows, record: 0, peak_nm: 1.2 });
+        let centre = |rows: std::ops::Range<usize>| {
+            centre_row(&residual_nm, &ContactEvent { rows, record: 0, peak_nm: 1.2, of_turn: false })
+        };
         assert_eq!((centre(10..50), centre(60..61)), (29, 60));
         assert!((80..85).contains(&centre(70..95)), "not its peak");
     }

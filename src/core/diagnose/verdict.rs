@@ -14,6 +14,8 @@ use crate::model::groups::LOAD_COEFFICIENT;
 
 /// What the rule says of a verdict that belongs to those that were right more often.
 const CLEAR: &str = "clear";
+/// Most of the resamples: so many must agree on the causes of a weak gap.
+const MOST: f64 = 0.5;
 /// What it says of causes that the gap is not put down to.
 const UNNAMED: &str = "causes do not name the gap";
 
@@ -160,10 +162,10 @@ fn judged(choice: &Choice<'_>, evidence: &Evidence<'_>) -> Judged {
 pub fn too_weak(choice: &Choice<'_>, evidence: &Evidence<'_>) -> Option<f64> {
     let Judged { kind, agreement, .. } = judged(choice, evidence);
     let is_named = !matches!(kind, Kind::None | Kind::Unknown);
-    let Policy { weak_floors, weak_agreement, .. } = *evidence.policy;
+    let weak_floors = evidence.policy.weak_floors;
     let is_weak =
         above(evidence.mean(&evidence.rest), evidence.floor_square) < weak_floors * evidence.floor_square.sqrt();
-    (is_named && is_weak && agreement < weak_agreement).then_some(agreement)
+    (is_named && is_weak && agreement < MOST).then_some(agreement)
 }
 
 /// Resamples the verdict.
@@ -179,7 +181,7 @@ pub fn verdict(choice: &Choice<'_>, evidence: &Evidence<'_>) -> Verdict {
         decisions.push(evidence.naming(rest, last));
     }
     if let Some(value) = choice.given_up {
-        let (limit, outcome) = (policy.weak_agreement, "too weak to be named");
+        let (limit, outcome) = (MOST, "too weak to be named");
         decisions.push(Decision { rule: "agreement", subject: "all causes", value, limit, outcome });
         agreement = agreement.min(1.0 - value);
     }
@@ -237,7 +239,7 @@ fn clear(policy: &Policy, kind: Kind, (gap_before_nm, gap_after_nm, floor_nm): (
 /// Whether enough resamples agree on the first of several causes that are not clear: together they can imitate what none of them is, but then another
 /// cause would often do as well in its place.
 fn on_first_cause(policy: &Policy, on_first: f64) -> Decision {
-    let limit = policy.weak_agreement;
+    let limit = policy.first_agreement;
     let outcome = if on_first < limit { UNNAMED } else { "causes named" };
     Decision { rule: "agreement", subject: "first cause", value: on_first, limit, outcome }
 }
