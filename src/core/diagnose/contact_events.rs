@@ -6,6 +6,7 @@ use super::data::DataSet;
 use super::flexible::{self, Flexible};
 use super::mask::Mask;
 use super::policy::Policy;
+use super::turns;
 use crate::dynamics::Motion;
 use crate::numerics::statistics::{mean, quantile, standard_deviation};
 use std::ops::Range;
@@ -16,8 +17,6 @@ const ROUNDS: usize = 3;
 const WINDOW: f64 = 2.0;
 /// Fewer rows in the same state elsewhere do not show whether a residual repeats.
 const ROWS_MIN: usize = 12;
-/// Within this many deadbands of a turn the encoder does not tell when the joint turns: a coarse one, whose deadband is half a step, stands still.
-const UNDECIDED_DEADBANDS: f64 = 2.0;
 /// Rows farther apart than this belong to different visits of a state.
 const APART: usize = 10;
 
@@ -56,13 +55,16 @@ pub fn find(base: &BaseModel<'_>, columns: &[Vec<f64>], target_nm: &[f64]) -> (V
         return (events, fitted);
     }
     let data = base.data();
-    let (states, encoder_nm, undecided_nm) = (states(data), data.encoder_nm(&base.model), undecided_nm(base));
+    let (states, encoder_nm, undecided_nm) = (states(data), data.encoder_nm(&base.model), turns::undecided_nm(base));
     let once = |event: &ContactEvent| {
         !is_repeated(data, &states, &fitted.residual_nm, event)
             && !recurs(data, &states, &fitted.residual_nm, &events, event)
             && !is_of_encoder(&data.policy, &encoder_nm, event)
     };
-    let of_turn = |event: &ContactEvent| is_of_turn(mask, &undecided_nm, &fitted.residual_nm, event);
+    let of_turn = |event: &ContactEvent| {
+        let residual_nm = &fitted.residual_nm;
+        !is_left(mask, event, |row| residual_nm[row], |row| turns::left_nm(&undecided_nm, residual_nm, row))
+    };
     let events = events.iter().filter(|event| once(event));
     let events = events.map(|event| ContactEvent { of_turn: of_turn(event), ..event.clone() }).collect();
     (events, fitted)
@@ -266,15 +268,6 @@ fn is_of_encoder(policy: &Policy, encoder_nm: &[f64], event: &ContactEvent) -> b
     event.peak_nm.abs() <= policy.contact_over_encoder * most_nm
 }
 
-/// Whether friction that turns earlier or later than the encoder tells leaves so little of it that it was no contact.
-fn is_of_turn(mask: &Mask<'_>, undecided_nm: &[Vec<f64>; 2], residual_nm: &[f64], event: &ContactEvent) -> bool {
-    let left = |row: usize| {
-        let [one, other] = [undecided_nm[0][row], undecided_nm[1][row]];
-        residual_nm[row] - residual_nm[row].clamp(one.min(other).min(0.0), one.max(other).max(0.0))
-    };
-    !is_left(mask, event, |row| residual_nm[row], left)
-}
-
 /// Whether so much of `event` is left by what leaves `after_nm` at each row, of `before_nm`, that it was not predicted.
 fn is_left(
     mask: &Mask<'_>,
@@ -286,36 +279,6 @@ fn is_left(
     let [before, after]: [f64; 2] =
         [event.rows.clone().map(|i| excess(before_nm(i))).sum(), event.rows.clone().map(|i| excess(after_nm(i))).sum()];
     after.max(0.0) > mask.data.policy.contact_left_share * before.max(0.0)
-}
-
-/// How far the prediction of `base` moves at the rows if friction is that of the one direction, and of the other, wherever the encoder does not tell
-/// which, N m.
-fn undecided_nm(base: &BaseModel<'_>) -> [Vec<f64>; 2] {
-    let records = &base.data().records;
-    let undecided: Vec<Vec<bool>> =
-        records.all.iter().map(|r| at_turns(&r.own, UNDECIDED_DEADBANDS * r.deadband_rad)).collect();
-    [0.0, 1.0].map(|side| {
-        let of_record = |(k_tilde, undecided): (&Vec<f64>, &Vec<bool>)| -> Vec<f64> {
-            k_tilde.iter().zip(undecided).map(|(k, undecided)| if *undecided { side } else { *k }).collect()
-        };
-        let passages = base.passages.iter().zip(&undecided).map(of_record).collect();
-        let predicted_nm = base.prediction_nm(&base.model, &passages);
-        predicted_nm.iter().zip(&base.predicted_nm).map(|(turned, predicted)| turned - predicted).collect()
-    })
-}
-
-/// Where `motion` is within `reach_rad` of where it turns, or rests, before it left there.
-fn at_turns(motion: &[Motion], reach_rad: f64) -> Vec<bool> {
-    let mut is_at = vec![false; motion.len()];
-    for turn in 1..motion.len() {
-        if is_at[turn] || motion[turn - 1].velocity * motion[turn].velocity > 0.0 {
-            continue;
-        }
-        let is_near = |at: &usize| (motion[*at].position - motion[turn].position).abs() <= reach_rad;
-        let near = (0..turn).rev().take_while(is_near).chain((turn..motion.len()).take_while(is_near));
-        near.for_each(|at| is_at[at] = true);
-    }
-    is_at
 }
 
 /// Whether most other repeats of the event's trial have an event of the same sign and the like size at the same place, in the
@@ -344,23 +307,25 @@ fn recurs(
 
 #[cfg(test)]
 mod tests {
-    use super::{
-        ContactEvent, Motion, Policy, at_turns, centre_row, drop_slow, gather, ranks, ring, without_largest_visit,
-    };
+    use super::{ContactEvent, Policy, centre_row, drop_slow, gather, ranks, ring, without_largest_visit};
+    use super::{Mask, keep_unexplained};
+    use crate::diagnose::data::tests::bundled;
     use std::f64::consts::PI;
 
     #[test]
-    fn near_a_turn_and_nowhere_else_friction_may_act_either_way() {
-        let swing = |i: i32| {
-            let (sin, cos) = (f64::from(i) * 0.01).sin_cos();
-            Motion { position: sin, velocity: cos, acceleration: -sin }
+    fn events_at_turns_are_contacts_only_beside_another() {
+        let (data, _) = bundled();
+        let rows = data.measured_nm.len();
+        let mask = Mask::new(&data, vec![true; rows], 0.01);
+        let residual_nm = vec![1.0; rows];
+        let kept = |of_turn: [bool; 2]| {
+            let event =
+                |(at, of_turn): (usize, bool)| ContactEvent { rows: at..at + 20, record: 0, peak_nm: 1.0, of_turn };
+            let mut events = [rows / 5, rows / 2].into_iter().zip(of_turn).map(event).collect();
+            keep_unexplained(&mask, &mut events, &residual_nm, &residual_nm);
+            events.len()
         };
-        let motion: Vec<Motion> = (0..1000).map(swing).collect();
-        let is_at = at_turns(&motion, 1e-3);
-        assert!(motion.iter().zip(&is_at).all(|(m, at)| *at == (m.position.abs() >= 1.0 - 1e-3)));
-        let rest = vec![Motion { position: 0.2, velocity: 0.0, acceleration: 0.0 }; 9];
-        assert!(at_turns(&rest, 0.0)[1..].iter().all(|at| *at));
-        assert!(at_turns(&[], 0.0).is_empty());
+        assert_eq!([kept([true, true]), kept([true, false]), kept([false, false])], [0, 2, 2]);
     }
 
     #[test]

@@ -8,7 +8,7 @@
 use crate::log::Campaign;
 use crate::numerics::filter::LowPass;
 use crate::numerics::statistics::{deviation_by_median, extent, quantile};
-use crate::prepare::Trial;
+use crate::prepare::{Trial, changes_rad};
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
@@ -48,14 +48,10 @@ fn smooth_rad(campaign: &Campaign, trial: &Trial) -> Vec<f64> {
 /// readings (from one sample to the next a quick joint may never go by a single step), but no more than the smallest from one sample to the next
 /// (a simulated motion may come to the same few positions again and again). 0 where nothing changes.
 fn step_rad(raw_rad: &[f64], rounding_rad: f64) -> f64 {
-    let distances = |readings_rad: &[f64]| -> Vec<f64> {
-        let all = readings_rad.windows(2).map(|pair| (pair[1] - pair[0]).abs());
-        all.filter(|distance| *distance > rounding_rad).collect()
-    };
     let mut sorted_rad = raw_rad.to_vec();
     sorted_rad.sort_unstable_by(f64::total_cmp);
-    let between_neighbours_rad = quantile(&mut distances(&sorted_rad), OFF_STEP);
-    let step_rad = distances(raw_rad).into_iter().fold(between_neighbours_rad, f64::min);
+    let between_neighbours_rad = quantile(&mut changes_rad(&sorted_rad, rounding_rad).collect::<Vec<f64>>(), OFF_STEP);
+    let step_rad = changes_rad(raw_rad, rounding_rad).fold(between_neighbours_rad, f64::min);
     if step_rad.is_finite() { step_rad } else { 0.0 }
 }
 

@@ -29,6 +29,7 @@ mod measures;
 mod motion;
 mod next;
 mod on_chain;
+mod on_cycles;
 mod opening;
 mod oscillation;
 mod pairs;
@@ -47,6 +48,7 @@ mod search;
 mod settle;
 mod spectrum;
 mod stale;
+mod turns;
 mod verdict;
 
 pub use answer::{Answer, Form, Kind};
@@ -71,7 +73,8 @@ use base::BaseModel;
 use bootstrap::Resamples;
 use data::DataSet;
 use explain::Explanation;
-use opening::{Ceiling, HELD_OUT, Opening};
+use on_cycles::Ceiling;
+use opening::Opening;
 use oscillation::Oscillation;
 
 /// All that is found.
@@ -206,10 +209,6 @@ const ENCODER_UNKNOWN: &str = "what the encoder alone leaves of a perfect model 
 const UNFORESEEN: &str = "what is left exceeds the torque's noise beyond the low-pass, but no fit finds any of it again on held-out data: it \
                           counts as slow noise; whether it comes again with the motion, only repeats of one motion would tell";
 
-/// Warning where a cause of time was found on motion cycles, nothing on trials.
-const WANDERS: &str = "on held-out trials no cause names the gap, which changes from trial to trial; the verdict is on held-out motion cycles, with the rest of \
-                       their trials fitted: it tells what happened in these trials, not what will happen in another";
-
 /// Warning where the residual oscillates.
 fn oscillates(oscillations: &[Oscillation]) -> Option<String> {
     let share: f64 = oscillations.iter().map(|oscillation| oscillation.share).sum();
@@ -245,43 +244,13 @@ pub fn run_by(campaign: &Campaign, model: &Model, policy: &Policy, listener: Lis
         warnings.push(ENCODER_UNKNOWN.to_string());
     }
     let opening = Opening::of(&data, &model, listener);
-    let ceiling = opening.ceiling();
+    let ceiling = Ceiling::of(&opening);
     let mut found = explained(opening, (campaign, &model), listener);
     if found.verdict.kind == Kind::Unknown {
-        on_cycles(&mut found, &ceiling, &data, (campaign, &model), listener);
+        on_cycles::look_again(&mut found, &ceiling, &data, (campaign, &model), listener);
     }
     found.warnings.splice(..0, warnings);
     Ok(found)
-}
-
-/// Looks again with motion cycles held out in the place of trials, of which not even the `ceiling` foresees enough: `found`, an unknown gap, becomes what
-/// is found so if that begins with a cause of time. A law of the motion would be foreseen on whole trials, too.
-fn on_cycles(
-    found: &mut Diagnosis,
-    ceiling: &Ceiling,
-    data: &DataSet,
-    (campaign, model): (&Campaign, &Model),
-    listener: Listener<'_>,
-) {
-    let on_trials = ceiling.on_trials();
-    let is_foreseen = on_trials.value <= on_trials.limit;
-    found.verdict.decisions.push(on_trials);
-    let Some(data) = (!is_foreseen).then(|| data.with_cycles_held_out()).flatten() else { return };
-    listener(Progress::Begins(Phase::MotionCycles));
-    let opening = Opening::of(&data, model, listener);
-    let on_cycles = ceiling.on_cycles(&opening);
-    let is_foreseen = on_cycles.value <= on_cycles.limit;
-    found.verdict.decisions.push(on_cycles);
-    if !is_foreseen {
-        return;
-    }
-    let mut again = explained(opening, (campaign, model), listener);
-    if again.verdict.effects.first().is_some_and(|cause| cause.is_of_time()) && again.verdict.kind != Kind::Unknown {
-        let held_out = found.verdict.decisions.drain(..).filter(|decision| decision.rule == HELD_OUT);
-        again.verdict.decisions.extend(held_out);
-        again.warnings.push(WANDERS.to_string());
-        *found = again;
-    }
 }
 
 /// What separates `model` from the recordings of `campaign`, beginning from `opening`.

@@ -14,10 +14,12 @@ use crate::model::groups::LOAD_COEFFICIENT;
 
 /// What the rule says of a verdict that belongs to those that were right more often.
 const CLEAR: &str = "clear";
-/// Most of the resamples: so many must agree on the causes of a weak gap.
-const MOST: f64 = 0.5;
 /// What it says of causes that the gap is not put down to.
 const UNNAMED: &str = "causes do not name the gap";
+/// The subject of the rule about the first of several causes.
+const FIRST: &str = "first cause";
+/// Most of the resamples: so many must agree on the causes of a weak gap.
+const MOST: f64 = 0.5;
 
 /// The answer.
 #[derive(Debug, Clone, PartialEq)]
@@ -42,6 +44,13 @@ pub struct Verdict {
     pub gap_after_nm: f64,
     /// How far it shrinks.
     pub shrink: Shrink,
+}
+
+impl Verdict {
+    /// Whether the gap is unknown because too few resamples agree on the first of several causes.
+    pub fn is_disputed(&self) -> bool {
+        self.decisions.iter().any(|decision| decision.subject == FIRST && decision.outcome == UNNAMED)
+    }
 }
 
 /// What the verdict is drawn from: squares left in each unit over its rows.
@@ -241,7 +250,7 @@ fn clear(policy: &Policy, kind: Kind, (gap_before_nm, gap_after_nm, floor_nm): (
 fn on_first_cause(policy: &Policy, on_first: f64) -> Decision {
     let limit = policy.first_agreement;
     let outcome = if on_first < limit { UNNAMED } else { "causes named" };
-    Decision { rule: "agreement", subject: "first cause", value: on_first, limit, outcome }
+    Decision { rule: "agreement", subject: FIRST, value: on_first, limit, outcome }
 }
 
 fn kind_of(cause: Cause) -> Kind {

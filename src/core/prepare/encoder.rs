@@ -58,19 +58,14 @@ impl Position {
     }
 }
 
-/// Changes from sample to sample of more than `above_rad`, rad.
-fn changes_rad(raw_rad: &[f64], above_rad: f64) -> impl Iterator<Item = f64> {
+/// Changes from one of `raw_rad` to the next of more than `above_rad`, rad.
+pub fn changes_rad(raw_rad: &[f64], above_rad: f64) -> impl Iterator<Item = f64> {
     raw_rad.windows(2).map(|pair| (pair[1] - pair[0]).abs()).filter(move |change| *change > above_rad)
-}
-
-/// The smallest change from sample to sample of more than `above_rad`, rad: of a coarse encoder its step.
-fn smallest_change_rad(raw_rad: &[f64], above_rad: f64) -> Option<f64> {
-    changes_rad(raw_rad, above_rad).min_by(f64::total_cmp)
 }
 
 /// The step of the encoder, rad; `None` where the position does not move in steps.
 fn encoder_step_rad(raw_rad: &[f64]) -> Option<f64> {
-    let smallest_rad = smallest_change_rad(raw_rad, 0.0)?;
+    let smallest_rad = changes_rad(raw_rad, 0.0).min_by(f64::total_cmp)?;
     let is_single = |change: f64| change > 0.0 && change < (1.0 + ONE_STEP) * smallest_rad;
     let single: Vec<f64> = changes_rad(raw_rad, 0.0).filter(|change| is_single(*change)).collect();
     let step_rad = mean(&single);

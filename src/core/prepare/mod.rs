@@ -24,6 +24,7 @@ use crate::numerics::line::crossing;
 use crate::problem::{Problem, Result};
 use crate::trajectory::Trajectory;
 use encoder::Position;
+pub use encoder::changes_rad;
 use legs::cut;
 use std::ops::Range;
 

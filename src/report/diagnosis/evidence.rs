@@ -46,12 +46,8 @@ pub fn evidence(found: &Diagnosis) -> Vec<String> {
 /// Which verdicts the probability comes from; nothing where that of its kind does for all.
 fn clearness(found: &Diagnosis) -> Option<&'static str> {
     let mut clear = found.verdict.decisions.iter().filter(|decision| decision.rule == "clear").peekable();
-    clear.peek()?;
+    clear.peek().filter(|_| found.verdict.kind != Kind::Unknown)?;
     Some(match clear.all(|decision| decision.outcome == "clear") {
-        _ if found.verdict.kind == Kind::Unknown => {
-            "those of several causes that leave more than a tenth of the gap, or whose gap is below the floor, \
-                                                     where fewer resamples than needed agree on the first"
-        }
         true => "those that close a gap as large as the floor to a tenth",
         false => "those that leave more than a tenth of the gap, or whose gap is below the floor",
     })

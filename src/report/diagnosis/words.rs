@@ -235,8 +235,7 @@ fn unknown(found: &Diagnosis, units: &Units) -> String {
         false => format!("A flexible fit shrinks it by only {shrink}, so it hardly depends on the recorded motion"),
     };
     let lies = if found.places.is_empty() { String::new() } else { format!(" Where it lies: {}.", location(found)) };
-    let is_disputed = verdict.decisions.iter().any(|decision| decision.rule == "clear");
-    let why = match is_disputed {
+    let why = match verdict.is_disputed() {
         true => {
             "Several causes together reduce the gap, but the resamples do not agree on the first of them, so it may be none of these"
         }
