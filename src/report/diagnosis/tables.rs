@@ -69,7 +69,10 @@ pub fn decisions_table(found: &Diagnosis) -> Option<Table> {
          whether most trials or cycles improve; \"distinct\" is the share of the reduction that no other cause gives, which a weak cause \
          must have; \"oscillation\" is the power of a line in the spectrum of the remainder over that of its neighbourhood; \
          \"form\", \"open\" and \"named\" compare the remainder, N m RMS above the floor; \"clear\" compares the gap with \
-         the floor and the remainder with the gap, N m RMS (it only selects the simulated verdicts that the probability is taken from).",
+         the floor and the remainder with the gap, N m RMS (it selects the simulated verdicts that the probability is taken from, and which \
+         causes need agreement); \"agreement\" is the share of the resamples that agree on the causes of a weak gap, or on the first of several that \
+         are not clear; \"held out\" asks how much a flexible fit leaves, N m RMS above the floor: on trials, against what may be left of a named \
+         gap, and on motion cycles, against what it leaves on trials (over the root of 2).",
         &["cause", "rule", "value", "limit", "outcome"],
         found.verdict.decisions.iter().map(row).collect(),
     )
