@@ -307,8 +307,9 @@ fn recurs(
 
 #[cfg(test)]
 mod tests {
-    use super::{ContactEvent, Policy, centre_row, drop_slow, gather, ranks, ring, without_largest_visit};
-    use super::{Mask, keep_unexplained};
+    use super::{
+        ContactEvent, Mask, Policy, centre_row, drop_slow, gather, keep_unexplained, ranks, ring, without_largest_visit,
+    };
     use crate::diagnose::data::tests::bundled;
     use std::f64::consts::PI;
 

@@ -4,7 +4,6 @@ use super::bootstrap::above;
 use super::criteria::Decision;
 use super::data::DataSet;
 use super::flexible::Flexible;
-use super::mask::Mask;
 use super::opening::Opening;
 use super::progress::{Listener, Phase, Progress};
 use super::{Diagnosis, Kind, explained};
@@ -12,11 +11,14 @@ use crate::log::Campaign;
 use crate::model::Model;
 
 /// Warning where a cause of time was found on motion cycles, nothing on trials.
-const WANDERS: &str = "on held-out trials no cause names the gap, which changes from trial to trial; the verdict is on held-out motion cycles, with the rest of \
-                       their trials fitted: it tells what happened in these trials, not what will happen in another";
+const WANDERS: &str = "on held-out trials no cause names the gap, which changes from trial to trial; the verdict is on held-out motion cycles, \
+                       with the rest of their trials fitted: it tells what happened in these trials, not what will happen in another";
 
-/// Looks again with motion cycles held out in the place of trials, of which not even the `ceiling` foresees enough: `found`, an unknown gap, becomes what
-/// is found so if that begins with a cause of time. A law of the motion would be foreseen on whole trials, too.
+/// The rule of which units are held out.
+const HELD_OUT: &str = "held out";
+
+/// Looks again with motion cycles held out in the place of trials, of which not even the `ceiling` foresees enough: `found`, an unknown gap, becomes
+/// what is found so if that begins with a cause of time. A law of the motion would be foreseen on whole trials, too.
 pub fn look_again(
     found: &mut Diagnosis,
     ceiling: &Ceiling,
@@ -45,9 +47,6 @@ pub fn look_again(
     }
 }
 
-/// The rule of which units are held out.
-const HELD_OUT: &str = "held out";
-
 /// How much even the flexible fit leaves on held-out trials: no cause does well where it does not, however plain the law is on what was fitted.
 pub struct Ceiling {
     /// Mean square that it leaves, and that there was, (N m)^2.
@@ -62,8 +61,8 @@ impl Ceiling {
     /// Of `opening`, with trials held out.
     pub fn of(opening: &Opening<'_>) -> Self {
         let Flexible { held_out, of, .. } = opening.flexible;
-        let Mask { data, .. } = *opening.base.mask;
-        Self { held_out, of, floor_square: opening.base.mask.floor_square(), unnamed_share: data.policy.unnamed_share }
+        let mask = &opening.base.mask;
+        Self { held_out, of, floor_square: mask.floor_square(), unnamed_share: mask.data.policy.unnamed_share }
     }
 
     /// What it leaves, against what causes may leave that name the gap, N m.

@@ -86,8 +86,9 @@ pub struct Policy {
     pub clear_floors: f64,
     /// Share of the gap, RMS: a verdict that names causes is clear only if they leave no more than this.
     pub clear_share: f64,
-    /// Weight: resamples that disagree count with this where causes are named, or several disputed (`first_agreement`). Most of them prefer a rival for the same part of the gap, and
-    /// blind verdicts on which few agreed were not right that much more seldom (agreement below 0.8: 35 of 53, else 451 of 515).
+    /// Weight: resamples that disagree count with this where causes are named, or several disputed (`first_agreement`). Most of them prefer a rival
+    /// for the same part of the gap, and blind verdicts on which few agreed were not right that much more seldom (agreement below 0.8: 35 of 53,
+    /// else 451 of 515).
     pub disagreement_weight: f64,
     /// Multiple of the usual level of the residual: a contact event reaches this.
     pub contact_peak: f64,

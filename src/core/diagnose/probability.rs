@@ -37,8 +37,8 @@ impl Kind {
     }
 }
 
-/// The answers with their probabilities, after a verdict of `kind`; `is_clear` says whether it is. What is left for others is shared out as verdicts of this
-/// kind turned out when they were wrong; Laplace's rule adds one to each count.
+/// The answers with their probabilities, after a verdict of `kind`; `is_clear` says whether it is. What is left for others is shared out as verdicts
+/// of this kind turned out when they were wrong; Laplace's rule adds one to each count.
 pub fn probabilities(
     policy: &Policy,
     (kind, is_clear): (Kind, bool),
