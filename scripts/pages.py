@@ -6,7 +6,7 @@ usage: scripts/pages.py [--binary target/release/tautline] [--write] [--full] [-
 
 Needs a Chromium (CHROMIUM names it, else /usr/bin/chromium and its kin) and the Python packages playwright and pillow. Fails on any
 console message, network request, sideways scrolling on a phone, a page slower than a second or larger than its limit, or a picture
-that differs from the stored one (tests/pages; --write renews them). --full adds the paper's campaign: 63 trials, 4 million rows.
+that differs from the stored one (tests/pages; --write renews them). Ends with status 77 where there is no browser that starts. --full adds the paper's campaign: 63 trials, 4 million rows.
 """
 import argparse
 import io
@@ -19,7 +19,7 @@ import tempfile
 import time
 
 from PIL import Image, ImageChops, ImageStat
-from playwright.sync_api import sync_playwright
+from playwright.sync_api import Error, sync_playwright
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 PICTURES = ROOT / "tests/pages"
@@ -28,6 +28,8 @@ TRUTH = "data/elbow/truth/model.json"
 SIX_TRIALS_BYTES, READY_S, DIFFERENCE = 1_500_000, 1.0, 7.0
 # Stored pictures: the first screens, small, so that fonts of other machines do not count.
 PICTURE_PX, SHOWN_PX = (240, 360), (1200, 1800)
+# Browsers crash at the start now and then on a machine without a display: starts tried, and the exit status where none lives.
+STARTS, NO_BROWSER = 3, 77
 
 
 def make(run, full):
@@ -286,6 +288,16 @@ def pictures(browser, name, path, write, check):
     check(f"{name}: looks as stored", apart < DIFFERENCE, f"mean difference {apart:.2f} of 255")
 
 
+def launched(playwright, chromium):
+    """The browser at the path `chromium`, started without a graphics card; a start that crashes is tried again. Ends the script with NO_BROWSER if none lives."""
+    for attempt in range(1, STARTS + 1):
+        try:
+            return playwright.chromium.launch(executable_path=chromium, args=["--no-sandbox", "--disable-gpu", "--disable-dev-shm-usage"])
+        except Error as error:
+            print(f"{chromium} does not start, attempt {attempt} of {STARTS}: {error.message.splitlines()[0]}", file=sys.stderr)
+    sys.exit(NO_BROWSER)
+
+
 def main():
     arguments = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     arguments.add_argument("--binary", type=pathlib.Path, default=ROOT / "target/release/tautline")
@@ -296,7 +308,8 @@ def main():
     found = [os.environ.get("CHROMIUM"), *(shutil.which(name) for name in ("chromium", "chromium-browser", "google-chrome"))]
     chromium = next((path for path in found if path), None)
     if chromium is None:
-        sys.exit("no Chromium: install one, or name it in CHROMIUM")
+        print("no Chromium: install one, or name it in CHROMIUM", file=sys.stderr)
+        sys.exit(NO_BROWSER)
     scratch = tempfile.TemporaryDirectory()
     folder = (a.keep or pathlib.Path(scratch.name)).resolve()
     folder.mkdir(parents=True, exist_ok=True)
@@ -319,7 +332,7 @@ def main():
     names = make(run, a.full)
     check = Checks()
     with sync_playwright() as playwright:
-        browser = playwright.chromium.launch(executable_path=chromium, args=["--no-sandbox"])
+        browser = launched(playwright, chromium)
         for name in names:
             path = folder / name / "report.html"
             every_page(browser, name, path, check)
