@@ -157,6 +157,16 @@ pub struct Round<'d> {
 /// Of effects whose shape was searched over all that a campaign shows: where it is likely to be.
 pub type Likely = Vec<(&'static str, Vec<Vec<f64>>)>;
 
+/// Causes as they stand, with their fit.
+pub type Set<'d> = (Vec<Hypothesis>, Fit<'d>);
+
+/// Which causes `set` has, in order.
+pub fn names(set: &[Hypothesis]) -> Vec<Cause> {
+    let mut names: Vec<Cause> = set.iter().map(|hypothesis| hypothesis.cause).collect();
+    names.sort_unstable();
+    names
+}
+
 /// All causes that are `wanted` and that `base` has not got already, each at its best; effects without promise are only sketched, and what comes
 /// nowhere near the best start, or the score known to be `reached`, (N m)^2, is not followed to its end. Shapes are looked for where they are
 /// `likely`, else everywhere.

@@ -1,12 +1,14 @@
 //! Which causes explain a gap: one after the other, each compared with all rivals, earlier ones tried again once later ones are in.
 
 use super::base::BaseModel;
-use super::candidates::{Cause, FittedCause, Hypothesis, Round};
-use super::criteria::{Decision, Requirement, Share, rivals, seconds, simplest};
+use super::candidates::{Cause, FittedCause, Hypothesis, Round, Set};
+use super::compare::is_tie;
+use super::criteria::{Decision, Requirement, Share, rivals, seconds, simplest, simplest_set};
 use super::fit::Fit;
 use super::mask::Mask;
 use super::perturbation::within_confidence;
 use super::progress::{Listener, Phase, Progress};
+use super::runners_up::RunnerUp;
 use super::search::{Forward, Search};
 use super::settle::{Step, place};
 use crate::model::Model;
@@ -14,6 +16,8 @@ use std::sync::Arc;
 
 /// Most causes that are looked for.
 const CAUSES_MAX: usize = 6;
+/// Most causes beside which others, as many, are followed in a wider search.
+const RUNNERS_UP_TO: usize = 2;
 /// Number of the causes refused last that are reported.
 const REFUSED_TOLD: usize = 5;
 
@@ -72,15 +76,11 @@ pub fn choose<'d>(mask: &Arc<Mask<'d>>, model: &Model, listener: Listener<'_>) -
     let rest = first.alone();
     let search = Search::new(first, rest.clone(), listener);
     let start = search.start;
-    let Forward { chosen, fit, opening, refused } = search.forward(&rest);
+    let plain = search.outcome();
+    let (search, Outcome { opening, steps, last, refused }) = search.or_wider(plain);
     // Causes that were not promising enough alone to be fitted count as explaining nothing alone.
-    let scores: Vec<(Cause, f64)> = opening.tried.iter().map(|tried| (tried.cause, tried.score())).collect();
+    let scores: Vec<(Cause, f64)> = opening.iter().map(|tried| (tried.cause, tried.score())).collect();
     let alone = |cause: Cause| scores.iter().filter(|(of, _)| *of == cause).fold(start, |least, (_, x)| least.min(*x));
-    let (steps, last) = match &chosen[..] {
-        [] => (Vec::new(), fit),
-        [one] => (vec![place(search.own(one, &search.first), opening.tried, rest.clone())], fit),
-        _ => search.settle(chosen),
-    };
     let count = steps.len();
     let of_step = |step: Step<'d>| Found {
         cause: step.taken.cause,
@@ -98,30 +98,96 @@ pub fn choose<'d>(mask: &Arc<Mask<'d>>, model: &Model, listener: Listener<'_>) -
     Choice { found, base: search.first, rest, refused, last, decisions, given_up: None }
 }
 
+/// What a search comes to.
+struct Outcome<'d> {
+    /// What was tried first, alone.
+    opening: Vec<FittedCause<'d>>,
+    /// The causes.
+    steps: Vec<Step<'d>>,
+    /// Their fit.
+    last: Fit<'d>,
+    /// What was tried last, without success.
+    refused: Vec<FittedCause<'d>>,
+}
+
 impl<'d> Search<'d, '_> {
+    fn outcome(&self) -> Outcome<'d> {
+        let Forward { chosen, fit, opening, refused, .. } = self.forward(&self.rest);
+        let (steps, last) = match &chosen[..] {
+            [] => (Vec::new(), fit),
+            [one] => {
+                let own = self.own(one, &self.first);
+                (vec![place(own, opening.tried.clone(), self.rest.clone())], fit)
+            }
+            _ => self.settle(chosen),
+        };
+        Outcome { opening: opening.tried, steps, last, refused }
+    }
+
+    /// What the search comes to where other causes than the best are followed too, if `plain` leaves a gap and the wider search leaves less than it by
+    /// more than a tie; else `plain`.
+    fn or_wider(self, plain: Outcome<'d>) -> (Self, Outcome<'d>) {
+        let is_open = !plain.steps.is_empty() && self.is_open(self.first.data().policy.further_floors, &plain.last);
+        if !is_open {
+            return (self, plain);
+        }
+        let search = self.widened();
+        let wide = search.outcome();
+        let is_ahead = wide.last.score() < plain.last.score() && !is_tie(&wide.last, &plain.last, search.start);
+        let outcome = if is_ahead { wide } else { plain };
+        (search, outcome)
+    }
+
+    /// Whether what `fit` leaves above the floor is more than `share` of it.
+    fn is_open(&self, share: f64, fit: &Fit<'d>) -> bool {
+        let floor_nm = self.first.mask.floor_nm;
+        fit.score() - floor_nm.powi(2) > (share * floor_nm).powi(2)
+    }
+
     /// One cause after the other; also two as a pair, because the best single cause may be a compromise between both.
     fn forward(&self, rest: &Fit<'d>) -> Forward<'d> {
         let (floor_nm, policy) = (self.first.mask.floor_nm, &self.first.data().policy);
-        let is_above = |share: f64, now: f64| now - floor_nm.powi(2) > (share * floor_nm).powi(2);
-        let mut way = Forward { chosen: Vec::new(), fit: rest.clone(), opening: Round::default(), refused: Vec::new() };
+        let mut way = Forward {
+            chosen: Vec::new(),
+            fit: rest.clone(),
+            opening: Round::default(),
+            refused: Vec::new(),
+            runners_up: Vec::new(),
+        };
         // Even if hardly anything remains at first: the floor is not known so precisely that a weak cause could not show.
         while way.chosen.len() < CAUSES_MAX
-            && (way.chosen.is_empty() || is_above(policy.further_floors, way.fit.score()))
+            && (way.chosen.is_empty() || way.fit.score() > (policy.further_floors * floor_nm).powi(2))
         {
             (self.listener)(Progress::Begins(Phase::Cause(way.chosen.len() + 1)));
             let round = self.round(&way.chosen, &way.fit, None, f64::INFINITY);
             let mut next = self.one_more(&way, &round.tried);
-            let closes = next.as_ref().is_some_and(|(_, fit)| !is_above(policy.first_floors, fit.score()));
-            if let ([one], false) = (&way.chosen[..], closes) {
-                (self.listener)(Progress::Begins(Phase::Pairs));
-                next = self.or_pair(next, one, &way);
+            let mut runners_up = RunnerUp::of_round(&way.chosen, &round.tried);
+            let closes = next.as_ref().is_some_and(|(_, fit)| !self.is_open(policy.first_floors, fit));
+            let most = if self.is_wide() { RUNNERS_UP_TO } else { 1 };
+            let is_open = !closes && self.is_open(policy.further_floors, &way.fit);
+            if is_open && (1..=most).contains(&way.chosen.len()) {
+                let mut sets: Vec<Set<'d>> = next.into_iter().collect();
+                if way.chosen.len() == 1 {
+                    (self.listener)(Progress::Begins(Phase::Pairs));
+                    let reached = sets.first().map_or(f64::INFINITY, |(_, fit)| fit.score());
+                    sets.splice(..0, self.pairs(&way, reached));
+                }
+                if self.is_wide() {
+                    let (others, beside) = self.extended(&way);
+                    sets.extend(others);
+                    runners_up.extend(beside);
+                }
+                next = simplest_set(sets, &way.chosen, self.start);
             }
             let Some((chosen, fit)) = next else {
                 way.refused = round.tried;
                 break;
             };
+            way.runners_up = RunnerUp::best_of(runners_up, &chosen);
             (way.chosen, way.fit) = (chosen, fit);
             if way.chosen.len() == 1 {
+                let alone = |tried: &FittedCause<'d>| (tried.hypothesis().into_iter().collect(), tried.fit.clone());
+                round.tried.iter().map(alone).for_each(|set| self.note(&set));
                 way.opening = round;
             }
         }
@@ -129,7 +195,7 @@ impl<'d> Search<'d, '_> {
     }
 
     /// What was chosen and the best of `tried` beside it, if that is enough to be named.
-    fn one_more(&self, way: &Forward<'d>, tried: &[FittedCause<'d>]) -> Option<(Vec<Hypothesis>, Fit<'d>)> {
+    fn one_more(&self, way: &Forward<'d>, tried: &[FittedCause<'d>]) -> Option<Set<'d>> {
         let best = simplest(tried, self.start)?;
         // The simplest that does as well may be too little to be named where the best is not.
         let share = |cause: Cause| if way.chosen.is_empty() { Share::First } else { Share::at_best(cause) };

@@ -1,6 +1,6 @@
 //! When a cause is enough to be named, and which others are its rivals.
 
-use super::candidates::{Cause, FittedCause};
+use super::candidates::{Cause, FittedCause, Hypothesis, Set};
 use super::compare::{clusters, error_of_sum, is_tie, leaves_more};
 use super::fit::Fit;
 use super::folds::Folds;
@@ -18,7 +18,24 @@ pub fn is_makeshift((cause, how): (Cause, &str)) -> bool {
 pub fn simplest(tried: &[FittedCause], start: f64) -> Option<usize> {
     let best = tried.first()?;
     let equals = tried.iter().enumerate().filter(|(_, t)| is_tie(&best.fit, &t.fit, start));
-    equals.min_by_key(|(_, t)| (t.count(), is_makeshift((t.cause, t.how)))).map(|(at, _)| at)
+    equals.min_by_key(|(_, t)| simplicity(t)).map(|(at, _)| at)
+}
+
+/// The less, the simpler: numbers, and whether it is a makeshift.
+pub fn simplicity(tried: &FittedCause) -> (usize, bool) {
+    (tried.count(), is_makeshift((tried.cause, tried.how)))
+}
+
+/// The simplest of the sets `all` that do as well as the best; to contain what was `chosen` is worth one parameter.
+pub fn simplest_set<'d>(all: Vec<Set<'d>>, chosen: &[Hypothesis], start: f64) -> Option<Set<'d>> {
+    let best = all.iter().min_by(|a, b| a.1.score().total_cmp(&b.1.score()))?.1.clone();
+    let contains = |set: &[Hypothesis]| {
+        let is_in = |one: &Hypothesis| set.iter().any(|other| (other.cause, other.how) == (one.cause, one.how));
+        chosen.iter().all(is_in)
+    };
+    let makeshifts = |set: &[Hypothesis]| set.iter().filter(|one| is_makeshift((one.cause, one.how))).count();
+    let equals = all.into_iter().filter(|(_, fit)| is_tie(&best, fit, start));
+    equals.min_by_key(|(set, fit)| (fit.moves.len() + usize::from(!contains(set)), makeshifts(set), !contains(set)))
 }
 
 /// A rule that was applied to something.

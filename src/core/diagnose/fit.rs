@@ -16,7 +16,7 @@ use crate::numerics::statistics::standard_deviation;
 use std::sync::Arc;
 
 /// Most Gauss-Newton steps of one fit.
-const STEPS: usize = 6;
+const STEPS: usize = 20;
 /// A step that gains less than this share of the cost is the last.
 const GAIN_MIN: f64 = 1e-3;
 /// A linear step whose cost is this near to the predicted one was the last.

@@ -44,12 +44,14 @@ mod records;
 mod repeats;
 mod ripple;
 mod rounds;
+mod runners_up;
 mod search;
 mod settle;
 mod spectrum;
 mod stale;
 mod turns;
 mod verdict;
+mod wider;
 
 pub use answer::{Answer, Form, Kind};
 pub use bootstrap::Shrink;

@@ -4,10 +4,8 @@
 //! and its columns; the residual of a pair is that of both predictions and both sets of columns together.
 
 use super::base::BaseModel;
-use super::candidates::{Cause, Hypothesis, Likely, reach, try_one};
-use super::compare::is_tie;
-use super::criteria::{Share, is_makeshift};
-use super::fit::Fit;
+use super::candidates::{Cause, Hypothesis, Likely, Set, reach, try_one};
+use super::criteria::Share;
 use super::folds::FOLDS;
 use super::gram::{dot, solve, square_left};
 use super::mask::Mask;
@@ -98,15 +96,11 @@ fn of_different_causes<'h>(pairs: impl Iterator<Item = [&'h Hypothesis; 2]>) -> 
 }
 
 impl<'d> Search<'d, '_> {
-    /// A pair that does better than `next` or, where that is `None`, than `one` alone, which `way` found.
-    pub fn or_pair(
-        &self,
-        next: Option<(Vec<Hypothesis>, Fit<'d>)>,
-        one: &Hypothesis,
-        way: &Forward<'d>,
-    ) -> Option<(Vec<Hypothesis>, Fit<'d>)> {
+    /// Pairs that promise much where causes are as they were alone, and that are enough to be named in the place of what `way` has chosen;
+    /// `reached` is what another pair is known to leave, (N m)^2.
+    pub fn pairs(&self, way: &Forward<'d>, reached: f64) -> Vec<Set<'d>> {
         let likely = promising(&self.first, &way.opening.hypotheses);
-        let mut best = next.as_ref().map_or(f64::INFINITY, |(_, fit)| fit.score());
+        let mut best = reached;
         let fitted = |pair: &[Hypothesis; 2]| {
             let fitted = self.together_to_reach(reach(self.start, best), pair);
             best = best.min(fitted.1.score());
@@ -120,19 +114,11 @@ impl<'d> Search<'d, '_> {
             .into_iter()
             .map(|pair| self.refined(pair, &way.opening.likely))
             .filter(|(_, fit)| fit.is_sound(self.extent()) && self.is_material(fit, &way.fit, Share::Further));
-        let all: Vec<(Vec<Hypothesis>, Fit<'d>)> = refined.chain(next).collect();
-        let best = all.iter().min_by(|a, b| a.1.score().total_cmp(&b.1.score()))?.1.clone();
-        let equals = all.into_iter().filter(|(_, fit)| is_tie(&best, fit, self.start));
-        // The simplest of pairs that do as well; including the cause that is best alone is worth one parameter.
-        let has_one = |pair: &[Hypothesis]| {
-            pair.iter().any(|hypothesis| (hypothesis.cause, hypothesis.how) == (one.cause, one.how))
-        };
-        equals
-            .min_by_key(|(pair, fit)| (fit.moves.len() + usize::from(!has_one(pair)), makeshifts(pair), !has_one(pair)))
+        refined.collect()
     }
 
     /// Each of `pair` tried anew beside the other as it stands: alone it may have taken a form that is not its own.
-    fn refined(&self, mut pair: (Vec<Hypothesis>, Fit<'d>), likely: &Likely) -> (Vec<Hypothesis>, Fit<'d>) {
+    fn refined(&self, mut pair: Set<'d>, likely: &Likely) -> Set<'d> {
         for at in 0..pair.0.len() {
             let base = self.base_beside(&all_but(&pair.0, at));
             let anew = try_one(&base, pair.0[at].cause, likely).and_then(|tried| tried.hypothesis());
@@ -146,10 +132,6 @@ impl<'d> Search<'d, '_> {
         }
         pair
     }
-}
-
-fn makeshifts(chosen: &[Hypothesis]) -> usize {
-    chosen.iter().filter(|hypothesis| is_makeshift((hypothesis.cause, hypothesis.how))).count()
 }
 
 impl Part<'_> {

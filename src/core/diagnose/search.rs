@@ -1,15 +1,17 @@
 //! What a search for causes goes by: the base model, the fits of causes together, what was tried beside which, and what is asked of a cause.
 
 use super::base::BaseModel;
-use super::candidates::{Cause, FittedCause, Hypothesis, Round, try_all};
+use super::candidates::{Cause, FittedCause, Hypothesis, Round, Set, names, try_all};
 use super::criteria::{Requirement, Share, requirements};
 use super::fit::Fit;
 use super::perturbation::Perturbation;
 use super::progress::Listener;
 use super::rounds::Rounds;
+use super::runners_up::RunnerUp;
 use crate::effects::Extent;
 use crate::model::Model;
-use std::cell::OnceCell;
+use std::cell::{OnceCell, RefCell};
+use std::collections::HashMap;
 
 /// What all rounds share.
 pub struct Search<'d, 's> {
@@ -18,10 +20,14 @@ pub struct Search<'d, 's> {
     /// The same over the motions as the encoder would have read them once more, of a joint like the model: made when it is first asked for.
     again: OnceCell<Option<BaseModel<'d>>>,
     /// The base alone.
-    rest: Fit<'d>,
+    pub rest: Fit<'d>,
     /// What it leaves, (N m)^2.
     pub start: f64,
     rounds: Rounds<'d>,
+    /// The same where other causes than the best are followed too; none where they are not.
+    followed: Option<Rounds<'d>>,
+    /// The best fit known of each set of causes.
+    best: RefCell<HashMap<Vec<Cause>, Set<'d>>>,
     /// Who hears what it is at.
     pub listener: Listener<'s>,
 }
@@ -36,23 +42,34 @@ pub struct Forward<'d> {
     pub opening: Round<'d>,
     /// What was tried last, without success.
     pub refused: Vec<FittedCause<'d>>,
+    /// Other causes, as many, that do nearly as well.
+    pub runners_up: Vec<RunnerUp>,
 }
 
 impl<'d, 's> Search<'d, 's> {
     /// Of causes beside `first`, which leaves `rest` alone.
     pub fn new(first: BaseModel<'d>, rest: Fit<'d>, listener: Listener<'s>) -> Self {
         let start = rest.score();
-        Self { first, rest, again: OnceCell::new(), start, rounds: Rounds::default(), listener }
+        Self {
+            first,
+            rest,
+            again: OnceCell::new(),
+            start,
+            rounds: Rounds::default(),
+            followed: None,
+            best: RefCell::default(),
+            listener,
+        }
     }
 
     /// `chosen` fitted together, and as they stand there. The base's columns depend on the causes (with a transition its friction no longer
     /// jumps): they are taken with all of them in.
-    pub fn together(&self, chosen: &[Hypothesis]) -> (Vec<Hypothesis>, Fit<'d>) {
+    pub fn together(&self, chosen: &[Hypothesis]) -> Set<'d> {
         self.together_to_reach(f64::INFINITY, chosen)
     }
 
     /// The same, given up once it is clear that its cost will not fall to `reach`.
-    pub fn together_to_reach(&self, reach: f64, chosen: &[Hypothesis]) -> (Vec<Hypothesis>, Fit<'d>) {
+    pub fn together_to_reach(&self, reach: f64, chosen: &[Hypothesis]) -> Set<'d> {
         let (model, moves) = self.put(chosen);
         let fit = match moves.is_empty() {
             true => self.rest.clone(),
@@ -64,7 +81,27 @@ impl<'d, 's> Search<'d, 's> {
             let own: Vec<Perturbation> = hypothesis.moves().to_vec();
             Hypothesis::of((hypothesis.cause, hypothesis.how), &fit.model, &own)
         };
-        (chosen.iter().filter_map(stands).collect(), fit)
+        let set = (chosen.iter().filter_map(stands).collect(), fit);
+        self.note(&set);
+        set
+    }
+
+    /// Keeps `set` if each of its effects is what it is called and no better fit of its causes is known.
+    pub fn note(&self, set: &Set<'d>) {
+        if !set.1.is_sound(self.extent()) {
+            return;
+        }
+        let mut best = self.best.borrow_mut();
+        let causes = names(&set.0);
+        if best.get(&causes).is_none_or(|(_, known)| set.1.score() < known.score()) {
+            best.insert(causes, set.clone());
+        }
+    }
+
+    /// `chosen` fitted together, from where they stand, or as they are known to do better.
+    pub fn best_together(&self, chosen: &[Hypothesis]) -> Set<'d> {
+        let set = self.together(chosen);
+        self.best.borrow().get(&names(chosen)).cloned().unwrap_or(set)
     }
 
     /// The base that a fit makes for further causes: its own free within their strides.
@@ -82,7 +119,7 @@ impl<'d, 's> Search<'d, 's> {
     }
 
     /// The model with `hypotheses` in, as they stand, and what may move of them.
-    fn put(&self, hypotheses: &[Hypothesis]) -> (Model, Vec<Perturbation>) {
+    pub fn put(&self, hypotheses: &[Hypothesis]) -> (Model, Vec<Perturbation>) {
         let mut model = self.first.model.clone();
         let put = |hypothesis: &Hypothesis| hypothesis.put(&mut model, self.extent());
         let moves = hypotheses.iter().flat_map(put).collect();
@@ -100,18 +137,31 @@ impl<'d, 's> Search<'d, 's> {
         let mut causes: Vec<_> = known.iter().map(|hypothesis| (hypothesis.cause, hypothesis.how)).collect();
         causes.sort_unstable();
         let score = fit.score();
-        if let Some(round) = self.rounds.known(&causes, score) {
+        let rounds = self.followed.as_ref().unwrap_or(&self.rounds);
+        if let Some(round) = rounds.known(&causes, score) {
             return round;
         }
-        let known: Vec<Cause> = known.iter().map(|hypothesis| hypothesis.cause).collect();
-        let likely = self.rounds.likely();
-        let is_new = |cause: Cause| known.iter().all(|known| *known != cause && !known.is_alike(cause));
+        let is_new = |cause: Cause| known.iter().all(|known| known.cause != cause && !known.cause.is_alike(cause));
         let wanted = |cause: Cause| is_new(cause) && among.is_none_or(|among| among.contains(&cause));
-        let round = try_all(&self.base_of(fit), wanted, &likely, reached, self.listener);
+        let anew = || try_all(&self.base_of(fit), wanted, &self.rounds.likely(), reached, self.listener);
+        let mut round = self.rounds.known(&causes, score).unwrap_or_else(anew);
+        if self.followed.is_some() {
+            self.follow(known, &mut round.tried);
+        }
         if among.is_none() {
-            self.rounds.keep(causes, score, &round);
+            rounds.keep(causes, score, &round);
         }
         round
+    }
+
+    /// The same search with other causes than the best followed too.
+    pub fn widened(self) -> Self {
+        Self { followed: Some(Rounds::default()), ..self }
+    }
+
+    /// Whether other causes than the best are followed too.
+    pub fn is_wide(&self) -> bool {
+        self.followed.is_some()
     }
 
     /// What the campaign spans.

@@ -2,8 +2,8 @@
 
 use super::base::BaseModel;
 use super::candidates::{Cause, FittedCause, Hypothesis, reach};
-use super::compare::is_tie;
-use super::criteria::{Share, distinctness, simplest};
+use super::compare::{is_tie, leaves_more};
+use super::criteria::{Share, distinctness, simplest, simplicity};
 use super::fit::Fit;
 use super::progress::{Phase, Progress};
 use super::search::Search;
@@ -45,8 +45,8 @@ impl<'d> Step<'d> {
 }
 
 impl<'d> Search<'d, '_> {
-    /// Tries each cause again with the others in, until all stay or [`SWEEPS`] rounds are over: an early compromise is replaced by the causes that it stood for. Leaves
-    /// out what the others explain as well without it. Returns the causes, and the fit of all.
+    /// Tries each cause again with the others in, until all stay or [`SWEEPS`] rounds are over: an early compromise is replaced by the
+    /// causes that it stood for. Leaves out what the others explain as well without it. Returns the causes, and the fit of all.
     pub fn settle(&self, mut chosen: Vec<Hypothesis>) -> (Vec<Step<'d>>, Fit<'d>) {
         let mut steps: Vec<Option<Step<'d>>> = chosen.iter().map(|_| None).collect();
         for at in (0..chosen.len()).cycle().take(SWEEPS * chosen.len()) {
@@ -65,7 +65,7 @@ impl<'d> Search<'d, '_> {
     }
 
     /// The best in the place of number `at`, of all causes or only of those `among` which it is sought. What stands there stays unless
-    /// something does better, or as well by fewer numbers and still enough to be named.
+    /// something does better by more than the standard error of the difference, or as well and is simpler, and still enough to be named.
     fn again(&self, chosen: &[Hypothesis], at: usize, among: Option<&[Cause]>) -> Step<'d> {
         let others = all_but(chosen, at);
         let (others, without) = self.together(&others);
@@ -75,7 +75,7 @@ impl<'d> Search<'d, '_> {
         let step = place(own, round.tried, without);
         let Some(best) = simplest(&step.tried, self.start) else { return step };
         let (own, best, first) = (&step.taken, &step.tried[best], &step.tried[0]);
-        let is_simple = own.count() <= best.count();
+        let is_simple = simplicity(own) <= simplicity(best) && !leaves_more(&best.fit, &own.fit, 1.0);
         let stays = is_simple && is_tie(&first.fit, &own.fit, self.start);
         let order = if stays { [own, best, first] } else { [best, own, first] };
         let enough =
@@ -95,7 +95,7 @@ impl<'d> Search<'d, '_> {
         loop {
             let (_, all) = self.together(&chosen);
             let idle = (0..chosen.len()).find(|at| {
-                steps[*at].without = self.together(&all_but(&chosen, *at)).1;
+                steps[*at].without = self.best_together(&all_but(&chosen, *at)).1;
                 !self.is_material(&all, &steps[*at].without, steps[*at].share())
             });
             match idle {
