@@ -111,8 +111,9 @@ struct Outcome<'d> {
 }
 
 impl<'d> Search<'d, '_> {
+    /// Causes found one after the other, then each tried again beside the others.
     fn outcome(&self) -> Outcome<'d> {
-        let Forward { chosen, fit, opening, refused, .. } = self.forward(&self.rest);
+        let Forward { chosen, fit, opening, refused, .. } = self.forward();
         let (steps, last) = match &chosen[..] {
             [] => (Vec::new(), fit),
             [one] => {
@@ -124,8 +125,8 @@ impl<'d> Search<'d, '_> {
         Outcome { opening: opening.tried, steps, last, refused }
     }
 
-    /// What the search comes to where other causes than the best are followed too, if `plain` leaves a gap and the wider search leaves less than it by
-    /// more than a tie; else `plain`.
+    /// What the search comes to where other causes than the best are followed too, if `plain` leaves a gap and the wider search leaves less
+    /// than it by more than a tie; else `plain`.
     fn or_wider(self, plain: Outcome<'d>) -> (Self, Outcome<'d>) {
         let is_open = !plain.steps.is_empty() && self.is_open(self.first.data().policy.further_floors, &plain.last);
         if !is_open {
@@ -145,11 +146,11 @@ impl<'d> Search<'d, '_> {
     }
 
     /// One cause after the other; also two as a pair, because the best single cause may be a compromise between both.
-    fn forward(&self, rest: &Fit<'d>) -> Forward<'d> {
+    fn forward(&self) -> Forward<'d> {
         let (floor_nm, policy) = (self.first.mask.floor_nm, &self.first.data().policy);
         let mut way = Forward {
             chosen: Vec::new(),
-            fit: rest.clone(),
+            fit: self.rest.clone(),
             opening: Round::default(),
             refused: Vec::new(),
             runners_up: Vec::new(),

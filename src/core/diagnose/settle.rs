@@ -11,6 +11,10 @@ use super::search::Search;
 /// Most rounds over the causes found; after the first, a cause is tried only where the others are not the causes beside which it was tried last.
 const SWEEPS: usize = 2;
 
+/// Standard errors of the difference: a cause stays in its place unless another does better by more of them. The one-standard-error rule:
+/// what is simpler, or was there, is preferred as long as it is within one of the best.
+const STAYS_WITHIN_ERRORS: f64 = 1.0;
+
 /// A cause taken, with what it was chosen from.
 pub struct Step<'d> {
     /// The cause.
@@ -65,7 +69,7 @@ impl<'d> Search<'d, '_> {
     }
 
     /// The best in the place of number `at`, of all causes or only of those `among` which it is sought. What stands there stays unless
-    /// something does better by more than the standard error of the difference, or as well and is simpler, and still enough to be named.
+    /// something does better by more than [`STAYS_WITHIN_ERRORS`], or as well and is simpler, and still enough to be named.
     fn again(&self, chosen: &[Hypothesis], at: usize, among: Option<&[Cause]>) -> Step<'d> {
         let others = all_but(chosen, at);
         let (others, without) = self.together(&others);
@@ -75,7 +79,7 @@ impl<'d> Search<'d, '_> {
         let step = place(own, round.tried, without);
         let Some(best) = simplest(&step.tried, self.start) else { return step };
         let (own, best, first) = (&step.taken, &step.tried[best], &step.tried[0]);
-        let is_simple = simplicity(own) <= simplicity(best) && !leaves_more(&best.fit, &own.fit, 1.0);
+        let is_simple = simplicity(own) <= simplicity(best) && !leaves_more(&best.fit, &own.fit, STAYS_WITHIN_ERRORS);
         let stays = is_simple && is_tie(&first.fit, &own.fit, self.start);
         let order = if stays { [own, best, first] } else { [best, own, first] };
         let enough =
