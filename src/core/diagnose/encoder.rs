@@ -39,7 +39,7 @@ pub fn motions_rad(campaign: &Campaign, trial: &Trial) -> [Vec<f64>; 2] {
 /// The motion without the encoder: what of it the torque's low-pass would pass.
 fn smooth_rad(campaign: &Campaign, trial: &Trial) -> Vec<f64> {
     match LowPass::new(SMOOTHING_ORDER, campaign.signal.lowpass_hz, trial.log.rate_hz) {
-        Some(lowpass) => lowpass.zero_phase(trial.followed_rad()),
+        Some(lowpass) => lowpass.zero_phase(&trial.position_rad),
         None => trial.position_rad.clone(),
     }
 }

@@ -3,9 +3,11 @@
 //! K_f needs the position without the ringing that a filter leaves at a corner, so as recorded. But a coarse encoder stands
 //! still and jumps: with 4096 counts per turn a clearance of 20 mrad is 13 steps, and friction changes most in the first; low-passed, steps
 //! leave a speed whose sign changes with each of them where the joint is slow. Where it jumps, though, it tells the position exactly: half
-//! way between two counts.
+//! way between two counts. And between all motions that would have been read the same, the smoothest is the likely one: what rounding leaves in
+//! an acceleration grows with the bandwidth to the power of 2.5, and an inertia that is fitted to it comes out too small.
 
 use crate::numerics::statistics::{deviation_by_median, mean};
+use std::f64::consts::FRAC_1_SQRT_2;
 
 /// A reversal counts once the joint came back by this many standard deviations of the position's noise: two samples at
 /// rest, the extremes of hundreds, differ by 6.
@@ -25,6 +27,14 @@ const WHOLE: f64 = 0.1;
 /// There, so many changes are of a single step beside a sample without change: as many of any motion that is slow somewhere, none of one that
 /// is of constant speed between its corners.
 const LONE_MIN: usize = 10;
+/// A motion would have been read as it was if it is nowhere further from the reading, in steps: half a step, and a tenth for what noise adds ...
+const READ_ALIKE: f64 = 0.6;
+/// ... but at this share of the readings; ...
+const READ_OTHERWISE_SHARE: f64 = 0.01;
+/// ... and a narrower filter moves no larger share by as much: it would round corners that the readings show.
+const MOVED_SHARE: f64 = 0.002;
+/// Most halvings of the power that the motion's low-pass lets through.
+const NARROWINGS: i32 = 16;
 
 /// What a reading tells.
 pub struct Position {
@@ -102,6 +112,27 @@ fn between_jumps(raw_rad: &[f64], step_rad: f64) -> Vec<f64> {
     out
 }
 
+/// What `low_passed` makes of the position at the lowest cut-off, from `cutoff_hz` down, at which an encoder of step `step_rad` would still
+/// have read `raw_rad`, rad; `None` where there is no filter of that cut-off.
+pub fn smoothed(
+    raw_rad: &[f64],
+    step_rad: f64,
+    cutoff_hz: f64,
+    low_passed: impl Fn(f64) -> Option<Vec<f64>>,
+) -> Option<Vec<f64>> {
+    let widest_rad = low_passed(cutoff_hz)?;
+    let apart = |a: &[f64], b: &[f64]| {
+        let is_apart = |(a, b): &(&f64, &f64)| (*a - *b).abs() > READ_ALIKE * step_rad;
+        a.iter().zip(b).filter(is_apart).count() as f64 / a.len() as f64
+    };
+    let is_read_alike = |smooth_rad: &Vec<f64>| {
+        apart(raw_rad, smooth_rad) <= READ_OTHERWISE_SHARE && apart(&widest_rad, smooth_rad) <= MOVED_SHARE
+    };
+    let narrower = (1..=NARROWINGS).map_while(|halvings| low_passed(cutoff_hz * FRAC_1_SQRT_2.powi(halvings)));
+    let smoothest_rad = narrower.take_while(is_read_alike).last();
+    Some(smoothest_rad.unwrap_or(widest_rad))
+}
+
 /// A place where the position is known.
 #[derive(Clone, Copy)]
 struct Jump {
@@ -154,7 +185,9 @@ fn crest(there_and_back: [Jump; 2], outer: Option<[Jump; 2]>, step_rad: f64) -> 
 
 #[cfg(test)]
 mod tests {
-    use super::{Position, between_jumps, encoder_step_rad};
+    use super::{Position, between_jumps, encoder_step_rad, smoothed};
+    use crate::numerics::difference::acceleration;
+    use crate::numerics::filter::LowPass;
 
     const STEP_RAD: f64 = 1e-3;
     const RATE_HZ: f64 = 200.0;
@@ -217,6 +250,39 @@ mod tests {
         let top = (0..truth.len()).max_by(|a, b| told[*a].total_cmp(&told[*b])).unwrap();
         assert!(top.abs_diff(400) <= 2, "{top}");
         assert!(largest(&told[350..450], &truth[350..450]) < 0.15 * STEP_RAD);
+    }
+
+    #[test]
+    fn a_motion_is_as_smooth_as_its_readings_allow_and_no_smoother() {
+        let wave = |hz: f64| motion(|t| 0.3 * (std::f64::consts::TAU * hz * t).sin());
+        let inner = |rad: &[f64]| acceleration(rad, RATE_HZ)[100..900].to_vec();
+        let root = |of: Vec<f64>| (of.iter().map(|x| x * x).sum::<f64>() / of.len() as f64).sqrt();
+        let off = |rad: &[f64], truth: &[f64]| root(inner(rad).iter().zip(inner(truth)).map(|(a, b)| a - b).collect());
+        for hz in [0.2, 0.5, 2.0] {
+            let (truth, step_rad) = (wave(hz), 2.0 * STEP_RAD);
+            let raw = read(&truth, step_rad);
+            let between = between_jumps(&raw, step_rad);
+            let low_passed = |cutoff_hz: f64| Some(LowPass::new(4, cutoff_hz, RATE_HZ)?.zero_phase(&between));
+            let smooth = smoothed(&raw, step_rad, 40.0, low_passed).unwrap();
+            let wide = low_passed(40.0).unwrap();
+            assert!(
+                off(&smooth, &truth) < 0.1 * off(&wide, &truth),
+                "{} of {}",
+                off(&smooth, &truth),
+                off(&wide, &truth)
+            );
+            assert!(
+                off(&smooth, &truth) < 0.1 * root(inner(&truth)),
+                "{} of {}",
+                off(&smooth, &truth),
+                root(inner(&truth))
+            );
+        }
+        // Steps that hide nothing leave the filter as it is.
+        let truth = motion(slow_and_quick);
+        let low_passed = |cutoff_hz: f64| Some(LowPass::new(4, cutoff_hz, RATE_HZ)?.zero_phase(&truth));
+        assert_eq!(smoothed(&truth, 1e-9, 40.0, low_passed).unwrap(), low_passed(40.0).unwrap());
+        assert_eq!(smoothed(&truth, 1e-9, RATE_HZ, low_passed), None);
     }
 
     #[test]

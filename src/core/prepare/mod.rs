@@ -34,6 +34,8 @@ const MOTION_BANDWIDTH: f64 = 4.0;
 const MOTION_BANDWIDTH_MIN_HZ: f64 = 20.0;
 /// ... nor at more than this share of the sample rate, where the filter would no longer be one.
 const MOTION_BANDWIDTH_MAX: f64 = 0.4;
+/// Order of the motion's low-pass.
+const MOTION_ORDER: usize = 4;
 
 /// One trial, at the log's full rate, SI units.
 #[derive(Debug, Clone)]
@@ -46,7 +48,7 @@ pub struct Trial {
     pub log: Log,
     /// y after the campaign's zero-phase low-pass, N m.
     pub torque_nm: Vec<f64>,
-    /// Position after the motion's low-pass, rad; of a coarse encoder what its jumps tell.
+    /// Position after the motion's low-pass, rad; of a coarse encoder what its jumps tell, as smooth as its readings allow.
     pub position_rad: Vec<f64>,
     /// The recorded speed after the motion's low-pass, rad/s.
     recorded_velocity_rad_s: Option<Vec<f64>>,
@@ -180,7 +182,11 @@ pub fn prepare(campaign: &Campaign, index: usize, mut log: Log) -> Result<Trial>
         log.other_position_rad.iter().map(|recorded| rigid::moving(recorded, &motion, rate_hz)).collect();
     let lowpass_hz = campaign.signal.lowpass_hz;
     let Position { between_jumps_rad, deadband_rad, step_rad } = Position::new(&log.position_rad, &position_rad);
-    let position_rad = between_jumps_rad.as_deref().map_or(position_rad, |between| motion.zero_phase(between));
+    let smoothed = |between_rad: &Vec<f64>| {
+        let low_passed = |cutoff_hz| Some(LowPass::new(MOTION_ORDER, cutoff_hz, rate_hz)?.zero_phase(between_rad));
+        encoder::smoothed(&log.position_rad, step_rad, motion_cutoff_hz(lowpass_hz, rate_hz), low_passed)
+    };
+    let position_rad = between_jumps_rad.as_ref().and_then(smoothed).unwrap_or(position_rad);
     let legs = match entry.protocol {
         Protocol::Uniform { speed_rad_s } => find_legs(&log, &position_rad, speed_rad_s, &campaign.joint, lowpass_hz)?,
         _ => Vec::new(),
@@ -230,9 +236,9 @@ pub fn fastest_sweep_rad_s(
     has_legs(slowest_rad_s).then(|| crossing(slowest_rad_s, fastest_rad_s, HALVINGS, has_legs))
 }
 
-/// The motion's low-pass: 4th order, its -3 dB well above what the torque's low-pass lets through.
+/// The motion's low-pass, its -3 dB well above what the torque's low-pass lets through.
 fn motion_filter(lowpass_hz: f64, rate_hz: f64) -> Option<LowPass> {
-    LowPass::new(4, motion_cutoff_hz(lowpass_hz, rate_hz), rate_hz)
+    LowPass::new(MOTION_ORDER, motion_cutoff_hz(lowpass_hz, rate_hz), rate_hz)
 }
 
 /// Cut-off of the motion's low-pass, Hz, for a torque low-passed at `lowpass_hz` and samples at `rate_hz`.
