@@ -72,6 +72,26 @@ fn a_reference_at_the_joint_is_recognised_and_met_there() {
 }
 
 #[test]
+fn without_a_reference_nothing_is_compared_and_all_is_written() {
+    let (folder, out) = (campaign(), TempDir::new().unwrap());
+    let (file, out) = (folder.path().join("campaign.toml"), out.path().join("out"));
+    let text = std::fs::read_to_string(&file).unwrap();
+    let lines: Vec<&str> = text.lines().filter(|line| !line.starts_with("reference_torque")).collect();
+    assert!(lines.len() < text.lines().count());
+    std::fs::write(&file, lines.join("\n")).unwrap();
+    let done = Command::new(env!("CARGO_BIN_EXE_tautline"))
+        .args(["interaction", &folder.path().to_string_lossy(), "--model", "data/elbow/truth/model.json"])
+        .args(["-o", &out.to_string_lossy(), "-q"])
+        .output()
+        .unwrap();
+    assert!(done.status.success(), "{}", String::from_utf8_lossy(&done.stderr));
+    let told: serde_json::Value =
+        serde_json::from_str(&std::fs::read_to_string(out.join("interaction.json")).unwrap()).unwrap();
+    assert!(told["trials"][0]["rmse_nm"].is_null() && told["trials"][0]["contacts"].as_array().unwrap().len() > 3);
+    assert!(out.join("report.html").is_file());
+}
+
+#[test]
 fn before_the_clearance_is_passed_nothing_is_claimed() {
     let found = extracted(&campaign(), Settings::default());
     let held = &found.trials.iter().find(|t| t.entry.file.contains("held")).unwrap().extracted;

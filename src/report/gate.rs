@@ -35,8 +35,10 @@ const FIGURES: [&str; 19] = [
     "whole_nm",
 ];
 
-/// Errors of a figure over samples that are counted beside it, if there are any.
+/// Errors of a figure over samples that are counted beside it, if there are any ...
 const OVER_SAMPLES: [&str; 3] = ["rmse_nm", "mae_nm", "peak_nm"];
+/// ... and something to compare them with: null where a person's torque was not measured otherwise.
+const COMPARED_WITH: &str = "reference_contacts";
 
 /// Errors: `text`, to be written to `file`, holds something that is no number where a figure is meant.
 pub fn file(file: &Path, text: &str) -> Result<()> {
@@ -97,11 +99,12 @@ fn lacking(value: &Value, path: &str) -> Option<String> {
     let at = |key: &str| if path.is_empty() { key.to_string() } else { format!("{path}.{key}") };
     match value {
         Value::Object(object) => {
+            let is_compared = object.get(COMPARED_WITH).is_none_or(|contacts| !contacts.is_null());
             let has_samples = object.get("samples").and_then(Value::as_u64).is_some_and(|samples| samples > 0);
             object.iter().find_map(|(key, value)| {
                 let is_figure = FIGURES.contains(&key.as_str())
                     || Term::find(key).is_some()
-                    || has_samples && OVER_SAMPLES.contains(&key.as_str());
+                    || has_samples && is_compared && OVER_SAMPLES.contains(&key.as_str());
                 if is_figure && value.is_null() { Some(at(key)) } else { lacking(value, &at(key)) }
             })
         }
@@ -149,9 +152,12 @@ mod tests {
     fn absent_is_not_overflowed() {
         let open = json!({ "low": null, "high": null, "samples": 0, "rmse_nm": null, "speed_rad_s": null });
         assert!(json("a", &open).is_ok());
+        let alone = json!({ "samples": 3, "rmse_nm": null, "mae_nm": null, "reference_contacts": null });
+        assert!(json("a", &alone).is_ok());
         for lacking in [
             json!({ "friction": { "up": { "mu_c": null } } }),
             json!({ "trials": [{ "samples": 3, "rmse_nm": f64::INFINITY }] }),
+            json!({ "samples": 3, "rmse_nm": f64::INFINITY, "reference_contacts": 2 }),
             json!({ "joint": { "winch_radius_m": f64::NAN } }),
         ] {
             assert!(json("a", &lacking).is_err(), "{lacking}");
