@@ -261,7 +261,8 @@ def explain(kind, names, causes, amounts, world, base, y0, gap, parameters, colu
         if best < max(SEVERAL_LEFT, 0.25 * whole):
             raise Rejected("one cause does for all")
         choices = [[n] + ([SAME_THING[n]] if n in SAME_THING else []) for _, n in names]
-        return answer | {"accepted": [{"kind": "several", "effects": sorted(c)} for c in itertools.product(*choices)]}
+        kinds = ["several", "stale_parameters"] if all(family == "stale" for family, _ in names) else ["several"]
+        return answer | {"accepted": [{"kind": k, "effects": sorted(c)} for k in kinds for c in itertools.product(*choices)]}
     name = names[0][1]
     mine = left.pop(name, 0.0)
     alike = {n: v for n, v in left.items() if n not in HOLDS_CONSTANT.get(name, ())}
