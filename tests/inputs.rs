@@ -10,9 +10,8 @@ use std::path::{Path, PathBuf};
 use tautline::import::{Series, read};
 use tempfile::TempDir;
 
-/// Processor time that an input of under 10 MB may take, s: far above the goal of 2 s on one idle core, because tests run beside each other, on
-/// machines that have other work; what grows with the square of the size takes minutes.
-const IN_GOOD_TIME_S: f64 = 20.0;
+/// Processor time that an input of under 10 MB may take, s: the goal is 2 s on one idle core, and tests run beside each other.
+const IN_GOOD_TIME_S: f64 = 6.0;
 
 /// What `read` gives, which must not take long. What other threads do at the same time does not count.
 fn in_good_time<T>(read: impl FnOnce() -> T) -> T {
