@@ -254,29 +254,23 @@ mod tests {
 
     #[test]
     fn a_motion_is_as_smooth_as_its_readings_allow_and_no_smoother() {
-        let wave = |hz: f64| motion(|t| 0.3 * (std::f64::consts::TAU * hz * t).sin());
-        let inner = |rad: &[f64]| acceleration(rad, RATE_HZ)[100..900].to_vec();
-        let root = |of: Vec<f64>| (of.iter().map(|x| x * x).sum::<f64>() / of.len() as f64).sqrt();
-        let off = |rad: &[f64], truth: &[f64]| root(inner(rad).iter().zip(inner(truth)).map(|(a, b)| a - b).collect());
-        for hz in [0.2, 0.5, 2.0] {
-            let (truth, step_rad) = (wave(hz), 2.0 * STEP_RAD);
+        let wave = |hz: f64, i: i32| 0.3 * (std::f64::consts::TAU * hz * f64::from(i) / RATE_HZ).sin();
+        let inner = 100..3900;
+        let off = |rad: &[f64], truth: &[f64]| {
+            let of = |rad: &[f64]| acceleration(rad, RATE_HZ)[inner.clone()].to_vec();
+            of(rad).iter().zip(of(truth)).map(|(a, b)| (a - b).powi(2)).sum::<f64>().sqrt()
+        };
+        for hz in [0.21, 0.53, 1.9] {
+            let truth: Vec<f64> = (0..4000).map(|i| wave(hz, i)).collect();
+            let step_rad = 2.0 * STEP_RAD;
             let raw = read(&truth, step_rad);
             let between = between_jumps(&raw, step_rad);
             let low_passed = |cutoff_hz: f64| Some(LowPass::new(4, cutoff_hz, RATE_HZ)?.zero_phase(&between));
-            let smooth = smoothed(&raw, step_rad, 40.0, low_passed).unwrap();
-            let wide = low_passed(40.0).unwrap();
-            assert!(
-                off(&smooth, &truth) < 0.1 * off(&wide, &truth),
-                "{} of {}",
-                off(&smooth, &truth),
-                off(&wide, &truth)
-            );
-            assert!(
-                off(&smooth, &truth) < 0.1 * root(inner(&truth)),
-                "{} of {}",
-                off(&smooth, &truth),
-                root(inner(&truth))
-            );
+            let [smooth, wide] = [smoothed(&raw, step_rad, 40.0, low_passed), low_passed(40.0)].map(Option::unwrap);
+            let [left, before] = [&smooth, &wide].map(|rad| off(rad, &truth));
+            assert!(left < 0.2 * before, "{hz} Hz: {left} of {before}");
+            let moved_rad = largest(&smooth[inner.clone()], &truth[inner.clone()]);
+            assert!(moved_rad < 0.6 * step_rad, "{hz} Hz: {moved_rad}");
         }
         // Steps that hide nothing leave the filter as it is.
         let truth = motion(slow_and_quick);
