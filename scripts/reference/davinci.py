@@ -3,10 +3,10 @@
 
 usage: scripts/reference/davinci.py      (needs numpy and scipy; run from the top of the project)
 
-The position is taken between the encoder's jumps, as smooth as its readings allow. Friction jumps with the sign of the speed. At rest (up to 9 % of a run) the sign is
-that of the filter's ringing: printed are, for each run and for all, what is left with friction on the branch that it was on, half way
-between the branches, and on the branch of the rounding. Where these differ the ringing decides. The first half second is left out, where
-the low-pass has not settled.
+The position is taken between the encoder's jumps, as smooth as its readings allow. Friction jumps with the sign of the speed. At rest (up to
+9 % of a run) the sign is that of the filter's ringing: printed are, for each run and for all, what is left with friction on the branch that it
+was on, half way between the branches, and on the branch of the rounding. Where these differ the ringing decides. The first half second is left
+out, where the low-pass has not settled.
 """
 import json
 import pathlib
