@@ -67,8 +67,8 @@ def counted(campaign):
     return rows
 
 
-def measured(command):
-    """Wall clock, s, processor time, s, and peak memory, MB, of a command."""
+def measured(command, status=0):
+    """Wall clock, s, processor time, s, and peak memory, MB, of a command that must end with this exit status."""
     began = time.monotonic()
     # In a process of its own: the kernel keeps the largest peak of all children so far.
     script = (
@@ -77,7 +77,7 @@ def measured(command):
         "print(used.ru_utime + used.ru_stime, used.ru_maxrss); sys.exit(code)"
     )
     done = subprocess.run([sys.executable, "-c", script, *map(str, command)], capture_output=True, text=True)
-    if done.returncode:
+    if done.returncode != status:
         sys.exit(f"{' '.join(map(str, command))}: status {done.returncode}\n{done.stderr}")
     processor_s, peak_kb = done.stdout.split()
     return time.monotonic() - began, float(processor_s), float(peak_kb) / 1024

@@ -1,6 +1,6 @@
 //! Texts: lines without end, NUL bytes, nesting, names by the million, files elsewhere.
 
-use super::{in_good_time, written};
+use super::written;
 use crate::cli::tautline;
 use crate::import::HEAD;
 use std::io::{self, Read};
@@ -25,10 +25,10 @@ fn campaign(log: &[u8]) -> TempDir {
     folder
 }
 
-/// Why a campaign with a log of these bytes is refused: at once, and in few words.
+/// Why a campaign with a log of these bytes is refused: in few words.
 fn refusal(log: &[u8]) -> String {
     let folder = campaign(log);
-    let read = in_good_time(|| Campaign::read(folder.path()).and_then(|of| read_trial(&of, 0)));
+    let read = Campaign::read(folder.path()).and_then(|of| read_trial(&of, 0));
     let said = read.unwrap_err().to_string();
     assert!(said.len() < 5000, "{} bytes", said.len());
     said
@@ -83,8 +83,8 @@ fn names_without_end_are_shown_once_and_short() {
 fn a_million_unknown_keys_are_counted() {
     let many: String = (0..1_000_000).map(|at| format!("c{at}=1\n")).collect();
     let file = Path::new("a.toml");
-    let mass = || Document::from_toml(file, &many).and_then(|text| text.read(|root| root.need("mass").number()));
-    let said = in_good_time(mass).unwrap_err();
+    let mass = Document::from_toml(file, &many).and_then(|text| text.read(|root| root.need("mass").number()));
+    let said = mass.unwrap_err();
     assert!(said.0.len() == 22 && said.to_string().contains("and 999980 more unknown keys"), "{}", said.0.len());
 }
 
@@ -108,7 +108,7 @@ fn nesting_without_end_is_refused() {
 fn a_urdf_of_more_than_any_robot_is_refused() {
     let refused = |text: &str, expected: &str| {
         let (_folder, file) = written("a.urdf", text.as_bytes());
-        let said = in_good_time(|| Chain::read(&file, "elbow")).unwrap_err().to_string();
+        let said = Chain::read(&file, "elbow").unwrap_err().to_string();
         assert!(said.contains(expected), "{said}");
     };
     let mesh = "<visual><geometry><mesh filename=\"a.stl\"/></geometry></visual>\n";
