@@ -132,9 +132,15 @@ fn the_curves_are_told_apart_in_transitions_alone() {
     assert_eq!(arctan.all, found.overall().all);
 }
 
-/// What the base model leaves of two runs by SciPy, friction at rest on the branch that it was on, N m (`scripts/reference/davinci.py`). In
-/// the others it decides what is left at which of the filter's last oscillations, of 1e-9 rad/s, the joint rests.
-const DAVINCI_BASE_NM: [(&str, f64); 2] = [("run_43.csv", 28.87e-3), ("run_47.csv", 33.53e-3)];
+/// What the base model leaves of each run by SciPy, N m (`scripts/reference/davinci.py`).
+const DAVINCI_BASE_NM: [(&str, f64); 6] = [
+    ("run_02.csv", 15.53e-3),
+    ("run_06.csv", 22.80e-3),
+    ("run_21.csv", 21.48e-3),
+    ("run_25.csv", 16.59e-3),
+    ("run_43.csv", 22.25e-3),
+    ("run_47.csv", 22.63e-3),
+];
 
 #[test]
 fn the_davinci_base_model_is_judged_as_scipy_does() {

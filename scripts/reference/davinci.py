@@ -3,10 +3,8 @@
 
 usage: scripts/reference/davinci.py      (needs numpy and scipy; run from the top of the project)
 
-The position is taken between the encoder's jumps, as smooth as its readings allow. Friction jumps with the sign of the speed. At rest (up to
-9 % of a run) the sign is that of the filter's ringing: printed are, for each run and for all, what is left with friction on the branch that it
-was on, half way between the branches, and on the branch of the rounding. Where these differ the ringing decides. The first half second is left
-out, where the low-pass has not settled.
+The position is taken between the encoder's jumps, as smooth as its readings allow. Friction jumps where the sign of the speed changes, if the
+joint then comes back by half a step of the encoder. The first half second is left out, where the low-pass has not settled.
 """
 import json
 import pathlib
@@ -14,7 +12,7 @@ import pathlib
 import numpy as np
 from scipy.signal import butter, sosfiltfilt
 
-RATE_HZ, LOWPASS_HZ, MOTION_HZ, AT_REST_RAD_S, SETTLED = 1000.0, 20.0, 80.0, 1e-9, 500
+RATE_HZ, LOWPASS_HZ, MOTION_HZ, SETTLED = 1000.0, 20.0, 80.0, 500
 
 
 def between_jumps(read):
@@ -43,13 +41,9 @@ def between_jumps(read):
     return between
 
 
-def smoothed(read):
-    """The position between the jumps after the narrowest low-pass at which at most 1 in 100 readings would be more than 0.6 steps off, and that
+def smoothed(read, between, step):
+    """The position `between` the jumps after the narrowest low-pass at which at most 1 in 100 readings would be more than 0.6 steps off, and that
     moves at most 2 in 1000 by as much."""
-    change = np.abs(np.diff(read))
-    step = np.min(change[change > 0])
-    step = np.mean(change[(change > 0) & (change < 1.2 * step)])
-    between = between_jumps(read)
     passed = lambda halvings: sosfiltfilt(butter(4, MOTION_HZ / 2 ** (halvings / 2), fs=RATE_HZ, output="sos"), between)
     apart = lambda a, b: np.mean(np.abs(a - b) > 0.6 * step)
     smooth = widest = passed(0)
@@ -61,24 +55,39 @@ def smoothed(read):
     return smooth
 
 
+def upwards(between, velocity, step):
+    """Whether the joint moves up at each sample."""
+    first = np.flatnonzero(np.abs(between - between[0]) > step / 2)[0]
+    up, extreme, moving = bool(between[first] > between[0]), between[0], np.empty(len(between), bool)
+    for i, x in enumerate(between):
+        back = (extreme - x) * (1 if up else -1)
+        if back > step / 2:
+            up, extreme, start = not up, x, i
+            while start > 0 and moving[start - 1] != up and (velocity[start - 1] > 0) == up:
+                start -= 1
+            moving[start:i] = up
+        elif back < 0:
+            extreme = x
+        moving[i] = up
+    return moving
+
+
 data = pathlib.Path("data/davinci_l4")
 model = json.loads((data / "base_model.json").read_text())
 joint, up, down = model["joint"], model["friction"]["up"], model["friction"]["down"]
 lowpass, motion = (butter(4, cutoff, fs=RATE_HZ, output="sos") for cutoff in (LOWPASS_HZ, MOTION_HZ))
-left = {}
+total, samples = 0.0, 0
 for log in sorted(data.glob("run_*.csv")):
     _, position, torque, load = np.loadtxt(log, delimiter=",", skiprows=1).T
-    velocity = np.gradient(smoothed(position), 1 / RATE_HZ)
-    moves = np.abs(velocity) >= AT_REST_RAD_S
-    last = np.maximum.accumulate(np.where(moves, np.arange(len(moves)), 0))
-    sign = (velocity > 0).astype(float)
+    change = np.abs(np.diff(position))
+    step = np.min(change[change > 0])
+    step = np.mean(change[(change > 0) & (change < 1.2 * step)])
+    between = between_jumps(position)
+    velocity = np.gradient(smoothed(position, between, step), 1 / RATE_HZ)
     friction_up, friction_down = (joint["winch_radius_m"] * (of["a_j"] + of["d"] * s * np.abs(velocity)) for of, s in ((up, 1), (down, -1)))
     rigid = joint["winch_radius_m"] / joint["pulley_radius_m"] * sosfiltfilt(motion, load)
-    for name, k in {"stays": sign[last], "half way": np.where(moves, sign, 0.5), "rounding's": (velocity >= 0).astype(float)}.items():
-        predicted = rigid + friction_down + k * (friction_up - friction_down)
-        residual = (sosfiltfilt(lowpass, -torque) - sosfiltfilt(lowpass, predicted))[SETTLED:]
-        left.setdefault(name, []).append((np.sum(residual**2), len(residual)))
-        print(f"{log.name}, at rest {name}: {np.sqrt(np.mean(residual**2)):.4e} N m")
-for name, parts in left.items():
-    total, count = np.sum(parts, axis=0)
-    print(f"all, at rest {name}: {np.sqrt(total / count):.4e} N m")
+    predicted = rigid + np.where(upwards(between, velocity, step), friction_up, friction_down)
+    residual = (sosfiltfilt(lowpass, -torque) - sosfiltfilt(lowpass, predicted))[SETTLED:]
+    total, samples = total + np.sum(residual**2), samples + len(residual)
+    print(f"{log.name}: {np.sqrt(np.mean(residual**2)):.4e} N m")
+print(f"all: {np.sqrt(total / samples):.4e} N m")

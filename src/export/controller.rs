@@ -6,9 +6,9 @@
 pub use super::code::Language;
 use super::code::{inline, lines, number};
 use super::plain_name;
-use crate::dynamics::{JointKind, Motion, Payload};
+use crate::dynamics::{AT_REST_RAD_S, JointKind, Motion, Payload};
 use crate::effects::{Added, Presliding, Sample};
-use crate::model::{AT_REST_RAD_S, Asked, Combination, Model, moved, on_the_way};
+use crate::model::{Asked, Combination, Model, moved, on_the_way};
 use crate::numerics::causal::Lag;
 use crate::numerics::expression::{Expression, Tape};
 use crate::numerics::scalar::Scalar;

@@ -54,6 +54,11 @@ pub struct FittedCause<'d> {
 }
 
 impl FittedCause<'_> {
+    /// Whether it is the same cause in the same way.
+    pub fn is(&self, other: &Self) -> bool {
+        (self.cause, self.how) == (other.cause, other.how)
+    }
+
     /// It as it was found.
     pub fn hypothesis(&self) -> Option<Hypothesis> {
         Hypothesis::of((self.cause, self.how), &self.fit.model, &self.fit.moves)

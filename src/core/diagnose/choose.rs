@@ -126,7 +126,7 @@ impl<'d> Search<'d, '_> {
     }
 
     /// What the search comes to where other causes than the best are followed too, if `plain` leaves a gap and the wider search leaves less
-    /// than it by more than a tie; else `plain`.
+    /// than it, by fewer causes, by no more numbers or by more than a tie; else `plain`.
     fn or_wider(self, plain: Outcome<'d>) -> (Self, Outcome<'d>) {
         let is_open = !plain.steps.is_empty() && self.is_open(self.first.data().policy.further_floors, &plain.last);
         if !is_open {
@@ -134,7 +134,9 @@ impl<'d> Search<'d, '_> {
         }
         let search = self.widened();
         let wide = search.outcome();
-        let is_ahead = wide.last.score() < plain.last.score() && !is_tie(&wide.last, &plain.last, search.start);
+        let is_tie = is_tie(&wide.last, &plain.last, search.start);
+        let is_simple = wide.steps.len() < plain.steps.len() || wide.last.moves.len() <= plain.last.moves.len();
+        let is_ahead = wide.last.score() < plain.last.score() && (is_simple || !is_tie);
         let outcome = if is_ahead { wide } else { plain };
         (search, outcome)
     }

@@ -11,7 +11,8 @@ use super::mask::Mask;
 use super::policy::Policy;
 use super::repeats::Differences;
 use super::spectrum::SpectralFloor;
-use crate::model::{AT_REST_RAD_S, Model};
+use crate::dynamics::AT_REST_RAD_S;
+use crate::model::Model;
 use crate::numerics::statistics::{median_of_squares, quantile, root_mean_square};
 use std::ops::Range;
 

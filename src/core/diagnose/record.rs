@@ -138,7 +138,7 @@ impl Record {
             gravity_shares: at.iter().map(|i| model.joint.kind.gravity_share(trial.position_rad[*i])).collect(),
             chain: OnChain::of(campaign, model, trial, &at),
             step,
-            strokes: Strokes::new(trial.followed_rad(), (0..n).map(|i| trial.velocity_rad_s(i)), trial.deadband_rad),
+            strokes: Strokes::new(trial.followed_rad(), trial.directions(), trial.deadband_rad),
             deadband_rad: trial.deadband_rad,
             lowpass,
         })

@@ -59,33 +59,64 @@ impl<'d> Search<'d, '_> {
                 continue;
             }
             let prospects = steps[at].take().map(|step| step.prospects());
-            let step = self.again(&chosen, at, prospects.as_deref());
-            if let Some(hypothesis) = step.taken.hypothesis() {
-                chosen[at] = hypothesis;
-            }
+            let (step, stand) = self.again(&chosen, at, prospects.as_deref());
+            chosen = stand;
             steps[at] = Some(Step { beside, ..step });
         }
         self.without_idle(chosen, steps.into_iter().flatten().collect())
     }
 
-    /// The best in the place of number `at`, of all causes or only of those `among` which it is sought. What stands there stays unless
-    /// something does better by more than [`STAYS_WITHIN_ERRORS`], or as well and is simpler, and still enough to be named.
-    fn again(&self, chosen: &[Hypothesis], at: usize, among: Option<&[Cause]>) -> Step<'d> {
-        let others = all_but(chosen, at);
-        let (others, without) = self.together(&others);
+    /// The best in the place of number `at`, of all causes or only of those `among` which it is sought, and all causes as they stand with it.
+    /// What stands there stays unless something does better by more than [`STAYS_WITHIN_ERRORS`], or as well and is simpler, and still
+    /// enough to be named.
+    fn again(&self, chosen: &[Hypothesis], at: usize, among: Option<&[Cause]>) -> (Step<'d>, Vec<Hypothesis>) {
+        let (others, without) = self.together(&all_but(chosen, at));
         (self.listener)(Progress::Begins(Phase::Rivals(chosen[at].cause.name())));
         let own = self.own(&chosen[at], &self.base_beside(&all_but(chosen, at)));
         let round = self.round(&others, &without, among, own.score());
         let step = place(own, round.tried, without);
-        let Some(best) = simplest(&step.tried, self.start) else { return step };
-        let (own, best, first) = (&step.taken, &step.tried[best], &step.tried[0]);
-        let is_simple = simplicity(own) <= simplicity(best) && !leaves_more(&best.fit, &own.fit, STAYS_WITHIN_ERRORS);
-        let stays = is_simple && is_tie(&first.fit, &own.fit, self.start);
+        let (sets, fits) = self.forms(chosen, at, &step);
+        let tried = if fits.len() > 1 { &fits } else { &step.tried };
+        let Some(best) = simplest(tried, self.start) else { return (step, chosen.to_vec()) };
+        let (best, first) = (&tried[best], &tried[0]);
+        let own = tried.iter().find(|fitted| fitted.is(&step.taken)).unwrap_or(best);
+        let is_behind =
+            |fitted: &FittedCause, other: &FittedCause| leaves_more(&other.fit, &fitted.fit, STAYS_WITHIN_ERRORS);
+        let is_simple = simplicity(own) <= simplicity(best) && !is_behind(own, best);
+        let stays = (is_simple || is_behind(best, own)) && is_tie(&first.fit, &own.fit, self.start);
         let order = if stays { [own, best, first] } else { [best, own, first] };
         let enough =
             |tried: &&FittedCause<'d>| self.is_material(&tried.fit, &step.without, Share::at_best(tried.cause));
-        let taken = order.into_iter().find(enough).unwrap_or(best).clone();
-        Step::new(taken, step.tried, step.without)
+        let taken = order.into_iter().find(enough).unwrap_or(best);
+        let stand = sets.into_iter().find(|set| (set[at].cause, set[at].how) == (taken.cause, taken.how));
+        let taken = step.tried.iter().find(|tried| tried.is(taken)).unwrap_or(taken).clone();
+        let stand = stand.unwrap_or_else(|| {
+            let mut all = chosen.to_vec();
+            taken.hypothesis().into_iter().for_each(|hypothesis| all[at] = hypothesis);
+            all
+        });
+        (Step::new(taken, step.tried, step.without), stand)
+    }
+
+    /// Where the best of what was tried in the place of number `at` is one of several forms of one thing: each of them as it stands with all
+    /// others in and fitted with them, best first. Beside a base without any, friction jumps at a turn, and they compare wrongly.
+    fn forms(&self, chosen: &[Hypothesis], at: usize, step: &Step<'d>) -> (Vec<Vec<Hypothesis>>, Vec<FittedCause<'d>>) {
+        let Some(best) = step.tried.first() else { return (Vec::new(), Vec::new()) };
+        let is_form = |tried: &&FittedCause<'d>| tried.cause == best.cause || tried.cause.is_alike(best.cause);
+        let together = |form: &FittedCause<'d>| {
+            let mut all = chosen.to_vec();
+            all[at] = form.hypothesis()?;
+            let (all, fit) = self.together(&all);
+            let is_whole = all.len() == chosen.len() && fit.is_sound(self.extent());
+            is_whole.then_some((all, FittedCause { cause: form.cause, how: form.how, fit }))
+        };
+        let forms: Vec<&FittedCause<'d>> = step.tried.iter().filter(is_form).collect();
+        if !forms.iter().any(|form| form.cause != best.cause) {
+            return (Vec::new(), Vec::new());
+        }
+        let mut sets: Vec<(Vec<Hypothesis>, FittedCause<'d>)> = forms.into_iter().filter_map(together).collect();
+        sets.sort_by(|(_, a), (_, b)| a.score().total_cmp(&b.score()));
+        sets.into_iter().unzip()
     }
 
     /// `hypothesis` fitted on `base` from where it stands.
@@ -116,7 +147,7 @@ impl<'d> Search<'d, '_> {
 /// A cause as one of `tried`, or its `own` fit from where it stood, whichever does better: fitted alone, the others may have moved to where it
 /// gains nothing. Where its own fit is no longer what it is called and none of `tried` is, the best of `tried` stands in its place.
 pub fn place<'d>(own: FittedCause<'d>, mut tried: Vec<FittedCause<'d>>, without: Fit<'d>) -> Step<'d> {
-    let is_own = |t: &FittedCause| (t.cause, t.how) == (own.cause, own.how);
+    let is_own = |t: &FittedCause| t.is(&own);
     let is_sound = own.fit.is_sound(&own.fit.mask.data.extent);
     let better = |t: &&FittedCause| !is_sound || t.score() <= own.score();
     let taken = match tried.iter().find(|t| is_own(t)).filter(better).or(tried.first().filter(|_| !is_sound)) {

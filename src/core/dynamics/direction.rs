@@ -9,6 +9,9 @@ pub struct Both<T> {
     pub down: T,
 }
 
+/// Below this speed a joint rests, rad/s: no motion is as slow, and a filter leaves some 1e-13 of rounding, whose sign means nothing.
+pub const AT_REST_RAD_S: f64 = 1e-9;
+
 /// A direction of motion.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Direction {
@@ -21,6 +24,12 @@ pub enum Direction {
 impl Direction {
     /// Both, `Up` first.
     pub const BOTH: [Self; 2] = [Self::Up, Self::Down];
+
+    /// That of a speed; none at rest.
+    pub fn of(velocity_rad_s: f64) -> Option<Self> {
+        let moving = if velocity_rad_s > 0.0 { Self::Up } else { Self::Down };
+        (velocity_rad_s.abs() >= AT_REST_RAD_S).then_some(moving)
+    }
 
     /// +1 or -1.
     pub fn sign(self) -> f64 {

@@ -7,7 +7,7 @@ mod urdf;
 
 use crate::numerics::scalar::Scalar;
 pub use chain::{Chain, GRAVITY_M_S2, Motion, RigidTorque};
-pub use direction::{Both, Direction};
+pub use direction::{AT_REST_RAD_S, Both, Direction};
 pub use payload::{INERTIA, NUMBERS, Payload};
 
 /// How the joint moves. For a prismatic joint the `_rad` quantities hold metres and the `_nm` quantities newtons.

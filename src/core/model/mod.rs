@@ -2,6 +2,7 @@
 
 mod added;
 mod combination;
+mod directions;
 mod file;
 mod friction;
 mod functions;
@@ -13,12 +14,13 @@ mod strokes;
 
 pub use crate::dynamics::{Both, Direction};
 pub use combination::{Combination, STABLE_K_F, Transition, moved, on_the_way, scale_of_arctan, settle};
+pub use directions::directions;
 pub use file::{RecordedCurve, recorded_curves};
 pub use friction::{Friction, Term, combined, decayed, loss};
 pub use functions::{BranchFunctions, Functions, Level, SharedError, shared_speeds};
 pub use groups::Group;
 pub use joint::{Drive, Joint};
-pub use passage::{AT_REST_RAD_S, Passage};
+pub use passage::Passage;
 pub use predict::{Asked, Components};
 pub use strokes::{Line, Strokes};
 

@@ -3,9 +3,6 @@
 use super::{Combination, Direction, Model, Transition};
 use crate::effects::{Curve, Evaluated, Presliding};
 
-/// Below this speed a joint rests, rad/s: no motion is as slow, and a filter leaves some 1e-13 of rounding, whose sign means nothing.
-pub const AT_REST_RAD_S: f64 = 1e-9;
-
 /// K~ of a model along a motion: the transition through the clearance, then presliding.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Passage<S = f64> {
@@ -37,22 +34,18 @@ impl<S: Evaluated> Passage<S> {
         }
     }
 
-    /// One sample on: the joint is now at `position_rad` and moves at `velocity_rad_s`; returns K~.
+    /// One sample on: the joint is now at `position_rad`, and `moving`; returns K~.
     ///
     /// With `Sign` and no presliding K~ follows the sign of the speed alone, as (20) has it; at rest it stays where it was.
-    pub fn step(&mut self, position_rad: f64, velocity_rad_s: f64) -> S {
+    pub fn step(&mut self, position_rad: f64, moving: Option<Direction>) -> S {
         let (backlash_rad, deadband_rad) = (self.backlash_rad, self.deadband_rad);
         let through_clearance = match &self.added {
             Some(added) => self.transition.step_by(position_rad, |u| added.share(u), backlash_rad, deadband_rad),
             None => self.transition.step(position_rad, &self.curve, backlash_rad, deadband_rad),
         };
         let jumps = self.added.is_none() && matches!(self.curve, Combination::Sign);
-        let moves = velocity_rad_s.abs() >= AT_REST_RAD_S;
-        let target = match jumps {
-            true if moves && self.presliding.is_none() => S::from(f64::from(u8::from(velocity_rad_s > 0.0))),
-            true => S::from((self.direction().sign() + 1.0) / 2.0),
-            false => through_clearance,
-        };
+        let followed = moving.filter(|_| self.presliding.is_none()).unwrap_or(self.direction());
+        let target = if jumps { S::from((followed.sign() + 1.0) / 2.0) } else { through_clearance };
         let Some(presliding) = self.presliding else { return target };
         let behind = self.k_tilde - target;
         let left = presliding.left(behind.abs(), S::from((position_rad - self.at_rad).abs()));

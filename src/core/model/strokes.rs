@@ -1,7 +1,8 @@
 //! K~ along a whole recorded motion: what depends on the motion alone is worked out once, then any model's K~ follows stroke by
 //! stroke. Beyond the end of a transition nothing is evaluated, and within it only as often as its curve bends.
 
-use super::{AT_REST_RAD_S, Combination, Direction, Model, on_the_way};
+use super::directions::set_out;
+use super::{Combination, Direction, Model, on_the_way};
 use crate::effects::{Evaluated, Presliding};
 use crate::numerics::scalar::Scalar;
 use std::ops::Range;
@@ -23,8 +24,8 @@ pub struct Strokes {
     onward_rad: Vec<f32>,
     /// Travel since the stroke before, forth and back, rad.
     travel_rad: Vec<f32>,
-    /// Sign of the speed; 0 at rest.
-    moving: Vec<i8>,
+    /// Direction of the motion at each sample.
+    moving: Vec<Direction>,
 }
 
 /// K~ along some samples: a straight line over the travel.
@@ -63,12 +64,10 @@ struct Stroke {
 }
 
 impl Strokes {
-    /// Of `positions_rad`, of which the speeds are given; travel back of less than `deadband_rad` is no reversal.
-    pub fn new(positions_rad: &[f64], velocity_rad_s: impl Iterator<Item = f64>, deadband_rad: f64) -> Self {
+    /// Of `positions_rad`, where the joint is `moving`; travel back of less than `deadband_rad` is no reversal.
+    pub fn new(positions_rad: &[f64], moving: Vec<Direction>, deadband_rad: f64) -> Self {
         let first_rad = positions_rad.first().copied().unwrap_or(0.0);
-        let sets_out = positions_rad.iter().map(|x| x - first_rad).find(|away| away.abs() > deadband_rad);
-        let direction = if sets_out.is_some_and(|away| away < 0.0) { Direction::Down } else { Direction::Up };
-        let mut stroke = Stroke { rows: 0..0, direction, from_rad: first_rad };
+        let mut stroke = Stroke { rows: 0..0, direction: set_out(positions_rad, deadband_rad), from_rad: first_rad };
         let (mut strokes, mut at_rad, mut before_rad, mut sum_rad) = (Vec::new(), first_rad, first_rad, 0.0);
         let [mut onward_rad, mut travel_rad] = [(); 2].map(|()| Vec::with_capacity(positions_rad.len()));
         for (i, x) in positions_rad.iter().enumerate() {
@@ -88,8 +87,7 @@ impl Strokes {
             travel_rad.push(sum_rad as f32);
         }
         strokes.push(stroke);
-        let moving = |v: f64| i8::from(v >= AT_REST_RAD_S) - i8::from(v <= -AT_REST_RAD_S);
-        Self { strokes, onward_rad, travel_rad, moving: velocity_rad_s.map(moving).collect() }
+        Self { strokes, onward_rad, travel_rad, moving }
     }
 
     /// Samples of the motion.
@@ -188,7 +186,7 @@ impl<S: Evaluated> Model<S> {
                 None => {
                     Strokes::along(&motion.onward_rad, passing.clone(), &on_curve, &mut then);
                     match jumps {
-                        true => motion.by_speed(settled.clone(), arrived, &mut then),
+                        true => motion.by_direction(settled.clone(), &mut then),
                         false if !settled.is_empty() => then(settled.clone(), Line::constant(arrived)),
                         false => (),
                     }
@@ -215,17 +213,10 @@ impl<S: Evaluated> Model<S> {
 }
 
 impl Strokes {
-    /// K~ that follows the sign of the speed alone, as (20) has it; at rest the last motion's, `arrived`.
-    fn by_speed<'m, S: Scalar>(
-        &'m self,
-        rows: Range<usize>,
-        arrived: S,
-        then: &mut impl FnMut(Range<usize>, Line<'m, S>),
-    ) {
+    /// K~ that follows the direction alone, as (20) has it.
+    fn by_direction<'m, S: Scalar>(&'m self, rows: Range<usize>, then: &mut impl FnMut(Range<usize>, Line<'m, S>)) {
         for at in rows {
-            let k_tilde =
-                if self.moving[at] == 0 { arrived } else { S::from(f64::from(u8::from(self.moving[at] > 0))) };
-            then(at..at + 1, Line::constant(k_tilde));
+            then(at..at + 1, Line::constant(S::from((self.moving[at].sign() + 1.0) / 2.0)));
         }
     }
 }
@@ -278,7 +269,8 @@ impl<S: Scalar> Bent<S> {
 
 #[cfg(test)]
 mod tests {
-    use super::Strokes;
+    use super::super::directions::directions;
+    use super::{Direction, Strokes};
     use crate::effects::Added;
     use crate::model::{Combination, Model, Passage, settle};
 
@@ -292,15 +284,15 @@ mod tests {
         (0..20_000).map(position).collect()
     }
 
-    fn speeds(positions_rad: &[f64]) -> impl Iterator<Item = f64> {
-        (0..positions_rad.len()).map(|i| positions_rad[i] - positions_rad[i.saturating_sub(1)])
+    fn moving(positions_rad: &[f64], deadband_rad: f64) -> Vec<Direction> {
+        directions(positions_rad, |i| positions_rad[i] - positions_rad[i.saturating_sub(1)], deadband_rad)
     }
 
     #[test]
     fn k_tilde_stroke_by_stroke_is_that_of_one_sample_after_the_other() {
         let positions_rad = motion_rad();
         let deadband_rad = 1.5e-3;
-        let motion = Strokes::new(&positions_rad, speeds(&positions_rad), deadband_rad);
+        let motion = Strokes::new(&positions_rad, moving(&positions_rad, deadband_rad), deadband_rad);
         let (n, p) = (1.7, 3.0);
         let curves = [Combination::Sign, Combination::Linear, Combination::arctan(p), Combination::Power { n }];
         let effects = ["", "reversal_transition:backlash_m=0.002,p=0.4,n=0.6", "presliding:travel_rad=0.02,exponent=1"];
@@ -320,7 +312,7 @@ mod tests {
                     let (direction, known_from) = settle(&positions_rad, backlash_rad, deadband_rad);
                     let mut state = Passage::after(&model, direction, positions_rad[0], deadband_rad);
                     let one_by_one: Vec<f64> =
-                        positions_rad.iter().zip(speeds(&positions_rad)).map(|(x, v)| state.step(*x, v)).collect();
+                        positions_rad.iter().zip(&motion.moving).map(|(x, to)| state.step(*x, Some(*to))).collect();
                     let mut along = Vec::new();
                     model.k_tilde_along(&motion, |rows, k_tilde| {
                         assert_eq!(rows.start, along.len());

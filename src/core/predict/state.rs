@@ -33,7 +33,7 @@ pub fn forgotten(rate_hz: f64, lowpass_hz: f64) -> usize {
 /// The states of `trial` under `model`'s clearance and curve.
 ///
 /// K_f follows the position as recorded, or as reconstructed from the jumps of a coarse encoder: a filtered one would ring at corners. With
-/// `Sign` K~ follows the sign of the speed alone, as (20) has it; K_f still says where a transition through the clearance would be.
+/// `Sign` K~ follows the direction alone, as (20) has it; K_f still says where a transition through the clearance would be.
 pub fn states(model: &Model, trial: &Trial) -> States {
     let positions = trial.followed_rad();
     let backlash_rad = model.backlash_m() / model.joint.pulley_radius_m;
@@ -41,8 +41,9 @@ pub fn states(model: &Model, trial: &Trial) -> States {
     let start_rad = positions.first().copied().unwrap_or(0.0);
     let mut state = Passage::after(model, direction, start_rad, trial.deadband_rad);
     let (mut k_tilde, mut k_f) = (Vec::with_capacity(positions.len()), Vec::with_capacity(positions.len()));
+    let moving = trial.directions();
     for (i, x) in positions.iter().enumerate() {
-        k_tilde.push(state.step(*x, trial.velocity_rad_s(i)));
+        k_tilde.push(state.step(*x, Some(moving[i])));
         k_f.push(state.k_f());
     }
     States { k_tilde, k_f, known_from }

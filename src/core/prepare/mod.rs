@@ -14,10 +14,10 @@ pub use rigid::along;
 pub use series::Series;
 pub use stumps::{left_out, read_campaign};
 
-use crate::dynamics::{Dynamics, JointKind, Motion, RigidTorque};
+use crate::dynamics::{Direction, Dynamics, JointKind, Motion, RigidTorque};
 use crate::effects::Sample;
 use crate::log::{Campaign, Log, Protocol, TrialEntry};
-use crate::model::{Asked, Joint};
+use crate::model::{Asked, Joint, directions};
 use crate::numerics::difference::{acceleration_at, velocity_at};
 use crate::numerics::filter::LowPass;
 use crate::numerics::line::crossing;
@@ -98,6 +98,11 @@ impl Trial {
     /// Position that K_f follows, rad: as recorded, or what an encoder's jumps say of it.
     pub fn followed_rad(&self) -> &[f64] {
         self.between_jumps_rad.as_deref().unwrap_or(&self.log.position_rad)
+    }
+
+    /// The direction of its motion at each sample; see [`directions`].
+    pub fn directions(&self) -> Vec<Direction> {
+        directions(self.followed_rad(), |at| self.velocity_rad_s(at), self.deadband_rad)
     }
 
     /// What mass asks of the joint at sample `at`, N m: by the chain where the campaign has one, else by `dynamics`.

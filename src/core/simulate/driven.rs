@@ -19,7 +19,7 @@ pub(super) fn torque_nm<S: Evaluated<Given = f64>>(
         let sample = motions.sample(i, &mut others);
         let own = motions.own[i];
         let asked = asked(model, chain, own, sample.others);
-        let k_tilde = passage.step(own.position, own.velocity);
+        let k_tilde = passage.step(own.position, Direction::of(own.velocity));
         let contact_nm = course.contact_nm.get(i).copied().unwrap_or(0.0);
         model.driven_nm(&sample, asked, k_tilde).torque_nm + contact_nm
     };

@@ -8,7 +8,7 @@
 use super::super::driven::asked;
 use crate::dynamics::{Chain, Motion};
 use crate::effects::Sample;
-use crate::model::{Asked, Model, Passage};
+use crate::model::{Asked, Direction, Model, Passage};
 use crate::numerics::root;
 
 /// Speed at either side of rest at which the direction of friction is felt, rad/s: a travel in a step that a double still tells.
@@ -94,14 +94,14 @@ impl Plant<'_> {
         };
         let excess_nm = |velocity: f64| {
             let own = motion(velocity);
-            let k_tilde = { state.passage }.step(own.position, own.velocity);
+            let k_tilde = { state.passage }.step(own.position, Direction::of(own.velocity));
             self.sensed_nm(own, &motor_nm) - self.asked_nm(own, k_tilde, &mass, moment)
         };
         let velocity_rad_s = self.balance_rad_s(excess_nm, &mass);
         let own = motion(velocity_rad_s);
         let mut passage = state.passage;
         if velocity_rad_s != 0.0 {
-            passage.step(own.position, own.velocity);
+            passage.step(own.position, Direction::of(own.velocity));
         }
         let torque_nm = self.sensed_nm(own, &motor_nm);
         State { position_rad: own.position, velocity_rad_s, passage, torque_nm }
