@@ -52,7 +52,7 @@ fn readings_nm<S: Evaluated<Given = f64>>(model: &Model<S>, motions: &[[Motion; 
         Sample { time_s, elapsed_s: 3.0 + time_s, own: motions[i][0], others: &motions[i][1..] }
     };
     let driven = |i: usize| {
-        let k_tilde = passage.step(motions[i][0].position, motions[i][0].velocity);
+        let k_tilde = passage.step(motions[i][0].position, Direction::of(motions[i][0].velocity));
         let sample = sample(i);
         model.driven_nm(&sample, model.asked_alone(sample.own, S::from(0.1)), k_tilde).torque_nm
     };

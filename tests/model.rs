@@ -19,11 +19,11 @@ fn at_rest_friction_that_jumps_stays_where_it_was() {
     for direction in Direction::BOTH {
         let (sign, on_branch) = (direction.sign(), (direction.sign() + 1.0) / 2.0);
         let mut passage = Passage::after(&model, direction.opposite(), 0.0, 1e-4);
-        assert_eq!(passage.step(0.01 * sign, 0.1 * sign), on_branch);
+        assert_eq!(passage.step(0.01 * sign, Direction::of(0.1 * sign)), on_branch);
         for rounding in [1e-13, -1e-13, 0.0, -0.0] {
-            assert_eq!(passage.step(0.01 * sign, rounding), on_branch, "{direction:?} {rounding}");
+            assert_eq!(passage.step(0.01 * sign, Direction::of(rounding)), on_branch, "{direction:?} {rounding}");
         }
-        assert_eq!(passage.step(0.01 * sign, -0.1 * sign), 1.0 - on_branch);
+        assert_eq!(passage.step(0.01 * sign, Direction::of(-0.1 * sign)), 1.0 - on_branch);
     }
 }
 
