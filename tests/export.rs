@@ -22,9 +22,13 @@ const WITHIN_NM: f64 = 1e-12;
 /// Numbers a sample: position as measured, the joint's three, load, its slope, both clocks, one other joint's three.
 const WIDTH: usize = 11;
 
-/// What the code is given for each sample of `trial`: by `model`, where a chain's torque is the caller's to add.
+/// What the code is given for each sample of `trial`: by `model`, where a chain's torque is the caller's to add. Where friction jumps the sign
+/// of the speed is that of the direction: that a filter rings at rest is known only from what follows.
 fn samples(model: &Model, trial: &Trial) -> Vec<f64> {
     let kind = model.joint.kind;
+    let jumps = model.combination == Combination::Sign && model.added_curve().is_none();
+    let directions = trial.directions();
+    let moving = |i: usize, speed: f64| directions[i].sign() * speed.abs();
     let mut others = Vec::new();
     let one = |i: usize| {
         let sample = trial.sample(i, &mut others);
@@ -36,7 +40,7 @@ fn samples(model: &Model, trial: &Trial) -> Vec<f64> {
             [
                 trial.followed_rad()[i],
                 own.position,
-                own.velocity,
+                if jumps { moving(i, own.velocity) } else { own.velocity },
                 own.acceleration,
                 load_nm,
                 slope,
