@@ -12,7 +12,7 @@ use crate::numerics::fill::fill;
 use crate::numerics::filter::LowPass;
 use crate::numerics::scalar::Scalar;
 use crate::predict::{forgotten, torque_nm};
-use crate::prepare::{REST_RAD, REST_S, Trial, prepare, rests};
+use crate::prepare::{REST_RAD, REST_S, Trial, prepare, rests, undecided};
 use crate::problem::{Problem, Result};
 use std::ops::Range;
 
@@ -41,6 +41,8 @@ pub struct Record {
     pub torque_nm: Vec<f64>,
     /// Which thinned samples are compared, in order.
     pub rows: Vec<usize>,
+    /// Whether what the low-pass leaves there of friction that jumps is that of a rest before a turn, where nobody knows it.
+    pub undecided: Vec<bool>,
     /// Whether the joint rests there.
     pub rests: Vec<bool>,
     /// Torque noise beyond the low-pass, as it would show within it.
@@ -106,6 +108,7 @@ impl Record {
         let memory = forgotten(rate_hz, lowpass_hz);
         let first = (known_from + memory).div_ceil(step);
         let rests = rests(trial.followed_rad(), rate_hz, trial.deadband_rad);
+        let undecided = LowPass::new(order, lowpass_hz, rate_hz).map(|lowpass| undecided(&trial.turns(), n, &lowpass));
         // Acceleration is not known at a log's end, where position has nothing after it, unless the joint rests there.
         let ends_at_rest = rests[n.saturating_sub((2.0 * REST_S * rate_hz) as usize)..].iter().all(|rests| *rests);
         let last = if ends_at_rest { at.len() } else { at.len().saturating_sub(memory.div_ceil(step)) };
@@ -125,6 +128,7 @@ impl Record {
             own: at.iter().map(|i| trial.motion(*i)).collect(),
             time_s: at.iter().map(|i| trial.log.time_s[*i] - trial.log.time_s[0]).collect(),
             torque_nm: at.iter().map(|i| trial.torque_nm[*i]).collect(),
+            undecided: at.iter().map(|i| undecided.as_ref().is_some_and(|undecided| undecided[*i])).collect(),
             rests: at.iter().map(|i| rests[*i]).collect(),
             clipped: at.iter().map(|i| !in_range[*i]).collect(),
             clip_levels_nm: (!clips.is_empty()).then(|| crate::numerics::statistics::extent(&clips)),

@@ -1,6 +1,7 @@
 //! Which way a joint moves, along a whole recorded motion.
 
 use super::Direction;
+use std::ops::Range;
 
 /// The direction in which `positions_rad` first go further than `deadband_rad`.
 pub fn set_out(positions_rad: &[f64], deadband_rad: f64) -> Direction {
@@ -8,52 +9,105 @@ pub fn set_out(positions_rad: &[f64], deadband_rad: f64) -> Direction {
     if away_rad.is_some_and(|away| away < 0.0) { Direction::Down } else { Direction::Up }
 }
 
-/// The direction of the motion at each of `positions_rad`: the sign of its speed, but a joint has turned only where it then comes back by more
-/// than `deadband_rad`. At rest, where speeds are noise and a filter's ringing, it stays that of the last motion.
-pub fn directions(positions_rad: &[f64], velocity_rad_s: impl Fn(usize) -> f64, deadband_rad: f64) -> Vec<Direction> {
+/// Where a joint turns.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Turn {
+    /// The samples before it at which the joint no longer moves as it came, and not yet back.
+    pub rest: Range<usize>,
+    /// Which way it moves from there on.
+    pub to: Direction,
+}
+
+/// Where a joint turns: there its speed changes its sign, and it comes back by more than `deadband_rad`. At a rest that it leaves as it came
+/// speeds are noise and a filter's ringing.
+pub fn turns(positions_rad: &[f64], velocity_rad_s: impl Fn(usize) -> f64, deadband_rad: f64) -> Vec<Turn> {
     let mut direction = set_out(positions_rad, deadband_rad);
-    let mut directions: Vec<Direction> = Vec::with_capacity(positions_rad.len());
-    let (mut at_rad, mut turned) = (positions_rad.first().copied().unwrap_or(0.0), 0);
+    let moves = |at: usize, direction: Direction| Direction::of(velocity_rad_s(at)) == Some(direction);
+    let mut turns: Vec<Turn> = Vec::new();
+    let mut at_rad = positions_rad.first().copied().unwrap_or(0.0);
     for (i, x) in positions_rad.iter().enumerate() {
         let further_rad = (x - at_rad) * direction.sign();
         if further_rad < -deadband_rad {
-            direction = direction.opposite();
-            let back = |at: &usize| Direction::of(velocity_rad_s(*at)) == Some(direction);
-            turned = i - (turned..i).rev().take_while(back).count();
-            directions[turned..].fill(direction);
+            let to = direction.opposite();
+            let after = turns.last().map_or(0, |turn| turn.rest.end);
+            let leaves = i - (after..i).rev().take_while(|at| moves(*at, to)).count();
+            let is_near = |at: &usize| (positions_rad[*at] - at_rad).abs() <= deadband_rad;
+            let near = leaves - (after..leaves).rev().take_while(is_near).count();
+            let arrives = (near..leaves).find(|at| !moves(*at, direction)).unwrap_or(leaves);
+            turns.push(Turn { rest: arrives..leaves, to });
+            direction = to;
         }
         if further_rad.abs() > deadband_rad || further_rad > 0.0 {
             at_rad = *x;
         }
-        directions.push(direction);
     }
+    turns
+}
+
+/// The direction of the motion at each of `positions_rad`. At rest it stays that of the last motion.
+pub fn directions(positions_rad: &[f64], turns: &[Turn], deadband_rad: f64) -> Vec<Direction> {
+    let mut directions = Vec::with_capacity(positions_rad.len());
+    let mut direction = set_out(positions_rad, deadband_rad);
+    for turn in turns {
+        directions.resize(turn.rest.end, direction);
+        direction = turn.to;
+    }
+    directions.resize(positions_rad.len(), direction);
     directions
 }
 
 #[cfg(test)]
 mod tests {
-    use super::{Direction, directions};
+    use super::{Direction, Turn, directions, turns};
+
+    fn speeds(positions_rad: &[f64]) -> impl Fn(usize) -> f64 + '_ {
+        |i| positions_rad[(i + 1).min(positions_rad.len() - 1)] - positions_rad[i.saturating_sub(1)]
+    }
+
+    fn found(positions_rad: &[f64], deadband_rad: f64) -> Vec<Turn> {
+        turns(positions_rad, speeds(positions_rad), deadband_rad)
+    }
 
     /// A low-passed stop rings: the speed's sign changes, the joint has not turned.
     #[test]
-    fn ringing_at_rest_is_no_motion_and_a_turn_is_where_the_speed_changes_sign() {
+    fn a_rest_that_the_joint_leaves_as_it_came_is_no_turn() {
         let position_rad = |i: usize| match i {
-            0..100 => 1e-2 * i as f64,
-            100..200 => 1.0 + 1e-5 * (i as f64).sin(),
-            _ => 1.0 - 1e-4 * (i as f64 - 200.0).powi(2),
+            0..50 => 1e-6 * (i as f64).sin(),
+            50..100 => 1e-2 * (i as f64 - 50.0),
+            100..200 => 0.5 + 1e-5 * (i as f64).sin(),
+            200..250 => 0.5 + 1e-2 * (i as f64 - 200.0),
+            _ => 1.0 + 1e-5 * (i as f64).sin(),
         };
-        let positions_rad: Vec<f64> = (0..300).map(position_rad).collect();
-        let speed = |i: usize| position_rad((i + 1).min(299)) - position_rad(i.saturating_sub(1));
-        for (deadband_rad, off) in [(1e-4, 5), (5e-3, 5)] {
-            let found = directions(&positions_rad, speed, deadband_rad);
-            let turned = found.iter().position(|moving| *moving == Direction::Down).unwrap();
-            assert!(turned.abs_diff(200) <= off, "{turned}");
-            assert!(found[turned..].iter().all(|moving| *moving == Direction::Down));
+        let up: Vec<f64> = (0..300).map(position_rad).collect();
+        let down: Vec<f64> = up.iter().map(|x| -x).collect();
+        for (positions_rad, way) in [(&up, Direction::Up), (&down, Direction::Down)] {
+            assert_eq!(found(positions_rad, 1e-4), []);
+            assert!(directions(positions_rad, &[], 1e-4).iter().all(|moving| *moving == way));
         }
-        assert!(directions(&positions_rad, speed, 0.0)[100..200].contains(&Direction::Down));
-        let down: Vec<f64> = positions_rad.iter().map(|x| -x).collect();
-        let [back, forth] = [directions(&down, |i| -speed(i), 1e-4), directions(&positions_rad, speed, 1e-4)];
-        assert!(back.iter().zip(forth).all(|(back, forth)| *back == forth.opposite()));
-        assert!(directions(&[], speed, 0.0).is_empty());
+        assert!(found(&up, 0.0).len() > 10);
+        assert_eq!((turns(&[], |_| 0.0, 0.0), directions(&[], &[], 0.0)), (Vec::new(), Vec::new()));
+    }
+
+    #[test]
+    fn a_turn_is_where_the_joint_leaves_the_other_way_after_its_rest() {
+        for rest in [0, 100] {
+            let position_rad = |i: usize| match i {
+                0..100 => 1e-2 * i as f64,
+                i if i < 100 + rest => 1.0 + 1e-5 * (i as f64).sin(),
+                _ => 1.0 - 1e-2 * (i - 100 - rest) as f64,
+            };
+            let positions_rad: Vec<f64> = (0..200 + rest).map(position_rad).collect();
+            for deadband_rad in [1e-4, 3e-2] {
+                let turns = found(&positions_rad, deadband_rad);
+                let [Turn { rest: at, to: Direction::Down }] = &turns[..] else { panic!("{turns:?}") };
+                assert!(at.start.abs_diff(100) <= 5 && at.end.abs_diff(100 + rest) <= 5, "{at:?}");
+                let moving = directions(&positions_rad, &turns, deadband_rad);
+                assert_eq!(moving.iter().position(|moving| *moving == Direction::Down), Some(at.end));
+                assert!(
+                    moving.len() == positions_rad.len()
+                        && moving[at.end..].iter().all(|moving| *moving == Direction::Down)
+                );
+            }
+        }
     }
 }

@@ -14,7 +14,7 @@ mod strokes;
 
 pub use crate::dynamics::{Both, Direction};
 pub use combination::{Combination, STABLE_K_F, Transition, moved, on_the_way, scale_of_arctan, settle};
-pub use directions::directions;
+pub use directions::{Turn, directions, turns};
 pub use file::{RecordedCurve, recorded_curves};
 pub use friction::{Friction, Term, combined, decayed, loss};
 pub use functions::{BranchFunctions, Functions, Level, SharedError, shared_speeds};

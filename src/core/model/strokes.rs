@@ -269,7 +269,7 @@ impl<S: Scalar> Bent<S> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::directions::directions;
+    use super::super::{directions, turns};
     use super::{Direction, Strokes};
     use crate::effects::Added;
     use crate::model::{Combination, Model, Passage, settle};
@@ -285,7 +285,8 @@ mod tests {
     }
 
     fn moving(positions_rad: &[f64], deadband_rad: f64) -> Vec<Direction> {
-        directions(positions_rad, |i| positions_rad[i] - positions_rad[i.saturating_sub(1)], deadband_rad)
+        let turns = turns(positions_rad, |i| positions_rad[i] - positions_rad[i.saturating_sub(1)], deadband_rad);
+        directions(positions_rad, &turns, deadband_rad)
     }
 
     #[test]

@@ -9,7 +9,7 @@ mod set_aside;
 mod stumps;
 
 pub use legs::{Leg, find_legs, sweep_speeds};
-pub use rest::{REST_RAD, REST_S, rests};
+pub use rest::{REST_RAD, REST_S, rests, undecided};
 pub use rigid::along;
 pub use series::Series;
 pub use stumps::{left_out, read_campaign};
@@ -17,7 +17,7 @@ pub use stumps::{left_out, read_campaign};
 use crate::dynamics::{Direction, Dynamics, JointKind, Motion, RigidTorque};
 use crate::effects::Sample;
 use crate::log::{Campaign, Log, Protocol, TrialEntry};
-use crate::model::{Asked, Joint, directions};
+use crate::model::{Asked, Joint, Turn, directions, turns};
 use crate::numerics::difference::{acceleration_at, velocity_at};
 use crate::numerics::filter::LowPass;
 use crate::numerics::line::crossing;
@@ -100,9 +100,14 @@ impl Trial {
         self.between_jumps_rad.as_deref().unwrap_or(&self.log.position_rad)
     }
 
+    /// Where it turns; see [`turns`].
+    pub fn turns(&self) -> Vec<Turn> {
+        turns(self.followed_rad(), |at| self.velocity_rad_s(at), self.deadband_rad)
+    }
+
     /// The direction of its motion at each sample; see [`directions`].
     pub fn directions(&self) -> Vec<Direction> {
-        directions(self.followed_rad(), |at| self.velocity_rad_s(at), self.deadband_rad)
+        directions(self.followed_rad(), &self.turns(), self.deadband_rad)
     }
 
     /// What mass asks of the joint at sample `at`, N m: by the chain where the campaign has one, else by `dynamics`.
