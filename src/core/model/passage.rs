@@ -36,7 +36,8 @@ impl<S: Evaluated> Passage<S> {
 
     /// One sample on: the joint is now at `position_rad`, and `moving`; returns K~.
     ///
-    /// With `Sign` and no presliding K~ follows the sign of the speed alone, as (20) has it; at rest it stays where it was.
+    /// With `Sign` and no presliding K~ follows the direction alone, as (20) has it: that in which the joint is `moving`, where that is known, else
+    /// that of the last motion further than the deadband.
     pub fn step(&mut self, position_rad: f64, moving: Option<Direction>) -> S {
         let (backlash_rad, deadband_rad) = (self.backlash_rad, self.deadband_rad);
         let through_clearance = match &self.added {

@@ -48,13 +48,16 @@ pub fn page(found: &Diagnosis, campaign: &str, model: &str) -> Page {
             ("campaign", campaign.to_string()),
             ("model", model.to_string()),
             ("trials", count(found.views.len())),
-            (
-                "samples scored",
-                count(found.views.iter().flat_map(|view| &view.judged).filter(|judged| **judged).count()),
-            ),
+            ("samples scored", scored(found)),
             ("held out in turn", found.held_out.to_string()),
         ],
     }
+}
+
+/// How many samples are scored, of how many.
+fn scored(found: &Diagnosis) -> String {
+    let judged = || found.views.iter().flat_map(|view| &view.judged);
+    format!("{} of {}", count(judged().filter(|judged| **judged).count()), count(judged().count()))
 }
 
 /// How sure the verdict is, the gap, how much of it is explained, what remains, the floor.
