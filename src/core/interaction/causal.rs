@@ -163,8 +163,7 @@ impl Estimator {
         let states = self.states.get_or_insert_with(|| {
             Direction::BOTH.map(|direction| Passage::after(model, direction, own.position, deadband_rad))
         });
-        // Not by the sign of the speed, which is noise and a filter's ringing at rest: a turn counts once the joint is back by the deadband.
-        let [up, down] = states.each_mut().map(|state| state.step(own.position, None));
+        let [up, down] = states.each_mut().map(|state| state.step(own.position, Direction::of(own.velocity)));
         let [from_up, from_down] = *states;
         self.known_in = match self.known_in {
             None if from_up.k_f() == from_down.k_f() => Some(self.forgotten),
