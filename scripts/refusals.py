@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""How long a refusal takes: files that no lab wrote, each at two sizes.
+"""How long a refusal takes: texts that no lab wrote, each at two sizes.
 
 A file that is refused must not hold the program up: from a size to one four times as large, processor time may grow as the
 file does (or stay), not as its square. Each figure is the median of --runs. Needs nothing beside Python.
@@ -32,7 +32,7 @@ START = "t,pos,trq\n"
 KINDS = {
     "unknown keys": lambda n: ("campaign.toml", "".join(f"c{at}=1\n" for at in range(n // 2)) + HEAD + TRIAL),
     "trials of no file": lambda n: ("campaign.toml", HEAD + "".join(TRIAL.replace("a.csv", f"{at}.csv") for at in range(n // 40))),
-    "tables in tables": lambda n: ("campaign.toml", f"{HEAD}a = {'[' * n}{']' * n}\n{TRIAL}"),
+    "lists in lists": lambda n: ("campaign.toml", f"{HEAD}a = {'[' * n}{']' * n}\n{TRIAL}"),
     "a first line without end": lambda n: ("a.csv", "x" * (20 * n)),
     "names by the million": lambda n: ("a.csv", ",".join(f"c{at}" for at in range(n)) + "\n"),
     "NUL bytes": lambda n: ("a.csv", "\0" * (20 * n)),

@@ -27,7 +27,7 @@ const WIDTH: usize = 11;
 fn samples(model: &Model, trial: &Trial) -> Vec<f64> {
     let kind = model.joint.kind;
     let jumps = model.combination == Combination::Sign && model.added_curve().is_none();
-    let directions = trial.directions();
+    let directions = trial.directions(&trial.turns());
     let moving = |i: usize, speed: f64| directions[i].sign() * speed.abs();
     let mut others = Vec::new();
     let one = |i: usize| {

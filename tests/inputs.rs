@@ -1,4 +1,5 @@
-//! Files that are damaged, that lie about their size, or that no program wrote: refused, and never read as something else. How long that takes, `scripts/refusals.py` measures.
+//! Files that are damaged, that lie about their size, or that no program wrote: refused, and never read as something else.
+//! How long the refusal of texts takes, `scripts/refusals.py` measures.
 
 mod bombs;
 mod import;

@@ -16,7 +16,7 @@ const BASE: &str = "data/davinci_l4/base_model.json";
 /// RMSE on held-out trials that an independent fit of the true kind reached (a transition with load-dependent friction), in the
 /// worse of its two folds, N m.
 const REFERENCE_NM: f64 = 8.0e-3;
-/// It is 4.0 mN m here, rests and what is about rests before turns left out; the gap of 20.5 mN m then shrinks by 0.78 to 0.83. Less than this and a
+/// It is 4.0 mN m here, without rests and the samples around rests before turns; the gap of 20.5 mN m then shrinks by 0.78 to 0.83. Less than this and a
 /// cause was lost.
 const SHRINK_MIN: f64 = 0.75;
 /// All samples, at rest and at the start of each run, too, on the trials that it was fitted to: 6.5 of 20.3 mN m.

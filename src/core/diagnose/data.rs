@@ -74,10 +74,10 @@ impl DataSet {
         true_nm.iter().zip(predicted_nm).map(|(y, p)| y - p).collect()
     }
 
-    /// The rows on which `model` can be scored: friction that jumps at a reversal is undetermined at rest, and about a rest before a turn.
+    /// The rows on which `model` can be scored: friction that jumps at a reversal is undetermined at rest, and around a rest before a turn.
     pub fn scored(&self, model: &Model) -> Vec<bool> {
         let jumps = model.combination == Combination::Sign || model.joint.backlash_m == 0.0;
-        self.records.rows(|record, i| !(jumps && (record.rests[i] || record.undecided[i])))
+        self.records.rows(|record, i| !(jumps && (record.rests[i] || record.before_turn[i])))
     }
 
     /// Measured less `predicted_nm`, N m.

@@ -69,7 +69,7 @@ pub use verdict::{Verdict, signature};
 use crate::evaluate::fitted;
 use crate::log::Campaign;
 use crate::model::Model;
-use crate::problem::Result;
+use crate::problem::{Problem, Result};
 use account::Account;
 use base::BaseModel;
 use bootstrap::Resamples;
@@ -241,6 +241,10 @@ pub fn run_by(campaign: &Campaign, model: &Model, policy: &Policy, listener: Lis
     let (campaign, model, mut warnings) = fitted(campaign, model)?;
     let campaign = campaign.as_ref();
     let data = DataSet::read(campaign, &model, policy, listener)?;
+    if !data.scored(&model).contains(&true) {
+        let what = "no sample can be judged: the model's friction jumps at reversals, and the joint rests, or sticks at each turn";
+        return Problem::error(&campaign.file, what, "record longer motion in each direction").alone();
+    }
     warnings.extend(data.records.all.iter().flat_map(|record| record.warnings.iter().cloned()));
     if data.again().is_none() {
         warnings.push(ENCODER_UNKNOWN.to_string());

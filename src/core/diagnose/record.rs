@@ -12,7 +12,7 @@ use crate::numerics::fill::fill;
 use crate::numerics::filter::LowPass;
 use crate::numerics::scalar::Scalar;
 use crate::predict::{forgotten, torque_nm};
-use crate::prepare::{REST_RAD, REST_S, Trial, prepare, rests, undecided};
+use crate::prepare::{REST_RAD, REST_S, Trial, before_turns, prepare, rests};
 use crate::problem::{Problem, Result};
 use std::ops::Range;
 
@@ -41,8 +41,8 @@ pub struct Record {
     pub torque_nm: Vec<f64>,
     /// Which thinned samples are compared, in order.
     pub rows: Vec<usize>,
-    /// Whether what the low-pass leaves there of friction that jumps is that of a rest before a turn, where nobody knows it.
-    pub undecided: Vec<bool>,
+    /// Whether what the low-pass leaves there of friction that jumps comes from a rest before a turn, where nobody knows it.
+    pub before_turn: Vec<bool>,
     /// Whether the joint rests there.
     pub rests: Vec<bool>,
     /// Torque noise beyond the low-pass, as it would show within it.
@@ -97,7 +97,8 @@ impl Record {
         let step = ((rate_hz / (SAMPLES_PER_PERIOD * lowpass_hz)) as usize).max(1);
         let thinned_hz = rate_hz / step as f64;
         let order = campaign.signal.lowpass_order;
-        let Some(lowpass) = LowPass::new(order, lowpass_hz, thinned_hz) else {
+        let [thinned, whole] = [thinned_hz, rate_hz].map(|rate_hz| LowPass::new(order, lowpass_hz, rate_hz));
+        let Some((lowpass, whole)) = thinned.zip(whole) else {
             let what = format!("sampled at {rate_hz:.4} Hz, too slow for a low-pass at {lowpass_hz} Hz");
             return Problem::error(&trial.log.file, what, "lower lowpass_hz in campaign.toml").alone();
         };
@@ -108,7 +109,8 @@ impl Record {
         let memory = forgotten(rate_hz, lowpass_hz);
         let first = (known_from + memory).div_ceil(step);
         let rests = rests(trial.followed_rad(), rate_hz, trial.deadband_rad);
-        let undecided = LowPass::new(order, lowpass_hz, rate_hz).map(|lowpass| undecided(&trial.turns(), n, &lowpass));
+        let turns = trial.turns();
+        let before_turn = before_turns(&turns, n, &whole);
         // Acceleration is not known at a log's end, where position has nothing after it, unless the joint rests there.
         let ends_at_rest = rests[n.saturating_sub((2.0 * REST_S * rate_hz) as usize)..].iter().all(|rests| *rests);
         let last = if ends_at_rest { at.len() } else { at.len().saturating_sub(memory.div_ceil(step)) };
@@ -128,7 +130,7 @@ impl Record {
             own: at.iter().map(|i| trial.motion(*i)).collect(),
             time_s: at.iter().map(|i| trial.log.time_s[*i] - trial.log.time_s[0]).collect(),
             torque_nm: at.iter().map(|i| trial.torque_nm[*i]).collect(),
-            undecided: at.iter().map(|i| undecided.as_ref().is_some_and(|undecided| undecided[*i])).collect(),
+            before_turn: at.iter().map(|i| before_turn[*i]).collect(),
             rests: at.iter().map(|i| rests[*i]).collect(),
             clipped: at.iter().map(|i| !in_range[*i]).collect(),
             clip_levels_nm: (!clips.is_empty()).then(|| crate::numerics::statistics::extent(&clips)),
@@ -142,7 +144,7 @@ impl Record {
             gravity_shares: at.iter().map(|i| model.joint.kind.gravity_share(trial.position_rad[*i])).collect(),
             chain: OnChain::of(campaign, model, trial, &at),
             step,
-            strokes: Strokes::new(trial.followed_rad(), trial.directions(), trial.deadband_rad),
+            strokes: Strokes::new(trial.followed_rad(), trial.directions(&turns), trial.deadband_rad),
             deadband_rad: trial.deadband_rad,
             lowpass,
         })

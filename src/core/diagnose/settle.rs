@@ -75,21 +75,14 @@ impl<'d> Search<'d, '_> {
         let own = self.own(&chosen[at], &self.base_beside(&all_but(chosen, at)));
         let round = self.round(&others, &without, among, own.score());
         let step = place(own, round.tried, without);
-        let (sets, fits) = self.forms(chosen, at, &step);
-        let tried = if fits.len() > 1 { &fits } else { &step.tried };
-        let Some(best) = simplest(tried, self.start) else { return (step, chosen.to_vec()) };
-        let (best, first) = (&tried[best], &tried[0]);
-        let own = tried.iter().find(|fitted| fitted.is(&step.taken)).unwrap_or(best);
-        let is_behind =
-            |fitted: &FittedCause, other: &FittedCause| leaves_more(&other.fit, &fitted.fit, STAYS_WITHIN_ERRORS);
-        let is_simple = simplicity(own) <= simplicity(best) && !is_behind(own, best);
-        let stays = (is_simple || is_behind(best, own)) && is_tie(&first.fit, &own.fit, self.start);
-        let order = if stays { [own, best, first] } else { [best, own, first] };
-        let enough =
-            |tried: &&FittedCause<'d>| self.is_material(&tried.fit, &step.without, Share::at_best(tried.cause));
-        let taken = order.into_iter().find(enough).unwrap_or(best);
+        let Some(taken) = self.preferred(&step.tried, &step.taken, &step.without) else {
+            return (step, chosen.to_vec());
+        };
+        let (sets, fits) = self.forms(chosen, at, &step.tried, taken);
+        let stands = fits.iter().find(|form| form.is(&step.taken)).or(fits.iter().find(|form| form.is(taken)));
+        let form = stands.and_then(|stands| self.preferred(&fits, stands, &step.without)).unwrap_or(taken);
+        let taken = step.tried.iter().find(|tried| tried.is(form)).unwrap_or(form).clone();
         let stand = sets.into_iter().find(|set| (set[at].cause, set[at].how) == (taken.cause, taken.how));
-        let taken = step.tried.iter().find(|tried| tried.is(taken)).unwrap_or(taken).clone();
         let stand = stand.unwrap_or_else(|| {
             let mut all = chosen.to_vec();
             taken.hypothesis().into_iter().for_each(|hypothesis| all[at] = hypothesis);
@@ -98,11 +91,38 @@ impl<'d> Search<'d, '_> {
         (Step::new(taken, step.tried, step.without), stand)
     }
 
-    /// Where the best of what was tried in the place of number `at` is one of several forms of one thing: each of them as it stands with all
-    /// others in and fitted with them, best first. Beside a base without any, friction jumps at a turn, and they compare wrongly.
-    fn forms(&self, chosen: &[Hypothesis], at: usize, step: &Step<'d>) -> (Vec<Vec<Hypothesis>>, Vec<FittedCause<'d>>) {
-        let Some(best) = step.tried.first() else { return (Vec::new(), Vec::new()) };
-        let is_form = |tried: &&FittedCause<'d>| tried.cause == best.cause || tried.cause.is_alike(best.cause);
+    /// Which of `tried`, best first, takes the place where `own` stands: see [`Self::again`]. `without` any, something is left that it must explain.
+    fn preferred<'t>(
+        &self,
+        tried: &'t [FittedCause<'d>],
+        own: &'t FittedCause<'d>,
+        without: &Fit<'d>,
+    ) -> Option<&'t FittedCause<'d>> {
+        let (best, first) = (&tried[simplest(tried, self.start)?], &tried[0]);
+        let is_behind =
+            |fitted: &FittedCause, other: &FittedCause| leaves_more(&other.fit, &fitted.fit, STAYS_WITHIN_ERRORS);
+        let is_simple = simplicity(own) <= simplicity(best) && !is_behind(own, best);
+        let stays = (is_simple || is_behind(best, own)) && is_tie(&first.fit, &own.fit, self.start);
+        let order = if stays { [own, best, first] } else { [best, own, first] };
+        let enough = |tried: &&FittedCause<'d>| self.is_material(&tried.fit, without, Share::at_best(tried.cause));
+        Some(order.into_iter().find(enough).unwrap_or(best))
+    }
+
+    /// Where `taken`, of all that was `tried` in the place of number `at`, is one of several forms of one thing: each of them as it stands with all
+    /// others in and fitted with them, best first. Beside a base without any, friction jumps at a turn, and they compare wrongly. Which of them is
+    /// taken is decided by that; what is told of rivals comes from what was tried.
+    fn forms(
+        &self,
+        chosen: &[Hypothesis],
+        at: usize,
+        tried: &[FittedCause<'d>],
+        taken: &FittedCause<'d>,
+    ) -> (Vec<Vec<Hypothesis>>, Vec<FittedCause<'d>>) {
+        let is_form = |tried: &&FittedCause<'d>| tried.cause == taken.cause || tried.cause.is_alike(taken.cause);
+        let forms: Vec<&FittedCause<'d>> = tried.iter().filter(is_form).collect();
+        if forms.iter().all(|form| form.cause == taken.cause) {
+            return (Vec::new(), Vec::new());
+        }
         let together = |form: &FittedCause<'d>| {
             let mut all = chosen.to_vec();
             all[at] = form.hypothesis()?;
@@ -110,10 +130,6 @@ impl<'d> Search<'d, '_> {
             let is_whole = all.len() == chosen.len() && fit.is_sound(self.extent());
             is_whole.then_some((all, FittedCause { cause: form.cause, how: form.how, fit }))
         };
-        let forms: Vec<&FittedCause<'d>> = step.tried.iter().filter(is_form).collect();
-        if !forms.iter().any(|form| form.cause != best.cause) {
-            return (Vec::new(), Vec::new());
-        }
         let mut sets: Vec<(Vec<Hypothesis>, FittedCause<'d>)> = forms.into_iter().filter_map(together).collect();
         sets.sort_by(|(_, a), (_, b)| a.score().total_cmp(&b.score()));
         sets.into_iter().unzip()

@@ -19,7 +19,7 @@ pub struct Turn {
 }
 
 /// Where a joint turns: there its speed changes its sign, and it comes back by more than `deadband_rad`. At a rest that it leaves as it came
-/// speeds are noise and a filter's ringing.
+/// speeds are noise and a filter's ringing. Where the speed still has the old sign by then, the turn is where the joint is back by that.
 pub fn turns(positions_rad: &[f64], velocity_rad_s: impl Fn(usize) -> f64, deadband_rad: f64) -> Vec<Turn> {
     let mut direction = set_out(positions_rad, deadband_rad);
     let moves = |at: usize, direction: Direction| Direction::of(velocity_rad_s(at)) == Some(direction);
@@ -35,16 +35,16 @@ pub fn turns(positions_rad: &[f64], velocity_rad_s: impl Fn(usize) -> f64, deadb
             let near = leaves - (after..leaves).rev().take_while(is_near).count();
             let arrives = (near..leaves).find(|at| !moves(*at, direction)).unwrap_or(leaves);
             turns.push(Turn { rest: arrives..leaves, to });
-            direction = to;
-        }
-        if further_rad.abs() > deadband_rad || further_rad > 0.0 {
+            (direction, at_rad) = (to, *x);
+        } else if further_rad > 0.0 {
             at_rad = *x;
         }
     }
     turns
 }
 
-/// The direction of the motion at each of `positions_rad`. At rest it stays that of the last motion.
+/// The direction of the motion at each of `positions_rad`. At rest it stays that of the last motion; before any, it is that of
+/// the first.
 pub fn directions(positions_rad: &[f64], turns: &[Turn], deadband_rad: f64) -> Vec<Direction> {
     let mut directions = Vec::with_capacity(positions_rad.len());
     let mut direction = set_out(positions_rad, deadband_rad);
@@ -86,6 +86,20 @@ mod tests {
         }
         assert!(found(&up, 0.0).len() > 10);
         assert_eq!((turns(&[], |_| 0.0, 0.0), directions(&[], &[], 0.0)), (Vec::new(), Vec::new()));
+    }
+
+    #[test]
+    fn rests_of_many_turns_are_in_order_and_apart() {
+        let position_rad =
+            |i: usize| ((0.02 * i as f64).sin() * 30.0).round() / 30.0 + 2e-3 * (12.9898 * i as f64).sin();
+        let positions_rad: Vec<f64> = (0..4000).map(position_rad).collect();
+        for deadband_rad in [0.0, 1e-3, 5e-3] {
+            let turns = found(&positions_rad, deadband_rad);
+            assert!(turns.len() > 20 && turns.iter().all(|turn| turn.rest.start <= turn.rest.end));
+            assert!(turns.windows(2).all(|pair| pair[0].rest.end <= pair[1].rest.start && pair[0].to != pair[1].to));
+            assert_eq!(directions(&positions_rad, &turns, deadband_rad).len(), positions_rad.len());
+        }
+        assert_eq!(found(&positions_rad, 5e-3).len(), 25);
     }
 
     #[test]

@@ -41,7 +41,7 @@ pub fn states(model: &Model, trial: &Trial) -> States {
     let start_rad = positions.first().copied().unwrap_or(0.0);
     let mut state = Passage::after(model, direction, start_rad, trial.deadband_rad);
     let (mut k_tilde, mut k_f) = (Vec::with_capacity(positions.len()), Vec::with_capacity(positions.len()));
-    let moving = trial.directions();
+    let moving = trial.directions(&trial.turns());
     for (i, x) in positions.iter().enumerate() {
         k_tilde.push(state.step(*x, Some(moving[i])));
         k_f.push(state.k_f());

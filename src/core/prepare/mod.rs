@@ -9,7 +9,7 @@ mod set_aside;
 mod stumps;
 
 pub use legs::{Leg, find_legs, sweep_speeds};
-pub use rest::{REST_RAD, REST_S, rests, undecided};
+pub use rest::{REST_RAD, REST_S, before_turns, rests};
 pub use rigid::along;
 pub use series::Series;
 pub use stumps::{left_out, read_campaign};
@@ -105,9 +105,9 @@ impl Trial {
         turns(self.followed_rad(), |at| self.velocity_rad_s(at), self.deadband_rad)
     }
 
-    /// The direction of its motion at each sample; see [`directions`].
-    pub fn directions(&self) -> Vec<Direction> {
-        directions(self.followed_rad(), &self.turns(), self.deadband_rad)
+    /// The direction of its motion at each sample, its `turns` known; see [`directions`].
+    pub fn directions(&self, turns: &[Turn]) -> Vec<Direction> {
+        directions(self.followed_rad(), turns, self.deadband_rad)
     }
 
     /// What mass asks of the joint at sample `at`, N m: by the chain where the campaign has one, else by `dynamics`.

@@ -23,18 +23,19 @@ pub fn rests(positions_rad: &[f64], rate_hz: f64, deadband_rad: f64) -> Vec<bool
     (0..positions_rad.len()).map(|i| travel(i) < limit_rad).collect()
 }
 
-/// Where what `lowpass` leaves of friction that jumps is that of a rest before one of `turns`, however short: there friction goes from one branch
-/// to the other, and the motion does not tell when. Held by its brakes or its command a joint keeps the branch until it leaves; under a controller
-/// that still moves its command it sticks, and has changed over when it leaves.
-pub fn undecided(turns: &[Turn], samples: usize, lowpass: &LowPass) -> Vec<bool> {
+/// Samples at which more than [`UNDECIDED_SHARE`] of what `lowpass` takes together is a rest before one of `turns`, also one shorter than
+/// [`REST_S`]: friction goes from one branch to the other there, and the motion does not tell when. Held by its brakes or its command a joint
+/// keeps the branch until it leaves; under a controller that still moves its command it sticks, and has changed over when it leaves.
+pub fn before_turns(turns: &[Turn], samples: usize, lowpass: &LowPass) -> Vec<bool> {
     let mut share = vec![0.0; samples];
     turns.iter().for_each(|turn| share[turn.rest.clone()].fill(1.0));
-    lowpass.zero_phase(&share).into_iter().map(|share| share > UNDECIDED_SHARE).collect()
+    lowpass.zero_phase_in_place(&mut share);
+    share.into_iter().map(|share| share > UNDECIDED_SHARE).collect()
 }
 
 #[cfg(test)]
 mod tests {
-    use super::undecided;
+    use super::before_turns;
     use crate::model::{Direction, Turn};
     use crate::numerics::filter::LowPass;
 
@@ -43,7 +44,7 @@ mod tests {
         let lowpass = LowPass::new(4, 5.0, 200.0).unwrap();
         let after = |rest: usize| {
             let turn = Turn { rest: 500..500 + rest, to: Direction::Down };
-            let undecided = undecided(&[turn], 1000, &lowpass);
+            let undecided = before_turns(&[turn], 1000, &lowpass);
             let first = undecided.iter().position(|undecided| *undecided);
             assert!(
                 first.is_none_or(|first| 500 - first == undecided.iter().rposition(|u| *u).unwrap() + 1 - 500 - rest)
@@ -52,6 +53,9 @@ mod tests {
         };
         assert_eq!(after(0), (0, None));
         assert_eq!(after(2), (0, None));
+        // A rest of 15 ms is smoothed away at 5 Hz, one of 50 ms is not.
+        assert_eq!(after(3), (0, None));
+        assert!(after(10).0 > 0);
         let (samples, first) = after(100);
         assert!((110..130).contains(&samples) && first.unwrap() < 495, "{samples}, {first:?}");
     }

@@ -19,8 +19,8 @@ const PARTS: [(&str, Part); 3] =
 const CAPTION: &str = "Mean absolute error (above) and largest error (below) by change-over curve, which describes how friction passes from \
                        that of one direction to that of the other after a reversal (the paper's combination coefficient); low-passed, \
                        mean over trials with one standard deviation; * is the model's own. The curves differ in transitions, which the \
-                       low-pass spreads slightly into the stable state, and the sign curve, which switches at once, also wherever the sign \
-                       of the speed differs from that of K_f. Any other error is that of the branches and the sensor's noise.";
+                       low-pass spreads slightly into the stable state, and the sign curve, which switches at once, also wherever the \
+                       direction differs from the sign of K_f. Any other error is that of the branches and the sensor's noise.";
 
 /// Mean absolute error and peak by curve.
 pub(super) fn figure(evaluation: &Evaluation) -> Figure {
