@@ -23,7 +23,7 @@ pub fn rests(positions_rad: &[f64], rate_hz: f64, deadband_rad: f64) -> Vec<bool
     (0..positions_rad.len()).map(|i| travel(i) < limit_rad).collect()
 }
 
-/// Samples at which more than [`UNDECIDED_SHARE`] of what `lowpass` takes together is a rest before one of `turns`, also one shorter than
+/// Samples at which more than `UNDECIDED_SHARE` of what `lowpass` takes together is a rest before one of `turns`, also one shorter than
 /// [`REST_S`]: friction goes from one branch to the other there, and the motion does not tell when. Held by its brakes or its command a joint
 /// keeps the branch until it leaves; under a controller that still moves its command it sticks, and has changed over when it leaves.
 pub fn before_turns(turns: &[Turn], samples: usize, lowpass: &LowPass) -> Vec<bool> {
