@@ -65,18 +65,43 @@ fn thresholds_that_differ_from_the_default_decide_and_are_recorded() {
         std::fs::write(to("policy.toml"), policy).unwrap();
         tautline(&["diagnose", CAMPAIGN, "--model", MODEL, "--policy", &to("policy.toml"), "-o", &to("r"), "--json"])
     };
-    let done = run("format = \"policy/1\"\nfirst_floors = 1000\nopen_floors = 1\n");
+    let done = run("format = \"policy/1\"\nfirst_floors = 1000\ncontact_floors = 1000\nopen_floors = 1\n");
     let told: Value = serde_json::from_slice(&done.stdout).unwrap();
-    assert_eq!(told["policy"], serde_json::json!({ "first_floors": 1000.0 }));
-    // What nothing explains may look like a contact, which is no fit.
-    let mut named = told["verdict"]["effects"].as_array().unwrap().iter();
-    assert!(named.all(|effect| effect == "contact"), "no cause reaches a thousand floors: {}", told["verdict"]);
+    assert_eq!(told["policy"], serde_json::json!({ "contact_floors": 1000.0, "first_floors": 1000.0 }));
+    assert_eq!(told["verdict"]["effects"], serde_json::json!([]), "no cause reaches a thousand floors");
     let usual: Value = serde_json::from_slice(&RUN.printed).unwrap();
     assert_eq!(usual.get("policy"), None);
     let refused = run("format = \"policy/1\"\nfirst_floor = 1\ngain_errors = 0\n");
     let said = String::from_utf8(refused.stderr).unwrap();
     assert!(!refused.status.success() && said.contains("did you mean `first_floors`?"), "{said}");
     assert!(said.contains("expected a number above 0"), "{said}");
+}
+
+/// Friction that jumps is not known at rest and around rests before turns: here there is nothing else.
+#[test]
+fn a_joint_that_sticks_at_each_turn_is_refused() {
+    let folder = TempDir::new().unwrap();
+    let to = |name: &str| folder.path().join(name);
+    let bundled = std::fs::read_to_string(format!("{CAMPAIGN}/campaign.toml")).unwrap();
+    let (head, _) = bundled.split_once("[[trials]]").unwrap();
+    let head = head.lines().filter(|line| !line.starts_with("load_torque"));
+    let head: String = head.map(|line| line.replace("lowpass_hz = 20.0", "lowpass_hz = 2.0") + "\n").collect();
+    std::fs::write(to("campaign.toml"), head + "[[trials]]\nfile = \"a.csv\"\nprotocol = \"free\"\n").unwrap();
+    // Up and down by 0.02 rad within 0.06 s each, and a rest of 0.54 s before every turn.
+    let row = |i: u32| {
+        let (stroke, moved) = (i / 120, f64::from((i % 120).min(12)) / 12.0);
+        let position_rad = 0.02 * if stroke % 2 == 0 { moved } else { 1.0 - moved };
+        let torque_nm = if stroke % 2 == 0 { 0.05 } else { -0.05 } + 1e-3 * (f64::from(i) * 12.9898).sin();
+        format!("{:.3},{position_rad:.6},{torque_nm:.6}\n", f64::from(i) / 200.0)
+    };
+    let log: String = (0..4000).map(row).collect();
+    std::fs::write(to("a.csv"), format!("time_s,position_rad,torque_nm\n{log}")).unwrap();
+    let [campaign, out] = ["campaign.toml", "out"].map(|name| to(name).to_string_lossy().into_owned());
+    let refused = tautline(&["diagnose", &campaign, "--model", MODEL, "-o", &out]);
+    let said = String::from_utf8(refused.stderr).unwrap();
+    assert_eq!(refused.status.code(), Some(2), "{said}");
+    assert!(said.contains("campaign.toml: no sample can be judged: the model's friction jumps at reversals"), "{said}");
+    assert!(!to("out").exists());
 }
 
 #[test]

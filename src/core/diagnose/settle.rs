@@ -91,7 +91,8 @@ impl<'d> Search<'d, '_> {
         (Step::new(taken, step.tried, step.without), stand)
     }
 
-    /// Which of `tried`, best first, takes the place where `own` stands: see [`Self::again`]. `without` any, something is left that it must explain.
+    /// Which of `tried`, best first, takes the place where `own` stands: see [`Self::again`]. Its gain on `without`, the fit
+    /// with none of them, must be enough to be named.
     fn preferred<'t>(
         &self,
         tried: &'t [FittedCause<'d>],
