@@ -39,11 +39,13 @@ pub fn is_one_recording(spans_s: &[(f64, f64)]) -> bool {
     spans_s.windows(2).all(goes_on)
 }
 
-/// When trials with these first and last time stamps began, s: by the stamps where each trial follows on the one before, else
-/// as if they had been recorded one right after the other.
+/// When trials with these first and last time stamps began, s since the first of them did: by the stamps where no two trials overlap, in
+/// whatever order they are listed, else as if they had been recorded one right after the other.
 pub fn clock_s(spans_s: &[(f64, f64)]) -> Vec<f64> {
-    if spans_s.len() > 1 && spans_s.windows(2).all(|pair| pair[1].0 >= pair[0].1) {
-        return spans_s.iter().map(|(first, _)| first - spans_s[0].0).collect();
+    let mut in_time = spans_s.to_vec();
+    in_time.sort_by(|a, b| a.0.total_cmp(&b.0));
+    if in_time.len() > 1 && in_time.windows(2).all(|pair| pair[1].0 >= pair[0].1) {
+        return spans_s.iter().map(|(first, _)| first - in_time[0].0).collect();
     }
     spans_s
         .iter()
@@ -57,7 +59,7 @@ pub fn clock_s(spans_s: &[(f64, f64)]) -> Vec<f64> {
 
 #[cfg(test)]
 mod tests {
-    use super::is_one_recording;
+    use super::{clock_s, is_one_recording};
 
     #[test]
     fn a_recording_cut_in_pieces_is_told_from_trials_of_their_own() {
@@ -67,5 +69,13 @@ mod tests {
         assert!(!is_one_recording(&[(0.0, 6.0), (0.0, 6.0)]));
         assert!(!is_one_recording(&[(6.0, 12.0), (0.0, 5.99)]));
         assert!(is_one_recording(&[(0.0, 6.0)]));
+    }
+
+    #[test]
+    fn trials_on_one_clock_may_be_listed_in_any_order() {
+        assert_eq!(clock_s(&[(52.0, 60.0), (12.0, 20.0), (21.0, 29.0)]), [40.0, 0.0, 9.0]);
+        // Clocks that start anew: the order of the list.
+        assert_eq!(clock_s(&[(0.0, 8.0), (0.0, 9.0), (0.5, 7.0)]), [0.0, 8.0, 17.0]);
+        assert_eq!(clock_s(&[(3.0, 8.0)]), [0.0]);
     }
 }
