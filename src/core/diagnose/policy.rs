@@ -167,7 +167,7 @@ impl Default for Policy {
     fn default() -> Self {
         Self {
             first_floors: 0.4,
-            further_floors: 0.8,
+            further_floors: 0.9,
             first_gap_share: 0.15,
             further_remainder_share: 0.30,
             further_explained_share: 0.035,
