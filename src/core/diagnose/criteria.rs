@@ -38,7 +38,7 @@ pub fn simplest_set<'d>(all: Vec<Set<'d>>, chosen: &[Hypothesis], start: f64) ->
     equals.min_by_key(|(set, fit)| (fit.moves.len() + usize::from(!contains(set)), makeshifts(set), !contains(set)))
 }
 
-/// What each number of a cause may take from the penalty of the base's moves by chance, squared standard deviations (Akaike 1974).
+/// What each number of a cause must take from the penalty of the base's moves besides, squared standard deviations (Akaike 1974).
 const PENALTY_PER_NUMBER: f64 = 2.0;
 
 /// A rule that was applied to something.
@@ -144,17 +144,17 @@ pub fn requirements(
     let whole = (start - floor_square).max(0.0);
     let least = share.least(policy, (gap, whole, floor_square));
     let mut all = vec![Requirement { rule: "share of the gap", value, least }];
+    let of_floor = Requirement { rule: "floors", value, least: share.least_of_floor(policy).powi(2) * floor_square };
     let of_base = improbability(policy, with, without);
-    let of_floor = || Requirement { rule: "floors", value, least: share.least_of_floor(policy).powi(2) * floor_square };
+    let is_imitated = share == Share::First && !of_floor.is_met() && of_base.is_met();
     let sure = || sureness((policy, &with.mask.data.folds), &without.held_out, &with.held_out);
     let beyond_encoder =
         || Requirement { rule: "encoder", value, least: policy.gain_over_encoder * of_encoder().max(0.0) };
-    // What the base imitates, if only by improbable moves, is seen neither above the floor nor from cluster to cluster.
-    let mut further: Vec<Box<dyn FnOnce() -> Requirement>> = match share == Share::First && of_base.is_met() {
-        true => vec![Box::new(|| of_base)],
-        false => vec![Box::new(of_floor), Box::new(sure)],
+    // What the base imitates to within the floor, if only by improbable moves, is not seen from cluster to cluster, either: the evidence is its prior.
+    let further: Vec<Box<dyn FnOnce() -> Requirement>> = match is_imitated {
+        true => vec![Box::new(|| of_base), Box::new(beyond_encoder)],
+        false => vec![Box::new(|| of_floor), Box::new(sure), Box::new(beyond_encoder)],
     };
-    further.push(Box::new(beyond_encoder));
     for requirement in further {
         if all.iter().all(Requirement::is_met) {
             all.push(requirement());
@@ -163,12 +163,12 @@ pub fn requirements(
     all
 }
 
-/// How improbable `without` makes the base, beyond `with`: moves of many of its parameters may imitate a cause to within the floor, but only
-/// together, by as much as each may be off.
+/// How improbable `without` makes the base, beyond `with`: moves of several of its parameters may imitate a cause to within the floor, but only
+/// together, each by as much as it may be off.
 fn improbability(policy: &Policy, with: &Fit, without: &Fit) -> Requirement {
     let numbers = with.moves.len().saturating_sub(without.moves.len());
     let least = policy.prior_penalty_apart + PENALTY_PER_NUMBER * numbers as f64;
-    Requirement { rule: "moves of the base", value: without.prior_penalty - with.prior_penalty, least }
+    Requirement { rule: "prior penalty", value: without.prior_penalty - with.prior_penalty, least }
 }
 
 /// How surely the squares left fall from `before` to `after`: by several standard errors over clusters, or, where only a few clusters

@@ -7,8 +7,8 @@ use crate::dynamics::{Both, Motion, Payload};
 pub struct Sample<'a, S = f64> {
     /// Since the trial began, s.
     pub time_s: S,
-    /// Since the campaign began, s: by the logs' own clock where it runs on from trial to trial, else the lengths of the logs
-    /// before added up.
+    /// Since the campaign began, s: by the logs' own clock where no two of them overlap in it, else the lengths of the logs
+    /// listed before added up.
     pub elapsed_s: S,
     /// The joint.
     pub own: Motion<S>,

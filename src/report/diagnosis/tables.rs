@@ -66,8 +66,8 @@ pub fn decisions_table(found: &Diagnosis) -> Option<Table> {
         "The limit that a cause must reach to be named, the value that each named cause reaches, and where the best of the others fall short. \
          \"share of the gap\", \"floors\" and \"encoder\" compare the reduction of the mean square, (N m)², with a share of the gap, with \
          the floor, and with the reduction that the encoder's errors alone would give; \"standard errors\" and \"clusters that gain\" ask \
-         whether most trials or cycles improve; \"moves of the base\" is by how much the cause lowers the sum of squares of the base's moves, in \
-         standard deviations; \"distinct\" is the share of the reduction that no other cause gives, which a weak cause \
+         whether most trials or cycles improve; \"prior penalty\" is how far a first cause that the base imitates lowers the sum of the base's squared \
+         moves, in standard deviations; \"distinct\" is the share of the reduction that no other cause gives, which a weak cause \
          must have; \"oscillation\" is the power of a line in the spectrum of the remainder over that of its neighbourhood; \
          \"form\", \"open\" and \"named\" compare the remainder, N m RMS above the floor; \"clear\" compares the gap with \
          the floor and the remainder with the gap, N m RMS (it selects the simulated verdicts that the probability is taken from, and which \
