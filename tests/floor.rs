@@ -54,20 +54,20 @@ fn a_gain_that_only_an_improbable_base_could_imitate_is_named() {
         repeats: Some(1),
         own: Path {
             start_rad: 0.2,
-            segments: vec![Segment::Cosine { low_rad: 0.2, high_rad: 0.9, period_s: 4.0, periods: 8 }],
+            segments: vec![Segment::Cosine { low_rad: 0.2, high_rad: 0.9, period_s: 4.0, periods: 16 }],
         },
         others: Vec::new(),
     };
-    let found = diagnosed_with((&truth(), &truth()), 0.03, &["sensor_gain:error=0.09"], short(), 1);
+    let found = diagnosed_with((&truth(), &truth()), 0.03, &["sensor_gain:error=0.11"], short(), 1);
     let decisions = &found.verdict.decisions;
     let named = |rule: &str| decisions.iter().find(|d| d.rule == rule && d.outcome == "named").expect(rule);
     let (gain, penalty) = (named("share of the gap").value, named("prior penalty"));
     assert!(gain < (0.4 * found.gap.floor.rms_nm).powi(2), "{gain} of {:?}: not within the floor", found.gap.floor);
     assert!(penalty.value > 1.2 * penalty.limit, "{penalty:?}");
+    assert!(found.verdict.effects.contains(&Cause::Effect("sensor_gain")), "{:?}", found.verdict.effects);
     // The same base, with nothing wrong.
     let like = diagnosed_with((&truth(), &truth()), 0.03, &[], short(), 1);
     assert_eq!(like.verdict.kind, Kind::None, "{:?}", like.verdict.effects);
-    assert!(found.verdict.effects.contains(&Cause::Effect("sensor_gain")), "{:?}", found.verdict.effects);
 }
 
 #[test]

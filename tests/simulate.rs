@@ -106,6 +106,25 @@ fn what_drifts_goes_on_from_trial_to_trial() {
 }
 
 #[test]
+fn logs_on_one_clock_are_in_the_order_of_their_stamps_however_listed() {
+    const BEGAN_S: [f64; 3] = [500.0, 0.0, 900.0];
+    let folder = record(&truth(), &Plan { repeats: 3, ..free() });
+    for (trial, began_s) in Campaign::read(folder.path()).unwrap().trials.iter().zip(BEGAN_S) {
+        let file = folder.path().join(&trial.file);
+        let text = std::fs::read_to_string(&file).unwrap();
+        let (header, rows) = text.split_once('\n').unwrap();
+        assert!(header.starts_with("time_s,"), "{header}");
+        let later = |row: &str| {
+            let (time_s, rest) = row.split_once(',').unwrap();
+            format!("{},{rest}\n", time_s.parse::<f64>().unwrap() + 20.0 + began_s)
+        };
+        std::fs::write(&file, format!("{header}\n{}", rows.lines().map(later).collect::<String>())).unwrap();
+    }
+    let began_s: Vec<f64> = trials(folder.path()).iter().map(|trial| trial.began_s).collect();
+    assert!(began_s.iter().zip(BEGAN_S).all(|(found, began)| (found - began).abs() < 1e-6), "{began_s:?}");
+}
+
+#[test]
 fn a_log_does_not_depend_on_the_others_being_made() {
     let sensors = Sensors { torque_noise_nm: 0.01, encoder_counts: 4096.0 };
     let plan =

@@ -1,7 +1,7 @@
 //! When a cause is enough to be named, and which others are its rivals.
 
 use super::candidates::{Cause, FittedCause, Hypothesis, Set};
-use super::compare::{clusters, error_of_sum, is_tie, leaves_more};
+use super::compare::{clusters, error_of_sum, is_tie, leaves_more, penalty_apart};
 use super::fit::Fit;
 use super::folds::Folds;
 use super::policy::Policy;
@@ -37,9 +37,6 @@ pub fn simplest_set<'d>(all: Vec<Set<'d>>, chosen: &[Hypothesis], start: f64) ->
     let equals = all.into_iter().filter(|(_, fit)| is_tie(&best, fit, start));
     equals.min_by_key(|(set, fit)| (fit.moves.len() + usize::from(!contains(set)), makeshifts(set), !contains(set)))
 }
-
-/// What each number of a cause must take from the penalty of the base's moves besides, squared standard deviations (Akaike 1974).
-const PENALTY_PER_NUMBER: f64 = 2.0;
 
 /// A rule that was applied to something.
 #[derive(Debug, Clone, PartialEq)]
@@ -145,12 +142,14 @@ pub fn requirements(
     let least = share.least(policy, (gap, whole, floor_square));
     let mut all = vec![Requirement { rule: "share of the gap", value, least }];
     let of_floor = Requirement { rule: "floors", value, least: share.least_of_floor(policy).powi(2) * floor_square };
-    let of_base = improbability(policy, with, without);
+    let spared = without.prior_penalty - with.prior_penalty;
+    let of_base = Requirement { rule: "prior penalty", value: spared, least: penalty_apart(with, without) };
     let is_imitated = share == Share::First && !of_floor.is_met() && of_base.is_met();
     let sure = || sureness((policy, &with.mask.data.folds), &without.held_out, &with.held_out);
     let beyond_encoder =
         || Requirement { rule: "encoder", value, least: policy.gain_over_encoder * of_encoder().max(0.0) };
-    // What the base imitates to within the floor, if only by improbable moves, is not seen from cluster to cluster, either: the evidence is its prior.
+    // What the base imitates to within the floor, if only by improbable moves of several of its parameters together, is not seen from cluster to
+    // cluster, either: the evidence is its prior.
     let further: Vec<Box<dyn FnOnce() -> Requirement>> = match is_imitated {
         true => vec![Box::new(|| of_base), Box::new(beyond_encoder)],
         false => vec![Box::new(|| of_floor), Box::new(sure), Box::new(beyond_encoder)],
@@ -161,14 +160,6 @@ pub fn requirements(
         }
     }
     all
-}
-
-/// How improbable `without` makes the base, beyond `with`: moves of several of its parameters may imitate a cause to within the floor, but only
-/// together, each by as much as it may be off.
-fn improbability(policy: &Policy, with: &Fit, without: &Fit) -> Requirement {
-    let numbers = with.moves.len().saturating_sub(without.moves.len());
-    let least = policy.prior_penalty_apart + PENALTY_PER_NUMBER * numbers as f64;
-    Requirement { rule: "prior penalty", value: without.prior_penalty - with.prior_penalty, least }
 }
 
 /// How surely the squares left fall from `before` to `after`: by several standard errors over clusters, or, where only a few clusters

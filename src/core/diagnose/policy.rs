@@ -37,7 +37,8 @@ pub struct Policy {
     pub distinct_share: f64,
     /// Share of the remainder's square: a distinct further cause must explain this much of it, less than one that others could replace.
     pub distinct_remainder_share: f64,
-    /// Standard errors over clusters (trials or cycles): the gain of a cause must exceed this many, but for one that spares the base (`prior_penalty_apart`).
+    /// Standard errors over clusters (trials or cycles): the gain of a cause must exceed this many, but for one that spares the base
+    /// (`prior_penalty_apart`).
     pub gain_errors: f64,
     /// Multiple, of squares: the gain of a cause must exceed the gain that the encoder's errors alone, simulated once, would give by this
     /// factor.
@@ -60,8 +61,8 @@ pub struct Policy {
     /// beyond is misfit of its form; another form of the same effect that leaves more by less than that misfit, or by less than `gain_errors`,
     /// is not distinguished from it.
     pub form_exact_floor_share: f64,
-    /// Squared standard deviations: a cause that moves the base by this much more is worse; its prior is e^-5 times as likely. One that spares the
-    /// base as much, and 2 more for each of its numbers, is named although the base imitates it to within `first_floors`.
+    /// Squared standard deviations: a cause that moves the base by this much more is worse; its prior is e^-5 times as likely. So is the
+    /// base alone beside a first cause that it imitates to within `first_floors`: the cause is named.
     pub prior_penalty_apart: f64,
     /// Squared standard deviations: each parameter fewer is worth this much of the prior penalty, as much as determining one to a hundredth of
     /// its range (2 ln 100).
