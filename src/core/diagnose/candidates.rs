@@ -9,7 +9,7 @@ use super::perturbation::{Perturbation, of_effect};
 use super::progress::{Listener, Progress};
 use super::ripple;
 use super::stale::{Stale, named, stale};
-use crate::effects::{Added, Effect, Extent, LIBRARY, Role, Starts, find};
+use crate::effects::{Added, Effect, Extent, LIBRARY, Parameter, Role, Starts, find};
 use crate::model::{Combination, Model};
 use rayon::prelude::*;
 
@@ -290,7 +290,11 @@ fn begin(
     let known = likely.iter().find(|(id, _)| *id == effect.about().id);
     let starts = match (effect.about().starts, known) {
         (Starts::Shapes, Some((_, likely))) => likely.clone(),
-        (Starts::PositionLines { by_direction }, _) => ripple::starts(base, residual_nm, by_direction),
+        (Starts::PositionLines { by_direction }, _) => {
+            let forms = effect.starts(&base.data().extent);
+            let lines = ripple::lines(base, residual_nm, by_direction).into_iter();
+            lines.flat_map(|periods| forms.iter().map(move |form| [&[periods], &form[1..]].concat())).collect()
+        }
         (Starts::ClipLevels, _) => saturation_starts(base.data(), effect),
         (Starts::Shapes | Starts::Forms | Starts::Events, _) => effect.starts(&base.data().extent),
     };
@@ -308,10 +312,13 @@ fn begin(
     starts.sort_by(|((a, ..), _), ((b, ..), _)| a.total_cmp(b));
     let (mut starts, all): (Vec<_>, Vec<Vec<f64>>) = starts.into_iter().unzip();
     let in_same_form = |a: &[f64], b: &[f64]| {
-        let parameters = effect.about().parameters.iter().zip(a.iter().zip(b));
-        parameters
-            .filter(|(parameter, _)| matches!(parameter.role, Role::Form | Role::Choice))
-            .all(|(_, (a, b))| a == b)
+        let mut parameters = effect.about().parameters.iter().zip(a.iter().zip(b));
+        let is_same = |(parameter, (a, b)): (&Parameter, (&f64, &f64))| match parameter.role {
+            Role::Form | Role::Choice => a == b,
+            _ => true,
+        };
+        let uses = |at| effect.uses(a, at) == effect.uses(b, at);
+        parameters.all(is_same) && (0..a.len()).all(uses)
     };
     let is_kept = |at: &usize| all[..*at].iter().filter(|better| in_same_form(better, &all[*at])).count() < KEPT;
     let promising = (0..all.len()).filter(is_kept).map(|at| all[at].clone()).collect();

@@ -49,7 +49,7 @@ struct State {
 }
 
 /// Columns of the flexible fit at all rows, low-passed.
-pub fn columns(base: &BaseModel<'_>, lines: &[Vec<f64>]) -> Vec<Vec<f64>> {
+pub fn columns(base: &BaseModel<'_>, lines: &[f64]) -> Vec<Vec<f64>> {
     let states = states(base);
     let at = |of: &dyn Fn(&State) -> f64| extent(&states.iter().flatten().map(of).collect::<Vec<f64>>());
     let (low, high) = at(&|s| s.position);
@@ -87,7 +87,7 @@ pub fn columns(base: &BaseModel<'_>, lines: &[Vec<f64>]) -> Vec<Vec<f64>> {
     for k in 1..CORNERS_FEW {
         features.push(Box::new(move |s| s.sign * hat(log_speed(s), speeds, k, CORNERS_FEW)));
     }
-    for periods in lines.iter().map(|line| line[0]) {
+    for periods in lines {
         for harmonic in [1.0, 2.0] {
             let angle = move |s: &State| TAU * harmonic * periods * s.position;
             features.push(Box::new(move |s| angle(s).sin()));

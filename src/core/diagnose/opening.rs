@@ -36,7 +36,7 @@ impl<'d> Opening<'d> {
         let mut base = base.above(floor::of_noise(&mask, &base_nm, f64::INFINITY).rms_nm);
         begins(Phase::ContactEvents);
         let rest_nm = base.residual_nm();
-        let lines = [false, true].map(|by_direction| ripple::starts(&base, &rest_nm, by_direction));
+        let lines = [false, true].map(|by_direction| ripple::lines(&base, &rest_nm, by_direction));
         let columns = flexible::columns(&base, &lines.concat());
         let (mut events, mut flexible) = contact_events::find(&base, &columns, &rest_nm);
         let floor_nm = floor::of_noise(&mask, &base_nm, flexible.held_out).rms_nm.min(flexible.held_out.sqrt());

@@ -1,7 +1,6 @@
 //! Lines in the spectrum over position: where a ripple's search begins.
 
 use super::base::BaseModel;
-use crate::effects::RIPPLE_NUMBERS;
 use rayon::prelude::*;
 use std::f64::consts::TAU;
 use std::ops::Range;
@@ -19,8 +18,8 @@ const BLOCK: usize = 16;
 /// Lines followed up.
 const LINES: usize = 2;
 
-/// Parameter sets to begin from: the strongest lines of `residual_nm`, taken with the sign of the motion if `by_direction`.
-pub fn starts(base: &BaseModel<'_>, residual_nm: &[f64], by_direction: bool) -> Vec<Vec<f64>> {
+/// The strongest lines of `residual_nm`, taken with the sign of the motion if `by_direction`, in periods per radian.
+pub fn lines(base: &BaseModel<'_>, residual_nm: &[f64], by_direction: bool) -> Vec<f64> {
     let range_rad = base.data().extent.position_rad.1 - base.data().extent.position_rad.0;
     if range_rad <= 0.0 {
         return Vec::new();
@@ -56,7 +55,7 @@ pub fn starts(base: &BaseModel<'_>, residual_nm: &[f64], by_direction: bool) -> 
     let mut peaks: Vec<(f64, f64)> = (0..count).filter(is_peak).map(|i| spectrum[i]).collect();
     peaks.sort_by(|a, b| b.1.total_cmp(&a.1));
     peaks.truncate(LINES);
-    peaks.into_iter().map(|(periods, _)| std::iter::once(periods).chain([0.0; RIPPLE_NUMBERS - 1]).collect()).collect()
+    peaks.into_iter().map(|(periods, _)| periods).collect()
 }
 
 /// A row whose spectrum is taken.

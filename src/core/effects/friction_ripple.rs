@@ -1,6 +1,6 @@
 //! Friction that varies periodically with position and changes sign with the direction.
 
-use super::ripple::{parameters, repeats, ripple_nm, starts};
+use super::ripple::{NUMBERS, parameters, repeats, ripple_nm, start};
 use super::{About, ActsOn, Carried, Effect, Excitation, Extent, Family, Hooks, Region, Sample, Starts};
 use crate::dynamics::Both;
 use crate::numerics::scalar::Scalar;
@@ -31,7 +31,7 @@ impl Effect for FrictionRipple {
     }
 
     fn starts(&self, extent: &Extent) -> Vec<Vec<f64>> {
-        starts(extent)
+        vec![start(extent, NUMBERS)]
     }
 
     fn is_itself(&self, p: &[f64], extent: &Extent) -> bool {

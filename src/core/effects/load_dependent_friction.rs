@@ -10,6 +10,9 @@ use crate::numerics::scalar::Scalar;
 /// Pretensions, and torques at which it levels off, that are tried, as shares of the reading's range.
 const FORMS: [(f64, f64); 6] = [(0.0, 0.0), (0.05, 0.0), (0.1, 0.0), (0.2, 0.0), (0.0, 0.25), (0.0, 0.7)];
 
+/// The least of either, as such a share, that can be told from none.
+const LEAST: f64 = 0.02;
+
 const ID: &str = "load_dependent_friction";
 
 static ABOUT: About = About {
@@ -28,8 +31,8 @@ static ABOUT: About = About {
         Parameter::strength("up"),
         Parameter::strength("down"),
         Parameter::form("of_tension", 1.0),
-        Parameter::form("pretension_nm", 1e6),
-        Parameter::form("levels_off_nm", 1e6),
+        Parameter::shape("pretension_nm", 0.0, 1e6).or(0.0),
+        Parameter::shape("levels_off_nm", 0.0, 1e6).or(0.0),
     ],
     needs: &[Excitation::Loads],
     by_hand: Some("repeat one sweep with a second, known load at the joint"),
@@ -66,6 +69,16 @@ impl Effect for LoadDependentFriction {
             FORMS.map(|(before, above)| vec![0.0, 0.0, of_tension, before * span_nm, above * span_nm])
         };
         [of(0.0), of(1.0)].concat()
+    }
+
+    /// A tension or a torque of 0 stands for none.
+    fn uses(&self, p: &[f64], at: usize) -> bool {
+        at < 3 || p[at] > 0.0
+    }
+
+    fn limits(&self, at: usize, extent: &Extent) -> (f64, f64) {
+        let span_nm = extent.torque_nm.1 - extent.torque_nm.0;
+        if at < 3 { (f64::NEG_INFINITY, f64::INFINITY) } else { (LEAST * span_nm, span_nm) }
     }
 
     fn is_itself(&self, p: &[f64], _extent: &Extent) -> bool {

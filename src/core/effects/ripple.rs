@@ -1,13 +1,13 @@
 //! A function of position that repeats: its fundamental and harmonics.
 
-use super::{Extent, Parameter, Sample, spaced};
+use super::{Extent, Parameter, Sample};
 use crate::numerics::scalar::Scalar;
 use std::f64::consts::TAU;
 
 /// Harmonics of a ripple: a sawtooth, the sharpest one met, has 93 % of its energy in five of them.
 pub const HARMONICS: usize = 5;
 /// Numbers of a ripple.
-pub const NUMBERS: usize = 3 + 2 * HARMONICS;
+pub(super) const NUMBERS: usize = 3 + 2 * HARMONICS;
 
 /// A ripple's parameters: periods in a radian (or metre), sine and cosine of each harmonic, and of one in proportion to what the
 /// cable carries, by the names `sin` and `cos`.
@@ -29,10 +29,8 @@ pub(super) const fn parameters(sin: &'static str, cos: &'static str) -> [Paramet
     ]
 }
 
-/// At least this many periods within the range: fewer are not told from any other function of position ...
+/// At least this many periods within the range: fewer are not told from any other function of position.
 const PERIODS_MIN: f64 = 1.5;
-/// ... and at most this many.
-const PERIODS_MAX: f64 = 150.0;
 
 /// The ripple at `sample`, N m: what is always there, and what there is of it in each N m that the cable carries.
 pub(super) fn ripple_nm<S: Scalar>(p: &[S], sample: &Sample<'_, S::Given>) -> (S, S) {
@@ -56,10 +54,9 @@ pub(super) fn repeats(p: &[f64], extent: &Extent) -> bool {
     p[0] * (extent.position_rad.1 - extent.position_rad.0) >= PERIODS_MIN
 }
 
-/// Wave numbers so dense that the search meets every line's slope.
-pub(super) fn starts(extent: &Extent) -> Vec<Vec<f64>> {
-    let range_rad = extent.position_rad.1 - extent.position_rad.0;
-    spaced(PERIODS_MIN / range_rad, PERIODS_MAX / range_rad, 40)
-        .map(|periods| std::iter::once(periods).chain([0.0; NUMBERS - 1]).collect())
-        .collect()
+/// The coarsest that repeats, of `numbers` parameters: the search puts the lines that it finds in the place of its wave number.
+pub(super) fn start(extent: &Extent, numbers: usize) -> Vec<f64> {
+    let mut start = vec![0.0; numbers];
+    start[0] = PERIODS_MIN / (extent.position_rad.1 - extent.position_rad.0);
+    start
 }
