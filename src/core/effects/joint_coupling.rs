@@ -5,6 +5,14 @@ use crate::numerics::scalar::Scalar;
 
 /// The number of the parameter that says where it acts.
 const AT_JOINT: usize = 11;
+/// The number of the parameter that says which terms it has.
+const TERMS: usize = 12;
+
+/// Terms that one cause has together; which of its parameters they use.
+const CABLE: [usize; 3] = [1, 7, 8];
+const FRICTION: [usize; 2] = [2, 3];
+const BODIES: [usize; 5] = [4, 5, 6, 9, 10];
+const GROUPS: [&[usize]; 3] = [&CABLE, &FRICTION, &BODIES];
 
 static ABOUT: About = About {
     id: "joint_coupling",
@@ -13,7 +21,8 @@ static ABOUT: About = About {
     means: "torque follows another joint",
     formula: "stiffness q2 + viscous v2 + coulomb tanh(v2/0.01) + inertia a2 + weight (sin(q + q2) - sin q) + inertia_cos (cos(q) a2 + sin(q) v2^2) + \
               centrifugal sin(q2) v2^2 + coriolis sin(q2) 2 v v2 + bending q2^2 + offset; at \
-              the winch, or at the joint if at_joint, where the cable carries it and friction grows with it",
+              the winch, or at the joint if at_joint, where the cable carries it and friction grows with it; if terms is 1, only those of a cable \
+              over the other joint (stiffness, bending, offset), if 2, only friction (viscous, coulomb), if 3, only those of rigid bodies",
     source: "rigid-body coupling (1); cables routed over a moving joint",
     signature: Region::OtherJoint,
     trades_with: &["sensor_drift", "warm_up"],
@@ -31,6 +40,7 @@ static ABOUT: About = About {
         Parameter::strength("centrifugal_kg_m2"),
         Parameter::strength("coriolis_kg_m2"),
         Parameter::form("at_joint", 1.0),
+        Parameter::form("terms", 3.0),
     ],
     needs: &[Excitation::OtherJoint],
     by_hand: Some("hold the other joints fixed and repeat one trial"),
@@ -42,6 +52,12 @@ fn followed(joint: f64) -> Option<usize> {
     (joint as usize).checked_sub(1)
 }
 
+/// The only terms that it has; none where it has all.
+fn group(p: &[f64]) -> Option<&'static [usize]> {
+    let group = (p[TERMS].round() as usize).checked_sub(1)?;
+    GROUPS.get(group).copied()
+}
+
 #[derive(Debug)]
 pub struct JointCoupling;
 
@@ -51,12 +67,17 @@ impl Effect for JointCoupling {
     }
 
     fn starts(&self, extent: &Extent) -> Vec<Vec<f64>> {
-        let of = |joint: usize, at_joint: f64| {
-            let mut start = vec![0.0; AT_JOINT + 1];
-            (start[0], start[AT_JOINT]) = (joint as f64, at_joint);
+        let of = |joint: usize, form: usize| {
+            let mut start = vec![0.0; ABOUT.parameters.len()];
+            (start[0], start[AT_JOINT], start[TERMS]) = (joint as f64, (form % 2) as f64, (form / 2) as f64);
             start
         };
-        (1..=extent.others).flat_map(|joint| [of(joint, 0.0), of(joint, 1.0)]).collect()
+        (1..=extent.others).flat_map(|joint| (0..2 * (1 + GROUPS.len())).map(move |form| of(joint, form))).collect()
+    }
+
+    fn uses(&self, p: &[f64], at: usize) -> bool {
+        let is_choice = at == 0 || at >= AT_JOINT;
+        is_choice || group(p).is_none_or(|group| group.contains(&at))
     }
 
     fn other_joint(&self, p: &[f64]) -> Option<usize> {
@@ -80,13 +101,19 @@ fn coupled_nm<S: Scalar>(p: &[S], sample: &Sample<'_, S::Given>) -> S {
         return S::from(0.0);
     };
     let q = sample.own.position;
-    other.position * p[1]
-        + other.velocity * p[2]
-        + (other.velocity / RESTING_RAD_S).tanh() * p[3]
-        + other.acceleration * p[4]
-        + ((q + other.position).sin() - q.sin()) * p[5]
-        + (q.cos() * other.acceleration + q.sin() * other.velocity.squared()) * p[6]
-        + other.position.squared() * p[7]
-        + p[8]
-        + other.position.sin() * (other.velocity.squared() * p[9] + sample.own.velocity * other.velocity * 2.0 * p[10])
+    let cable = || other.position * p[1] + other.position.squared() * p[7] + p[8];
+    let friction = || other.velocity * p[2] + (other.velocity / RESTING_RAD_S).tanh() * p[3];
+    let bodies = || {
+        let squared = other.velocity.squared();
+        other.acceleration * p[4]
+            + ((q + other.position).sin() - q.sin()) * p[5]
+            + (q.cos() * other.acceleration + q.sin() * squared) * p[6]
+            + other.position.sin() * (squared * p[9] + sample.own.velocity * other.velocity * 2.0 * p[10])
+    };
+    match p[TERMS].value().round() as usize {
+        1 => cable(),
+        2 => friction(),
+        3 => bodies(),
+        _ => cable() + friction() + bodies(),
+    }
 }
