@@ -3,6 +3,7 @@
 //! A contact event that the model with its causes predicts was no contact: the search is then repeated with its samples back in.
 
 use super::base::BaseModel;
+use super::bootstrap::above;
 use super::choose::{Choice, choose};
 use super::contact_events::{self, ContactEvent};
 use super::flexible;
@@ -102,6 +103,17 @@ impl<'d> Explanation<'d> {
     /// The same without its causes, on which the share `agreement` of the resamples agreed.
     pub fn given_up(self, agreement: f64) -> Self {
         Self::of_choice(self.choice.given_up(agreement)).with_events(self.events)
+    }
+
+    /// Whether the search ended because nothing remained above its own floor, though above `floor`, which is lower, a further cause could stand.
+    pub fn ended_early(&self, floor: &Floor) -> bool {
+        let (choice, policy) = (&self.choice, &self.choice.last.mask.data.policy);
+        let open_nm = above(choice.last.held_out_square(), floor.upper_square());
+        let is_lower = floor.rms_nm < choice.last.mask.floor_nm;
+        !choice.found.is_empty()
+            && choice.refused.is_empty()
+            && is_lower
+            && open_nm > policy.further_floors * floor.rms_nm
     }
 
     /// The floor now that the causes are known; `columns` are those of the flexible fit.

@@ -259,15 +259,26 @@ pub fn run_by(campaign: &Campaign, model: &Model, policy: &Policy, listener: Lis
     Ok(found)
 }
 
-/// What separates `model` from the recordings of `campaign`, beginning from `opening`.
-fn explained(opening: Opening<'_>, (campaign, model): (&Campaign, &Model), listener: Listener<'_>) -> Diagnosis {
+/// What separates `model` from the recordings of `campaign`, beginning from `opening`, whose floor is known better once the causes are.
+fn explained<'d>(
+    mut opening: Opening<'d>,
+    (campaign, model): (&Campaign, &Model),
+    listener: Listener<'_>,
+) -> Diagnosis {
     let begins = |phase| listener(Progress::Begins(phase));
-    let Opening { base, columns, rest_nm, events, flexible } = opening;
+    let of = |opening: &Opening<'d>| {
+        let explanation = explain::explain(&opening.base, opening.events.clone(), &opening.rest_nm, listener);
+        begins(Phase::Verdict);
+        weighed(&opening.base, explanation, &opening.columns)
+    };
+    let (mut explanation, mut floor, mut resamples) = of(&opening);
+    if explanation.ended_early(&floor) {
+        opening = opening.above(floor.rms_nm);
+        (explanation, floor, resamples) = of(&opening);
+    }
+    let Opening { base, flexible, .. } = opening;
     let (data, floor_nm) = (base.data(), base.mask.floor_nm);
     let mut warnings = Vec::new();
-    let explanation = explain::explain(&base, events, &rest_nm, listener);
-    begins(Phase::Verdict);
-    let (explanation, floor, resamples) = weighed(&base, explanation, &columns);
     if floor.source == FloorSource::Unforeseen {
         warnings.push(UNFORESEEN.to_string());
     }

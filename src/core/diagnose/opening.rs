@@ -33,17 +33,21 @@ impl<'d> Opening<'d> {
         begins(Phase::NoiseFloor);
         let base = BaseModel::new(&mask, model, within_confidence(model));
         let base_nm = base.residual_nm();
-        let mut base = base.above(floor::of_noise(&mask, &base_nm, f64::INFINITY).rms_nm);
+        let base = base.above(floor::of_noise(&mask, &base_nm, f64::INFINITY).rms_nm);
         begins(Phase::ContactEvents);
         let rest_nm = base.residual_nm();
         let lines = [false, true].map(|by_direction| ripple::lines(&base, &rest_nm, by_direction));
         let columns = flexible::columns(&base, &lines.concat());
-        let (mut events, mut flexible) = contact_events::find(&base, &columns, &rest_nm);
+        let (events, flexible) = contact_events::find(&base, &columns, &rest_nm);
         let floor_nm = floor::of_noise(&mask, &base_nm, flexible.held_out).rms_nm.min(flexible.held_out.sqrt());
-        if floor_nm < base.mask.floor_nm {
-            base = base.above(floor_nm);
-            (events, flexible) = contact_events::find(&base, &columns, &rest_nm);
-        }
-        Self { base, columns, rest_nm, events, flexible }
+        let opening = Self { base, columns, rest_nm, events, flexible };
+        if floor_nm < opening.base.mask.floor_nm { opening.above(floor_nm) } else { opening }
+    }
+
+    /// The same above another floor.
+    pub fn above(self, floor_nm: f64) -> Self {
+        let base = self.base.above(floor_nm);
+        let (events, flexible) = contact_events::find(&base, &self.columns, &self.rest_nm);
+        Self { base, events, flexible, ..self }
     }
 }
