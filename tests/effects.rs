@@ -154,6 +154,8 @@ fn parameters_name_their_units_and_have_room() {
         "parts",
         "hardens",
         "in_place",
+        "at_joint",
+        "terms",
     ];
     for effect in LIBRARY {
         let about = effect.about();

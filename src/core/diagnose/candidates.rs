@@ -9,7 +9,7 @@ use super::perturbation::{Perturbation, of_effect};
 use super::progress::{Listener, Progress};
 use super::ripple;
 use super::stale::{Stale, named, stale};
-use crate::effects::{Added, Effect, Extent, LIBRARY, Parameter, Role, Starts, find};
+use crate::effects::{Added, Effect, Extent, LIBRARY, Role, Starts, find};
 use crate::model::{Combination, Model};
 use rayon::prelude::*;
 
@@ -312,13 +312,10 @@ fn begin(
     starts.sort_by(|((a, ..), _), ((b, ..), _)| a.total_cmp(b));
     let (mut starts, all): (Vec<_>, Vec<Vec<f64>>) = starts.into_iter().unzip();
     let in_same_form = |a: &[f64], b: &[f64]| {
-        let mut parameters = effect.about().parameters.iter().zip(a.iter().zip(b));
-        let is_same = |(parameter, (a, b)): (&Parameter, (&f64, &f64))| match parameter.role {
-            Role::Form | Role::Choice => a == b,
-            _ => true,
-        };
-        let uses = |at| effect.uses(a, at) == effect.uses(b, at);
-        parameters.all(is_same) && (0..a.len()).all(uses)
+        let parameters = effect.about().parameters.iter().zip(a.iter().zip(b));
+        parameters
+            .filter(|(parameter, _)| matches!(parameter.role, Role::Form | Role::Choice))
+            .all(|(_, (a, b))| a == b)
     };
     let is_kept = |at: &usize| all[..*at].iter().filter(|better| in_same_form(better, &all[*at])).count() < KEPT;
     let promising = (0..all.len()).filter(is_kept).map(|at| all[at].clone()).collect();

@@ -39,6 +39,14 @@ impl Direction {
         }
     }
 
+    /// K~ of friction that is fully on this branch: 1 moving up, 0 moving down.
+    pub fn k_tilde(self) -> f64 {
+        match self {
+            Self::Up => 1.0,
+            Self::Down => 0.0,
+        }
+    }
+
     /// The other one.
     pub fn opposite(self) -> Self {
         match self {

@@ -7,11 +7,10 @@ use super::{
 use crate::dynamics::{Both, Direction};
 use crate::numerics::scalar::Scalar;
 
-/// Pretensions, and torques at which it levels off, that are tried, as shares of the reading's range.
-const FORMS: [(f64, f64); 6] = [(0.0, 0.0), (0.05, 0.0), (0.1, 0.0), (0.2, 0.0), (0.0, 0.25), (0.0, 0.7)];
-
-/// The least of either, as such a share, that can be told from none.
-const LEAST: f64 = 0.02;
+/// Pretensions that are tried, as shares of the reading's range.
+const PRETENSIONS: [f64; 6] = [0.0, 0.025, 0.05, 0.1, 0.2, 0.4];
+/// Torques at which it levels off, as such shares.
+const LEVELS: [f64; 4] = [0.12, 0.25, 0.5, 1.0];
 
 const ID: &str = "load_dependent_friction";
 
@@ -31,8 +30,8 @@ static ABOUT: About = About {
         Parameter::strength("up"),
         Parameter::strength("down"),
         Parameter::form("of_tension", 1.0),
-        Parameter::shape("pretension_nm", 0.0, 1e6).or(0.0),
-        Parameter::shape("levels_off_nm", 0.0, 1e6).or(0.0),
+        Parameter::form("pretension_nm", 1e6),
+        Parameter::form("levels_off_nm", 1e6),
     ],
     needs: &[Excitation::Loads],
     by_hand: Some("repeat one sweep with a second, known load at the joint"),
@@ -66,19 +65,11 @@ impl Effect for LoadDependentFriction {
     fn starts(&self, extent: &Extent) -> Vec<Vec<f64>> {
         let span_nm = extent.torque_nm.1 - extent.torque_nm.0;
         let of = |of_tension: f64| {
-            FORMS.map(|(before, above)| vec![0.0, 0.0, of_tension, before * span_nm, above * span_nm])
+            let before = PRETENSIONS.map(|share| vec![0.0, 0.0, of_tension, share * span_nm, 0.0]);
+            let above = LEVELS.map(|share| vec![0.0, 0.0, of_tension, 0.0, share * span_nm]);
+            before.into_iter().chain(above)
         };
-        [of(0.0), of(1.0)].concat()
-    }
-
-    /// A tension or a torque of 0 stands for none.
-    fn uses(&self, p: &[f64], at: usize) -> bool {
-        at < 3 || p[at] > 0.0
-    }
-
-    fn limits(&self, at: usize, extent: &Extent) -> (f64, f64) {
-        let span_nm = extent.torque_nm.1 - extent.torque_nm.0;
-        if at < 3 { (f64::NEG_INFINITY, f64::INFINITY) } else { (LEAST * span_nm, span_nm) }
+        of(0.0).chain(of(1.0)).collect()
     }
 
     fn is_itself(&self, p: &[f64], _extent: &Extent) -> bool {

@@ -2,11 +2,10 @@
 
 use crate::dynamics::Motion;
 use crate::effects::{Evaluated, Sample};
-use crate::model::{Asked, Direction, Model, Transition, settle};
+use crate::model::{Asked, Direction, Model, Passage, Turn, directions, settle, turns};
 use crate::numerics::filter::LowPass;
-use crate::numerics::scalar::Scalar;
 use crate::numerics::statistics::extent;
-use crate::prepare::Series;
+use crate::prepare::{Series, before_turns, rests};
 use std::ops::Range;
 
 /// Around a stretch of a trial, in periods of the low-pass: the filter run on the stretch alone has then forgotten its edges.
@@ -21,6 +20,9 @@ pub struct Prepared {
     lowpass: Option<LowPass>,
     reversals: Vec<(usize, Direction)>,
     strokes_rad: Vec<f64>,
+    turns: Vec<Turn>,
+    /// Direction of the motion at each sample.
+    moving: Vec<Direction>,
 }
 
 impl Prepared {
@@ -29,7 +31,10 @@ impl Prepared {
         let lowpass = LowPass::new(order, cutoff_hz, series.rate_hz);
         let reversals = reversals(&series);
         let strokes_rad = strokes_rad(&series, &reversals);
-        Self { series, lowpass, reversals, strokes_rad }
+        let Series { position_rad, velocity_rad_s, deadband_rad, .. } = &series;
+        let turns = turns(position_rad, |i| velocity_rad_s[i], *deadband_rad);
+        let moving = directions(position_rad, &turns, *deadband_rad);
+        Self { series, lowpass, reversals, strokes_rad, turns, moving }
     }
 
     /// Samples.
@@ -54,15 +59,20 @@ impl Prepared {
         }
     }
 
+    /// Direction of the motion at each sample: that by which friction jumps.
+    pub fn moving(&self) -> &[Direction] {
+        &self.moving
+    }
+
     /// K~ of every sample for `model`'s curve and backlash, and the first sample from which it is known.
-    pub fn k_tilde<S: Scalar>(&self, model: &Model<S>) -> (Vec<S>, usize) {
+    pub fn k_tilde<S: Evaluated>(&self, model: &Model<S>) -> (Vec<S>, usize) {
         let backlash_rad = model.joint.backlash_rad();
         let deadband_rad = self.series.deadband_rad;
         let (direction, known_from) = settle(&self.series.position_rad, backlash_rad.value(), deadband_rad);
         let start_rad = self.series.position_rad.first().copied().unwrap_or(0.0);
-        let mut state = Transition::after(direction, start_rad);
-        let step = |x: &f64| state.step(*x, &model.combination, backlash_rad, deadband_rad);
-        (self.series.position_rad.iter().map(step).collect(), known_from)
+        let mut state = Passage::after(model, direction, start_rad, deadband_rad);
+        let samples = self.series.position_rad.iter().zip(&self.moving);
+        (samples.map(|(x, moving)| state.step(*x, Some(*moving))).collect(), known_from)
     }
 
     /// y predicted by `model` at any sample, friction combined by `k_tilde` there, before the low-pass, N m. Of effects it has at most
@@ -88,6 +98,17 @@ impl Prepared {
         let raw: Vec<f64> = k_tilde.iter().enumerate().map(|(i, k)| torque_nm(i, *k)).collect();
         let predicted = self.low_pass(&raw);
         (self.series.torque_nm.iter().zip(&predicted).map(|(y, p)| y - p).collect(), known_from)
+    }
+
+    /// Samples at which friction that jumps is not known: at rest, and about a rest before a turn.
+    pub fn undecided(&self) -> Vec<bool> {
+        let Series { position_rad, rate_hz, deadband_rad, .. } = &self.series;
+        let mut undecided = rests(position_rad, *rate_hz, *deadband_rad);
+        if let Some(lowpass) = &self.lowpass {
+            let before_turn = before_turns(&self.turns, self.len(), lowpass);
+            undecided.iter_mut().zip(before_turn).for_each(|(undecided, before)| *undecided |= before);
+        }
+        undecided
     }
 
     /// Samples at which the joint turns, with the direction it turns to.

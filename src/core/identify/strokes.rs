@@ -2,7 +2,6 @@
 
 use super::predicted::{PADDING_PERIODS, Prepared};
 use crate::model::{Direction, Model, settle};
-use crate::prepare::{REST_S, Series, rests};
 use rayon::prelude::*;
 use std::ops::Range;
 
@@ -34,18 +33,14 @@ pub struct Part<'a> {
 impl<'a> Part<'a> {
     /// All strokes of `trial`, of each the samples whose sensor was in range and whose K~ is known for a clearance of
     /// `backlash_rad` or less, thinned to what the low-pass leaves; strokes of less than a period of it are left out. Without a
-    /// clearance a joint at rest does not tell its K~: those samples are left out, and those beside them that the low-pass mixes with them.
+    /// clearance friction jumps: samples at which that is [undecided](Prepared::undecided) are left out.
     pub fn new(trial: &'a Prepared, backlash_rad: f64, lowpass_hz: f64) -> Self {
         let period = trial.series.rate_hz / lowpass_hz;
         let step = ((period / ROWS_PER_PERIOD) as usize).max(1);
         let pad = (PADDING_PERIODS * period) as usize;
         let (_, known_from) = settle(&trial.series.position_rad, backlash_rad, trial.series.deadband_rad);
-        let Series { position_rad, rate_hz, deadband_rad, in_range, .. } = &trial.series;
-        let rests = if backlash_rad > 0.0 { Vec::new() } else { rests(position_rad, *rate_hz, *deadband_rad) };
-        let beside = (2.0 * REST_S * rate_hz) as usize;
-        let is_beside_rest =
-            |i: usize| rests[i.saturating_sub(beside).min(rests.len())..(i + beside).min(rests.len())].contains(&true);
-        let usable = |i: &usize| *i >= known_from && in_range[*i] && !is_beside_rest(*i);
+        let undecided = if backlash_rad > 0.0 { Vec::new() } else { trial.undecided() };
+        let usable = |i: &usize| *i >= known_from && trial.series.in_range[*i] && undecided.get(*i) != Some(&true);
         let stroke = |(samples, direction): (Range<usize>, Direction)| {
             let padded = samples.start.saturating_sub(pad)..(samples.end + pad).min(trial.len());
             let first = samples.start.next_multiple_of(step);

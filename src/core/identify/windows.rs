@@ -107,10 +107,13 @@ impl<'a> Window<'a> {
 
     /// Predicted less measured, both through the low-pass, in the judged samples, N m.
     pub fn residual_nm(&self, model: &Model, curve: &Combination, backlash_rad: f64) -> Vec<f64> {
-        let torque = self.states(curve, backlash_rad).zip(self.base_nm.iter().zip(&self.change_nm));
-        let torque: Vec<f64> = torque
-            .map(|(state, (base, change))| model.balance_nm(*base, state.k_tilde * change, state.k_tilde))
-            .collect();
+        let jumps = matches!(curve, Combination::Sign);
+        let moving = &self.trial.moving()[self.padded.clone()];
+        let k_tilde = self.states(curve, backlash_rad).zip(moving);
+        let k_tilde = k_tilde.map(|(state, moving)| if jumps { moving.k_tilde() } else { state.k_tilde });
+        let torque = k_tilde.zip(self.base_nm.iter().zip(&self.change_nm));
+        let torque: Vec<f64> =
+            torque.map(|(k_tilde, (base, change))| model.balance_nm(*base, k_tilde * change, k_tilde)).collect();
         let filtered = self.trial.low_pass(&torque);
         let skip = self.judged.start - self.padded.start;
         filtered[skip..].iter().zip(self.measured_nm).map(|(p, y)| p - y).collect()

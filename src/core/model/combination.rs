@@ -98,7 +98,7 @@ impl<S: Scalar> Transition<S> {
     /// At `position_rad`, having moved in `direction` for long: K_f(0) is not known from a log, so it is taken from the
     /// first sustained motion, and samples before K_f has first saturated are left out of every figure.
     pub fn after(direction: Direction, position_rad: f64) -> Self {
-        let (k_f, k_tilde) = (S::from(direction.sign()), S::from((direction.sign() + 1.0) / 2.0));
+        let (k_f, k_tilde) = (S::from(direction.sign()), S::from(direction.k_tilde()));
         Self { k_f, k_tilde, direction, start_k_f: k_f, start_k_tilde: k_tilde, at_rad: position_rad }
     }
 

@@ -46,7 +46,7 @@ impl<S: Evaluated> Passage<S> {
         };
         let jumps = self.added.is_none() && matches!(self.curve, Combination::Sign);
         let followed = moving.filter(|_| self.presliding.is_none()).unwrap_or(self.direction());
-        let target = if jumps { S::from((followed.sign() + 1.0) / 2.0) } else { through_clearance };
+        let target = if jumps { S::from(followed.k_tilde()) } else { through_clearance };
         let Some(presliding) = self.presliding else { return target };
         let behind = self.k_tilde - target;
         let left = presliding.left(behind.abs(), S::from((position_rad - self.at_rad).abs()));

@@ -216,7 +216,7 @@ impl Strokes {
     /// K~ that follows the direction alone, as (20) has it.
     fn by_direction<'m, S: Scalar>(&'m self, rows: Range<usize>, then: &mut impl FnMut(Range<usize>, Line<'m, S>)) {
         for at in rows {
-            then(at..at + 1, Line::constant(S::from((self.moving[at].sign() + 1.0) / 2.0)));
+            then(at..at + 1, Line::constant(S::from(self.moving[at].k_tilde())));
         }
     }
 }

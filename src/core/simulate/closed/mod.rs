@@ -74,7 +74,7 @@ fn resting(
     const SETTLING: usize = 5;
     let still = |position: f64| Motion { position, ..Motion::default() };
     let direction = start(&course.position_rad);
-    let k_tilde = (direction.sign() + 1.0) / 2.0;
+    let k_tilde = direction.k_tilde();
     let transmission = plant.model.joint.transmission();
     let stiffness_nm_rad = transmission * controller.stiffness_nm_rad;
     let mut position_rad = command.position_rad;
