@@ -5,7 +5,7 @@ use crate::campaigns::truth;
 use std::collections::BTreeSet;
 use tautline::dynamics::{Both, Motion};
 use tautline::effects::{ActsOn, Added, Carried, Extent, Family, LIBRARY, Role, Sample, find};
-use tautline::model::{Group, Model, Term};
+use tautline::model::{Direction, Group, Model, Term};
 use tautline::simulate::{Course, Sensors, record};
 
 const RATE_HZ: f64 = 500.0;
@@ -317,6 +317,25 @@ fn friction_takes_energy_from_every_cycle_and_a_potential_none() {
     // Through the friction coefficients, which differ by direction, what acts at the joint costs a little.
     for id in ["gravity_phase", "elastic_spring", "end_stop", "inertia"] {
         assert!(work_nm(id).abs() < 0.02, "{id}: {} N m over whole cycles", work_nm(id));
+    }
+}
+
+/// (17): what the joint is loaded with costs the cable's friction, too, more in one direction than in the other.
+#[test]
+fn a_ripple_at_the_joint_is_carried_by_the_cable() {
+    let n = 20_000;
+    let position = |i: usize| 0.6 - 0.4 * (std::f64::consts::TAU * i as f64 / n as f64).cos();
+    let course = Course { position_rad: (0..=n).map(position).collect(), ..Course::default() };
+    let of = |place: &str| {
+        let text = format!("torque_ripple:periods_per_rad=5,sin_1_nm=0.1,cos_2_nm=0.05{place}");
+        difference_nm(Added::parse(&text).unwrap(), &course)
+    };
+    let (at_winch_nm, at_joint_nm) = (of(""), of(",at_joint=1"));
+    let truth = truth();
+    for (at, direction) in [(n / 4, Direction::Up), (3 * n / 4, Direction::Down)] {
+        let expected = truth.joint.transmission() / truth.friction.of(direction).loss();
+        let ratio = at_joint_nm[at] / at_winch_nm[at];
+        assert!((ratio / expected - 1.0).abs() < 1e-9, "{direction:?}: {ratio} for {expected}");
     }
 }
 

@@ -5,10 +5,10 @@ use std::path::Path;
 use tautline::dynamics::Dynamics;
 use tautline::identify::combination::{CurveKind, JudgedOn, Settings as CombinationSettings};
 use tautline::identify::{Identification, Route, Settings, run};
-use tautline::log::{Campaign, Protocol, TrialEntry};
+use tautline::log::{Campaign, Protocol, Signal, TrialEntry};
 use tautline::model::{Combination, Direction, Model, Status, Term};
 use tautline::problem::Result;
-use tautline::simulate::{Course, Sensors, record};
+use tautline::simulate::{Course, Plan, Sensors, record};
 use tautline::trajectory::{Path as Motion, Segment};
 use tempfile::TempDir;
 
@@ -68,6 +68,30 @@ fn few_trials_are_judged_stroke_by_stroke() {
         let Combination::Arctan { p, .. } = found.model.combination else { panic!("{:?}", found.model.combination) };
         assert!((p / 2.05 - 1.0).abs() < 0.05, "{trials} trials: p = {p}");
         assert!(!found.warnings.iter().any(|w| w.contains("clearance")), "{trials} trials: {:?}", found.warnings);
+    }
+}
+
+/// A coarse encoder tells late that the joint is back by more than its noise; the speed tells earlier which way it moves.
+#[test]
+fn friction_that_jumps_does_so_where_the_motion_turns() {
+    let mut joint = truth();
+    joint.combination = Combination::Sign;
+    for direction in Direction::BOTH {
+        let friction = joint.friction.of_mut(direction);
+        (friction.b_c, friction.c_c, friction.b_j, friction.c_j) = (0.0, 0.0, 0.0, 0.0);
+    }
+    let sensors = Sensors { torque_noise_nm: 0.01, encoder_counts: 8000.0 };
+    let signal = Signal { torque_sign: -1.0, lowpass_hz: 10.0, lowpass_order: 4 };
+    let folder =
+        crate::campaigns::record(&joint, &Plan { speeds: 0, cosines: 2, rate_hz: 100.0, sensors, signal, ..plan() });
+    let found = tried(folder.path(), CombinationSettings::default()).unwrap();
+    let Route::Free(free) = &found.route else { panic!("no sweeps, yet a sweep's route") };
+    assert_eq!(found.model.combination, Combination::Sign);
+    // Jumps as late as the deadband leave 0.09 N m, and make of a_j = 36 N what may be anything from 11 to 94 N.
+    assert!(free.held_out_nm < 0.03, "{} N m held out", free.held_out_nm);
+    for direction in Direction::BOTH {
+        let [found_n, true_n] = [&found.model, &joint].map(|model| model.friction.of(direction).a_j);
+        assert!((found_n / true_n - 1.0).abs() < 0.15, "{found_n} N for {true_n}");
     }
 }
 

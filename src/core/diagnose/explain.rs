@@ -125,3 +125,27 @@ impl<'d> Explanation<'d> {
         floor::settled((mask, &self.after), &self.quiet_nm, (unpredicted_square, left_square), self.is_bare())
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::Explanation;
+    use crate::diagnose::base::BaseModel;
+    use crate::diagnose::data::tests::bundled;
+    use crate::diagnose::floor::{Floor, FloorSource};
+    use crate::diagnose::mask::Mask;
+    use crate::diagnose::perturbation::within_confidence;
+
+    /// Above what the first cause leaves, below what the base does, N m.
+    const HIGH_NM: f64 = 0.015;
+
+    #[test]
+    fn a_search_that_ended_at_its_floor_goes_on_only_above_a_lower_one() {
+        let (data, model) = bundled();
+        let mask = Mask::new(&data, data.scored(&model), HIGH_NM);
+        let rest_nm = BaseModel::new(&mask, &model, within_confidence(&model)).residual_nm();
+        let explanation = Explanation::of(&mask, &model, Vec::new(), &rest_nm, &|_| ());
+        assert_eq!(explanation.choice.found.len(), 1);
+        let goes_on = |floor_nm: f64| explanation.ended_early(&Floor::of_noise(floor_nm, FloorSource::Spectrum, 0.1));
+        assert!(goes_on(0.001) && !goes_on(HIGH_NM));
+    }
+}
