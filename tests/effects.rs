@@ -483,12 +483,40 @@ fn what_leaves_the_joint_behind_says_so() {
     }
 }
 
+/// Where it acts and which of its terms it has are forms of a coupling.
+#[test]
+fn a_coupling_acts_in_one_place_by_the_terms_that_it_uses() {
+    let own = Motion { position: 0.4, velocity: 0.3, acceleration: 1.1 };
+    let other = Motion { position: 0.7, velocity: -0.5, acceleration: 2.0 };
+    let sample = Sample { time_s: 1.0, elapsed_s: 1.0, own, others: &[other] };
+    let plain = Added::parse("joint_coupling:joint=1").unwrap();
+    let names = plain.named().map(|(parameter, _)| parameter.name).collect::<Vec<_>>();
+    let at = |name: &str| names.iter().position(|other| *other == name).unwrap();
+    for (terms, at_joint) in [0.0, 1.0, 2.0, 3.0].into_iter().flat_map(|terms| [(terms, 0.0), (terms, 1.0)]) {
+        for (strength, name) in names.iter().enumerate().filter(|(_, name)| name.contains('_') && **name != "at_joint")
+        {
+            let mut p = plain.parameters.clone();
+            (p[at("terms")], p[at("at_joint")], p[strength]) = (terms, at_joint, 1.0);
+            let [joint_nm, winch_nm] =
+                [plain.hooks().joint_torque_nm(&p, &sample, 0.5), plain.hooks().winch_torque_nm(&p, &sample, 0.5)];
+            let (acts_nm, idle_nm) = if at_joint > 0.5 { (joint_nm, winch_nm) } else { (winch_nm, joint_nm) };
+            assert_eq!(acts_nm != 0.0, plain.effect.uses(&p, strength), "{name} with terms = {terms}");
+            assert_eq!(idle_nm, 0.0, "{name} with at_joint = {at_joint}");
+        }
+    }
+}
+
 /// What an effect learns later is a form of it: models from before say nothing of it.
 #[test]
 fn a_form_that_a_model_does_not_know_is_the_default() {
     let scratch = tempfile::tempdir().unwrap();
     let file = scratch.path().join("model.json");
-    for (id, later) in [("cable_elasticity", &["hardens", "hardens_nm"][..]), ("warm_up", &["parts"])] {
+    for (id, later) in [
+        ("cable_elasticity", &["hardens", "hardens_nm"][..]),
+        ("warm_up", &["parts"]),
+        ("torque_ripple", &["at_joint"]),
+        ("joint_coupling", &["at_joint", "terms"]),
+    ] {
         let model = with(example(id));
         let mut json = model.to_json();
         let parameters = json["effects"][0]["parameters"].as_object_mut().unwrap();

@@ -253,7 +253,8 @@ fn with_an_arm_the_caller_adds_the_chain_s_torque() {
 fn choices(effect: Added) -> Vec<Added> {
     let mut all = vec![effect.clone()];
     for (at, (parameter, value)) in effect.named().enumerate() {
-        if parameter.role == Role::Choice && parameter.name != "joint" {
+        let is_choice = parameter.role == Role::Choice || (parameter.role == Role::Form && parameter.bounds.1 == 1.0);
+        if is_choice && parameter.name != "joint" {
             let mut other = all[all.len() - 1].clone();
             let switches = parameter.bounds.1 == 1.0;
             other.parameters[at] = match switches {

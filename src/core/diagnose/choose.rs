@@ -15,7 +15,7 @@ use crate::model::Model;
 use std::sync::Arc;
 
 /// Most causes that are looked for.
-const CAUSES_MAX: usize = 6;
+pub const CAUSES_MAX: usize = 6;
 /// Most causes beside which others, as many, are followed in a wider search.
 const RUNNERS_UP_TO: usize = 2;
 /// Number of the causes refused last that are reported.

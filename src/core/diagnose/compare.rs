@@ -20,7 +20,7 @@ pub fn is_tie(best: &Fit, other: &Fit, start: f64) -> bool {
         || (uncertain && behind <= policy.tie_gap_share_max * (start - floor_square).max(floor_square))
 }
 
-/// By how much more `other` must move the base than `best` does to be the worse one, squared standard deviations: more for each parameter fewer.
+/// The excess of `other`'s prior penalty above which it is worse than `best`, squared standard deviations: more for each parameter fewer.
 pub fn penalty_apart(best: &Fit, other: &Fit) -> f64 {
     let policy = &best.mask.data.policy;
     let spared = best.moves.len().saturating_sub(other.moves.len()) as f64;

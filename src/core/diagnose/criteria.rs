@@ -142,8 +142,8 @@ pub fn requirements(
     let least = share.least(policy, (gap, whole, floor_square));
     let mut all = vec![Requirement { rule: "share of the gap", value, least }];
     let of_floor = Requirement { rule: "floors", value, least: share.least_of_floor(policy).powi(2) * floor_square };
-    let spared = without.prior_penalty - with.prior_penalty;
-    let of_base = Requirement { rule: "prior penalty", value: spared, least: penalty_apart(with, without) };
+    let penalty_spared = without.prior_penalty - with.prior_penalty;
+    let of_base = Requirement { rule: "prior penalty", value: penalty_spared, least: penalty_apart(with, without) };
     let is_imitated = share == Share::First && !of_floor.is_met() && of_base.is_met();
     let sure = || sureness((policy, &with.mask.data.folds), &without.held_out, &with.held_out);
     let beyond_encoder =

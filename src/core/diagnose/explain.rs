@@ -4,7 +4,7 @@
 
 use super::base::BaseModel;
 use super::bootstrap::above;
-use super::choose::{Choice, choose};
+use super::choose::{self, Choice, choose};
 use super::contact_events::{self, ContactEvent};
 use super::flexible;
 use super::floor::{self, Floor};
@@ -105,15 +105,17 @@ impl<'d> Explanation<'d> {
         Self::of_choice(self.choice.given_up(agreement)).with_events(self.events)
     }
 
-    /// Whether the search ended because nothing remained above its own floor, though above `floor`, which is lower, a further cause could stand.
+    /// Whether the search ended because nothing remained above its own floor, though above `floor` a further cause could stand.
     pub fn ended_early(&self, floor: &Floor) -> bool {
         let (choice, policy) = (&self.choice, &self.choice.last.mask.data.policy);
-        let open_nm = above(choice.last.held_out_square(), floor.upper_square());
-        let is_lower = floor.rms_nm < choice.last.mask.floor_nm;
-        !choice.found.is_empty()
-            && choice.refused.is_empty()
-            && is_lower
-            && open_nm > policy.further_floors * floor.rms_nm
+        let ended_at_floor = choice.refused.is_empty() && (1..choose::CAUSES_MAX).contains(&choice.found.len());
+        let left_nm = above(choice.last.held_out_square(), floor.upper_square());
+        ended_at_floor && floor.rms_nm < choice.last.mask.floor_nm && left_nm > policy.further_floors * floor.rms_nm
+    }
+
+    /// Whether it leaves less than `other` on the rows that each counts.
+    pub fn leaves_less(&self, other: &Self) -> bool {
+        self.choice.last.held_out_square() < other.choice.last.held_out_square()
     }
 
     /// The floor now that the causes are known; `columns` are those of the flexible fit.
@@ -146,6 +148,7 @@ mod tests {
         let explanation = Explanation::of(&mask, &model, Vec::new(), &rest_nm, &|_| ());
         assert_eq!(explanation.choice.found.len(), 1);
         let goes_on = |floor_nm: f64| explanation.ended_early(&Floor::of_noise(floor_nm, FloorSource::Spectrum, 0.1));
-        assert!(goes_on(0.001) && !goes_on(HIGH_NM));
+        let left_nm = explanation.choice.last.held_out_square().sqrt();
+        assert!(goes_on(0.001) && !goes_on(0.9 * left_nm) && !goes_on(HIGH_NM));
     }
 }

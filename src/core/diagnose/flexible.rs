@@ -23,7 +23,7 @@ const OTHERS: usize = 3;
 const WIDE: f64 = 3.0;
 
 /// What depends on recorded quantities.
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 pub struct Flexible {
     /// Mean square left on held-out units, (N m)^2.
     pub held_out: f64,

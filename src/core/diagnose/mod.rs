@@ -273,8 +273,11 @@ fn explained<'d>(
     };
     let (mut explanation, mut floor, mut resamples) = of(&opening);
     if explanation.ended_early(&floor) {
-        opening = opening.above(floor.rms_nm);
-        (explanation, floor, resamples) = of(&opening);
+        let lower = opening.clone().above(floor.rms_nm);
+        let again = of(&lower);
+        if again.0.leaves_less(&explanation) {
+            (opening, (explanation, floor, resamples)) = (lower, again);
+        }
     }
     let Opening { base, flexible, .. } = opening;
     let (data, floor_nm) = (base.data(), base.mask.floor_nm);

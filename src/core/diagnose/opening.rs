@@ -12,6 +12,7 @@ use super::ripple;
 use crate::model::Model;
 
 /// Where the search for causes begins.
+#[derive(Clone)]
 pub struct Opening<'d> {
     /// The model as delivered, above the noise floor.
     pub base: BaseModel<'d>,

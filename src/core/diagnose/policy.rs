@@ -61,8 +61,9 @@ pub struct Policy {
     /// beyond is misfit of its form; another form of the same effect that leaves more by less than that misfit, or by less than `gain_errors`,
     /// is not distinguished from it.
     pub form_exact_floor_share: f64,
-    /// Squared standard deviations: a cause that moves the base by this much more is worse; its prior is e^-5 times as likely. So is the
-    /// base alone beside a first cause that it imitates to within `first_floors`: the cause is named.
+    /// Squared standard deviations: a cause that moves the base by this much more is worse; its prior is e^-5 times as likely. A
+    /// first cause that the base imitates to within `first_floors` may be named if it spares the base as much, and `prior_penalty_per_parameter` more for
+    /// each of its numbers.
     pub prior_penalty_apart: f64,
     /// Squared standard deviations: each parameter fewer is worth this much of the prior penalty, as much as determining one to a hundredth of
     /// its range (2 ln 100).

@@ -292,18 +292,18 @@ impl Record {
         let mut slopes_nm = Vec::with_capacity(self.own.len() + BLOCK);
         let none = Dual::from(0.0);
         let neither = Both { up: none, down: none };
-        let mut rigid_nm = [none; BLOCK];
+        let mut asked_nm = [none; BLOCK];
         let mut carried = [Carried { load_nm: none, friction_nm: neither }; BLOCK];
         self.in_blocks(|at, samples| {
-            fill(&mut rigid_nm, |j| Dual::from(self.asked(at[j], model).torque_nm));
+            fill(&mut asked_nm, |j| Dual::from(self.asked(at[j], model).torque_nm));
             fill(&mut carried, |j| {
                 let Both { up, down } = branches[at[j]];
-                let load_nm = rigid_nm[j] * transmission;
+                let load_nm = asked_nm[j] * transmission;
                 Carried { load_nm, friction_nm: Both { up: Dual::from(up), down: Dual::from(down) } }
             });
             let (mut friction_nm, mut at_joint_nm, mut beside_nm) = ([neither; BLOCK], [none; BLOCK], [none; BLOCK]);
             hooks.add_friction(p, samples, &carried, &mut friction_nm);
-            hooks.add_joint_torque(p, samples, &rigid_nm, &mut at_joint_nm);
+            hooks.add_joint_torque(p, samples, &asked_nm, &mut at_joint_nm);
             hooks.read(p, samples, &mut beside_nm);
             hooks.add_winch_torque(p, samples, &carried, &mut beside_nm);
             slopes_nm.extend(at.iter().enumerate().map(|(j, i)| {

@@ -82,7 +82,8 @@ pub enum Starts {
     Shapes,
     /// From [`super::Effect::starts`], which are different forms: all of them are followed.
     Forms,
-    /// From lines in the residual's spectrum over position, with the sign of the motion if `by_direction`.
+    /// From lines in the residual's spectrum over position, with the sign of the motion if `by_direction`: each line in the place of the first
+    /// parameter of every one of [`super::Effect::starts`].
     PositionLines {
         /// Whether the effect changes sign with the direction.
         by_direction: bool,

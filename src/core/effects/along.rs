@@ -8,9 +8,9 @@ use crate::numerics::scalar::Scalar;
 /// [`Hooks`] at every one of `samples`; the other slices are as long.
 pub trait Along<S: Scalar>: Hooks<S> {
     /// Adds [`Hooks::joint_torque_nm`] to `torque_nm`.
-    fn add_joint_torque(&self, p: &[S], samples: &[Sample<'_, S::Given>], rigid_nm: &[S], torque_nm: &mut [S]) {
-        for ((sample, rigid_nm), nm) in samples.iter().zip(rigid_nm).zip(torque_nm) {
-            *nm += self.joint_torque_nm(p, sample, *rigid_nm);
+    fn add_joint_torque(&self, p: &[S], samples: &[Sample<'_, S::Given>], asked_nm: &[S], torque_nm: &mut [S]) {
+        for ((sample, asked_nm), nm) in samples.iter().zip(asked_nm).zip(torque_nm) {
+            *nm += self.joint_torque_nm(p, sample, *asked_nm);
         }
     }
 

@@ -72,8 +72,9 @@ pub trait Effect: Along<f64> + Along<Dual> + for<'t> Along<Expression<'t>> + Syn
 
 /// What an effect does at one sample. `p` holds its parameters in the order of [`super::About::parameters`].
 pub trait Hooks<S: Scalar>: Sync {
-    /// Added to gravity, inertia and a measured load, which come to `rigid_nm`, N m at the joint.
-    fn joint_torque_nm(&self, _p: &[S], _sample: &Sample<'_, S::Given>, _rigid_nm: S) -> S {
+    /// Added to gravity, inertia and a measured load, N m at the joint, where those ask `asked_nm`: without what effects add, whose order
+    /// does not matter.
+    fn joint_torque_nm(&self, _p: &[S], _sample: &Sample<'_, S::Given>, _asked_nm: S) -> S {
         S::from(0.0)
     }
 

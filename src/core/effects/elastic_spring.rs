@@ -79,7 +79,7 @@ impl Effect for ElasticSpring {
 }
 
 impl<S: Scalar> Hooks<S> for ElasticSpring {
-    fn joint_torque_nm(&self, p: &[S], sample: &Sample<'_, S::Given>, _rigid_nm: S) -> S {
+    fn joint_torque_nm(&self, p: &[S], sample: &Sample<'_, S::Given>, _asked_nm: S) -> S {
         let beyond = sample.own.position - p[4];
         sample.own.position * p[0] + p[1] + p[3] * (beyond * beyond.squared())
     }

@@ -59,7 +59,7 @@ impl Effect for EndStop {
 }
 
 impl<S: Scalar> Hooks<S> for EndStop {
-    fn joint_torque_nm(&self, p: &[S], sample: &Sample<'_, S::Given>, _rigid_nm: S) -> S {
+    fn joint_torque_nm(&self, p: &[S], sample: &Sample<'_, S::Given>, _asked_nm: S) -> S {
         let depth_rad = (sample.own.position - p[2]) * p[0];
         let pushed_nm = || {
             let direction = (sample.own.velocity / RESTING_RAD_S).tanh();

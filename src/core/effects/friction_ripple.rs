@@ -1,6 +1,6 @@
 //! Friction that varies periodically with position and changes sign with the direction.
 
-use super::ripple::{NUMBERS, parameters, repeats, ripple_nm, start};
+use super::ripple::{NUMBERS, parameters, repeats, ripple_nm};
 use super::{About, ActsOn, Carried, Effect, Excitation, Extent, Family, Hooks, Region, Sample, Starts};
 use crate::dynamics::Both;
 use crate::numerics::scalar::Scalar;
@@ -30,8 +30,8 @@ impl Effect for FrictionRipple {
         &ABOUT
     }
 
-    fn starts(&self, extent: &Extent) -> Vec<Vec<f64>> {
-        vec![start(extent, NUMBERS)]
+    fn starts(&self, _extent: &Extent) -> Vec<Vec<f64>> {
+        vec![vec![0.0; NUMBERS]]
     }
 
     fn is_itself(&self, p: &[f64], extent: &Extent) -> bool {

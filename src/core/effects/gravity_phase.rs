@@ -39,7 +39,7 @@ impl Effect for GravityPhase {
 }
 
 impl<S: Scalar> Hooks<S> for GravityPhase {
-    fn joint_torque_nm(&self, p: &[S], sample: &Sample<'_, S::Given>, _rigid_nm: S) -> S {
+    fn joint_torque_nm(&self, p: &[S], sample: &Sample<'_, S::Given>, _asked_nm: S) -> S {
         let (sin, cos) = sample.own.position.sin_cos();
         cos * p[0] + sin * ((p[1] * p[1] - p[0] * p[0]).max(S::from(0.0)).sqrt() - p[1])
     }

@@ -37,7 +37,7 @@ impl Effect for Inertia {
 }
 
 impl<S: Scalar> Hooks<S> for Inertia {
-    fn joint_torque_nm(&self, p: &[S], sample: &Sample<'_, S::Given>, _rigid_nm: S) -> S {
+    fn joint_torque_nm(&self, p: &[S], sample: &Sample<'_, S::Given>, _asked_nm: S) -> S {
         sample.own.acceleration * p[0]
     }
 }

@@ -8,11 +8,8 @@ const AT_JOINT: usize = 11;
 /// The number of the parameter that says which terms it has.
 const TERMS: usize = 12;
 
-/// Terms that one cause has together; which of its parameters they use.
-const CABLE: [usize; 3] = [1, 7, 8];
-const FRICTION: [usize; 2] = [2, 3];
-const BODIES: [usize; 5] = [4, 5, 6, 9, 10];
-const GROUPS: [&[usize]; 3] = [&CABLE, &FRICTION, &BODIES];
+/// Parameters whose terms one cause has together: a cable, friction, rigid bodies.
+const GROUPS: [&[usize]; 3] = [&[1, 7, 8], &[2, 3], &[4, 5, 6, 9, 10]];
 
 static ABOUT: About = About {
     id: "joint_coupling",
@@ -52,10 +49,14 @@ fn followed(joint: f64) -> Option<usize> {
     (joint as usize).checked_sub(1)
 }
 
-/// The only terms that it has; none where it has all.
-fn group(p: &[f64]) -> Option<&'static [usize]> {
-    let group = (p[TERMS].round() as usize).checked_sub(1)?;
-    GROUPS.get(group).copied()
+/// Whether it has the terms of group number `at`, for these `terms`.
+fn has(terms: f64, at: usize) -> bool {
+    let only = terms.round() as usize;
+    only == 0 || only == at + 1
+}
+
+fn is_at_joint<S: Scalar>(p: &[S]) -> bool {
+    p[AT_JOINT].value() > 0.5
 }
 
 #[derive(Debug)]
@@ -76,8 +77,8 @@ impl Effect for JointCoupling {
     }
 
     fn uses(&self, p: &[f64], at: usize) -> bool {
-        let is_choice = at == 0 || at >= AT_JOINT;
-        is_choice || group(p).is_none_or(|group| group.contains(&at))
+        let of = GROUPS.iter().position(|group| group.contains(&at));
+        of.is_none_or(|group| has(p[TERMS], group))
     }
 
     fn other_joint(&self, p: &[f64]) -> Option<usize> {
@@ -86,12 +87,12 @@ impl Effect for JointCoupling {
 }
 
 impl<S: Scalar> Hooks<S> for JointCoupling {
-    fn joint_torque_nm(&self, p: &[S], sample: &Sample<'_, S::Given>, _rigid_nm: S) -> S {
-        if p[AT_JOINT].value() > 0.5 { coupled_nm(p, sample) } else { S::from(0.0) }
+    fn joint_torque_nm(&self, p: &[S], sample: &Sample<'_, S::Given>, _asked_nm: S) -> S {
+        if is_at_joint(p) { coupled_nm(p, sample) } else { S::from(0.0) }
     }
 
     fn winch_torque_nm(&self, p: &[S], sample: &Sample<'_, S::Given>, _load_nm: S) -> S {
-        if p[AT_JOINT].value() > 0.5 { S::from(0.0) } else { coupled_nm(p, sample) }
+        if is_at_joint(p) { S::from(0.0) } else { coupled_nm(p, sample) }
     }
 }
 
@@ -100,20 +101,19 @@ fn coupled_nm<S: Scalar>(p: &[S], sample: &Sample<'_, S::Given>) -> S {
     let Some(other) = followed(p[0].value()).and_then(|joint| sample.others.get(joint)) else {
         return S::from(0.0);
     };
-    let q = sample.own.position;
-    let cable = || other.position * p[1] + other.position.squared() * p[7] + p[8];
-    let friction = || other.velocity * p[2] + (other.velocity / RESTING_RAD_S).tanh() * p[3];
-    let bodies = || {
+    let (q, terms, mut sum_nm) = (sample.own.position, p[TERMS].value(), S::from(0.0));
+    if has(terms, 0) {
+        sum_nm += other.position * p[1] + other.position.squared() * p[7] + p[8];
+    }
+    if has(terms, 1) {
+        sum_nm += other.velocity * p[2] + (other.velocity / RESTING_RAD_S).tanh() * p[3];
+    }
+    if has(terms, 2) {
         let squared = other.velocity.squared();
-        other.acceleration * p[4]
+        sum_nm += other.acceleration * p[4]
             + ((q + other.position).sin() - q.sin()) * p[5]
             + (q.cos() * other.acceleration + q.sin() * squared) * p[6]
-            + other.position.sin() * (squared * p[9] + sample.own.velocity * other.velocity * 2.0 * p[10])
-    };
-    match p[TERMS].value().round() as usize {
-        1 => cable(),
-        2 => friction(),
-        3 => bodies(),
-        _ => cable() + friction() + bodies(),
+            + other.position.sin() * (squared * p[9] + sample.own.velocity * other.velocity * 2.0 * p[10]);
     }
+    sum_nm
 }

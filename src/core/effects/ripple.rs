@@ -53,10 +53,3 @@ pub(super) fn ripple_nm<S: Scalar>(p: &[S], sample: &Sample<'_, S::Given>) -> (S
 pub(super) fn repeats(p: &[f64], extent: &Extent) -> bool {
     p[0] * (extent.position_rad.1 - extent.position_rad.0) >= PERIODS_MIN
 }
-
-/// The coarsest that repeats, of `numbers` parameters: the search puts the lines that it finds in the place of its wave number.
-pub(super) fn start(extent: &Extent, numbers: usize) -> Vec<f64> {
-    let mut start = vec![0.0; numbers];
-    start[0] = PERIODS_MIN / (extent.position_rad.1 - extent.position_rad.0);
-    start
-}

@@ -1,6 +1,6 @@
 //! Torque that varies periodically with position whatever the direction: cogging, an eccentric pulley.
 
-use super::ripple::{NUMBERS, parameters, repeats, ripple_nm, start};
+use super::ripple::{NUMBERS, parameters, repeats, ripple_nm};
 use super::{About, ActsOn, Effect, Excitation, Extent, Family, Hooks, Parameter, Region, Sample, Starts};
 use crate::numerics::scalar::Scalar;
 
@@ -21,8 +21,9 @@ static ABOUT: About = About {
     family: Family::Physics,
     acts_on: ActsOn::Load,
     means: "torque varies with position whatever the direction: cogging, an eccentric pulley",
-    formula: "sum over h of sin_h_nm sin(2 pi h periods_per_rad q) + cos_h_nm cos(...), + (sin_of_load sin + cos_of_load cos) of one period times the load; at the winch, or at the \
-              joint if at_joint, where the cable carries it and friction grows with it",
+    formula: "sum over h of sin_h_nm sin(2 pi h periods_per_rad q) + cos_h_nm cos(...), + (sin_of_load sin + cos_of_load cos) of one \
+              period times the load; at the winch, or at the joint if at_joint, where the cable carries it and friction grows with it, and \
+              the load is gravity, inertia and what was measured",
     source: "Tuttle and Seering 1996; cogging at 6 and 12 times the pole pairs",
     signature: Region::Position,
     trades_with: &["gravity_phase", "elastic_spring", "friction_ripple"],
@@ -41,8 +42,8 @@ impl Effect for TorqueRipple {
         &ABOUT
     }
 
-    fn starts(&self, extent: &Extent) -> Vec<Vec<f64>> {
-        let at_winch = start(extent, PARAMETERS.len());
+    fn starts(&self, _extent: &Extent) -> Vec<Vec<f64>> {
+        let at_winch = vec![0.0; PARAMETERS.len()];
         let mut at_joint = at_winch.clone();
         at_joint[AT_JOINT] = 1.0;
         vec![at_winch, at_joint]
@@ -64,8 +65,8 @@ fn of_load_nm<S: Scalar>(p: &[S], sample: &Sample<'_, S::Given>, load_nm: S) -> 
 }
 
 impl<S: Scalar> Hooks<S> for TorqueRipple {
-    fn joint_torque_nm(&self, p: &[S], sample: &Sample<'_, S::Given>, rigid_nm: S) -> S {
-        if is_at_joint(p) { of_load_nm(p, sample, rigid_nm) } else { S::from(0.0) }
+    fn joint_torque_nm(&self, p: &[S], sample: &Sample<'_, S::Given>, asked_nm: S) -> S {
+        if is_at_joint(p) { of_load_nm(p, sample, asked_nm) } else { S::from(0.0) }
     }
 
     fn winch_torque_nm(&self, p: &[S], sample: &Sample<'_, S::Given>, load_nm: S) -> S {

@@ -107,11 +107,12 @@ impl<'a> Window<'a> {
 
     /// Predicted less measured, both through the low-pass, in the judged samples, N m.
     pub fn residual_nm(&self, model: &Model, curve: &Combination, backlash_rad: f64) -> Vec<f64> {
-        let jumps = matches!(curve, Combination::Sign);
-        let moving = &self.trial.moving()[self.padded.clone()];
-        let k_tilde = self.states(curve, backlash_rad).zip(moving);
-        let k_tilde = k_tilde.map(|(state, moving)| if jumps { moving.k_tilde() } else { state.k_tilde });
-        let torque = k_tilde.zip(self.base_nm.iter().zip(&self.change_nm));
+        // As [`crate::model::Passage`] has it along a whole trial.
+        let k_tilde: Vec<f64> = match curve {
+            Combination::Sign => self.trial.moving()[self.padded.clone()].iter().map(|to| to.k_tilde()).collect(),
+            _ => self.states(curve, backlash_rad).map(|state| state.k_tilde).collect(),
+        };
+        let torque = k_tilde.into_iter().zip(self.base_nm.iter().zip(&self.change_nm));
         let torque: Vec<f64> =
             torque.map(|(k_tilde, (base, change))| model.balance_nm(*base, k_tilde * change, k_tilde)).collect();
         let filtered = self.trial.low_pass(&torque);

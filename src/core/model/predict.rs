@@ -120,11 +120,11 @@ impl<S: Evaluated> Model<S> {
         y_nm: &mut [S; N],
     ) {
         let (none, transmission) = (S::from(0.0), self.joint.transmission());
-        let (mut factor, mut rigid_nm) = ([S::from(1.0); N], [none; N]);
-        fill(&mut rigid_nm, |i| asked[i].torque_nm);
-        let mut joint_nm = rigid_nm;
+        let (mut factor, mut asked_nm) = ([S::from(1.0); N], [none; N]);
+        fill(&mut asked_nm, |i| asked[i].torque_nm);
+        let mut joint_nm = asked_nm;
         for e in &self.effects {
-            e.hooks().add_joint_torque(&e.parameters, samples, &rigid_nm, &mut joint_nm);
+            e.hooks().add_joint_torque(&e.parameters, samples, &asked_nm, &mut joint_nm);
             e.hooks().multiply_friction(&e.parameters, samples, &mut factor);
         }
         let mut carried = [Carried { load_nm: none, friction_nm: Both { up: none, down: none } }; N];
