@@ -489,9 +489,10 @@ fn a_coupling_acts_in_one_place_by_the_terms_that_it_uses() {
     let own = Motion { position: 0.4, velocity: 0.3, acceleration: 1.1 };
     let other = Motion { position: 0.7, velocity: -0.5, acceleration: 2.0 };
     let sample = Sample { time_s: 1.0, elapsed_s: 1.0, own, others: &[other] };
-    let plain = Added::parse("joint_coupling:joint=1").unwrap();
+    let mut plain = Added::parse("joint_coupling:joint=1,offset_nm=1").unwrap();
     let names = plain.named().map(|(parameter, _)| parameter.name).collect::<Vec<_>>();
     let at = |name: &str| names.iter().position(|other| *other == name).unwrap();
+    plain.parameters[at("offset_nm")] = 0.0;
     for (terms, at_joint) in [0.0, 1.0, 2.0, 3.0].into_iter().flat_map(|terms| [(terms, 0.0), (terms, 1.0)]) {
         for (strength, name) in names.iter().enumerate().filter(|(_, name)| name.contains('_') && **name != "at_joint")
         {

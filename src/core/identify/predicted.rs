@@ -5,7 +5,7 @@ use crate::effects::{Evaluated, Sample};
 use crate::model::{Asked, Direction, Model, Passage, Turn, directions, settle, turns};
 use crate::numerics::filter::LowPass;
 use crate::numerics::statistics::extent;
-use crate::prepare::{REST_S, Series, before_turns, rests};
+use crate::prepare::{Series, before_turns, rests};
 use std::ops::Range;
 
 /// Around a stretch of a trial, in periods of the low-pass: the filter run on the stretch alone has then forgotten its edges.
@@ -18,10 +18,8 @@ pub struct Prepared {
     pub series: Series,
     /// The campaign's low-pass, designed for the thinned rate; `None` if that rate cannot carry it.
     lowpass: Option<LowPass>,
-    /// Where the motion is cut into strokes: its extremes.
     reversals: Vec<(usize, Direction)>,
     strokes_rad: Vec<f64>,
-    /// Where friction that jumps changes over: where the joint leaves the other way, with the rest before.
     turns: Vec<Turn>,
     /// Direction of the motion at each sample.
     moving: Vec<Direction>,
@@ -102,14 +100,10 @@ impl Prepared {
         (self.series.torque_nm.iter().zip(&predicted).map(|(y, p)| y - p).collect(), known_from)
     }
 
-    /// Samples at which friction that jumps is not known: at rest and twice [`REST_S`] beside it, for the low-pass mixes those; and about a rest
-    /// before a turn, however short.
+    /// Samples at which friction that jumps is not known: at rest, and about a rest before a turn.
     pub fn undecided(&self) -> Vec<bool> {
         let Series { position_rad, rate_hz, deadband_rad, .. } = &self.series;
-        let rests = rests(position_rad, *rate_hz, *deadband_rad);
-        let beside = (2.0 * REST_S * rate_hz) as usize;
-        let is_beside = |i: usize| rests[i.saturating_sub(beside)..(i + beside).min(rests.len())].contains(&true);
-        let mut undecided: Vec<bool> = (0..rests.len()).map(is_beside).collect();
+        let mut undecided = rests(position_rad, *rate_hz, *deadband_rad);
         if let Some(lowpass) = &self.lowpass {
             let before_turn = before_turns(&self.turns, self.len(), lowpass);
             undecided.iter_mut().zip(before_turn).for_each(|(undecided, before)| *undecided |= before);
