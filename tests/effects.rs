@@ -326,16 +326,18 @@ fn a_ripple_at_the_joint_is_carried_by_the_cable() {
     let n = 20_000;
     let position = |i: usize| 0.6 - 0.4 * (std::f64::consts::TAU * i as f64 / n as f64).cos();
     let course = Course { position_rad: (0..=n).map(position).collect(), ..Course::default() };
-    let of = |place: &str| {
-        let text = format!("torque_ripple:periods_per_rad=5,sin_1_nm=0.1,cos_2_nm=0.05{place}");
-        difference_nm(Added::parse(&text).unwrap(), &course)
+    let of = |strengths: &str, place: &str| {
+        difference_nm(Added::parse(&format!("torque_ripple:periods_per_rad=5,{strengths}{place}")).unwrap(), &course)
     };
-    let (at_winch_nm, at_joint_nm) = (of(""), of(",at_joint=1"));
     let truth = truth();
-    for (at, direction) in [(n / 4, Direction::Up), (3 * n / 4, Direction::Down)] {
-        let expected = truth.joint.transmission() / truth.friction.of(direction).loss();
-        let ratio = at_joint_nm[at] / at_winch_nm[at];
-        assert!((ratio / expected - 1.0).abs() < 1e-9, "{direction:?}: {ratio} for {expected}");
+    // The load is one at the joint there, and one at the winch here: it passes to the winch already.
+    for (strengths, passes) in [("sin_1_nm=0.1,cos_2_nm=0.05", truth.joint.transmission()), ("sin_of_load=0.2", 1.0)] {
+        let (at_winch_nm, at_joint_nm) = (of(strengths, ""), of(strengths, ",at_joint=1"));
+        for (at, direction) in [(n / 5, Direction::Up), (3 * n / 5, Direction::Down)] {
+            let expected = passes / truth.friction.of(direction).loss();
+            let ratio = at_joint_nm[at] / at_winch_nm[at];
+            assert!((ratio / expected - 1.0).abs() < 1e-9, "{strengths} {direction:?}: {ratio} for {expected}");
+        }
     }
 }
 

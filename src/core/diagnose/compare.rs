@@ -11,20 +11,23 @@ use crate::numerics::statistics::standard_deviation;
 pub fn is_tie(best: &Fit, other: &Fit, start: f64) -> bool {
     let (floor_square, policy) = (best.mask.floor_square(), &best.mask.data.policy);
     let behind = other.score() - best.score();
-    let spared = best.moves.len().saturating_sub(other.moves.len()) as f64;
     if other.prior_penalty > best.prior_penalty + penalty_apart(best, other) {
         return false;
     }
     let uncertain = !leaves_more(best, other, policy.tie_errors);
-    behind <= negligible(policy, best.score() - floor_square, start - floor_square, floor_square, spared)
+    behind <= negligible(policy, best.score() - floor_square, start - floor_square, floor_square, spared(best, other))
         || (uncertain && behind <= policy.tie_gap_share_max * (start - floor_square).max(floor_square))
 }
 
 /// The excess of `other`'s prior penalty above which it is worse than `best`, squared standard deviations: more for each parameter fewer.
 pub fn penalty_apart(best: &Fit, other: &Fit) -> f64 {
     let policy = &best.mask.data.policy;
-    let spared = best.moves.len().saturating_sub(other.moves.len()) as f64;
-    policy.prior_penalty_apart + policy.prior_penalty_per_parameter * spared
+    policy.prior_penalty_apart + policy.prior_penalty_per_parameter * spared(best, other)
+}
+
+/// How many parameters fewer `other` has.
+fn spared(best: &Fit, other: &Fit) -> f64 {
+    best.moves.len().saturating_sub(other.moves.len()) as f64
 }
 
 /// Difference that does not count against a cause, (N m)^2, where the best leaves `left` of a gap of `whole`, squares above a floor of

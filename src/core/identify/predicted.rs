@@ -5,7 +5,7 @@ use crate::effects::{Evaluated, Sample};
 use crate::model::{Asked, Direction, Model, Passage, Turn, directions, settle, turns};
 use crate::numerics::filter::LowPass;
 use crate::numerics::statistics::extent;
-use crate::prepare::{Series, before_turns, rests};
+use crate::prepare::{REST_S, Series, before_turns, rests};
 use std::ops::Range;
 
 /// Around a stretch of a trial, in periods of the low-pass: the filter run on the stretch alone has then forgotten its edges.
@@ -18,8 +18,10 @@ pub struct Prepared {
     pub series: Series,
     /// The campaign's low-pass, designed for the thinned rate; `None` if that rate cannot carry it.
     lowpass: Option<LowPass>,
+    /// Where the motion is cut into strokes: its extremes.
     reversals: Vec<(usize, Direction)>,
     strokes_rad: Vec<f64>,
+    /// Where friction that jumps changes over: where the joint leaves the other way, with the rest before.
     turns: Vec<Turn>,
     /// Direction of the motion at each sample.
     moving: Vec<Direction>,
@@ -100,10 +102,17 @@ impl Prepared {
         (self.series.torque_nm.iter().zip(&predicted).map(|(y, p)| y - p).collect(), known_from)
     }
 
-    /// Samples at which friction that jumps is not known: at rest, and about a rest before a turn.
+    /// Samples at which friction that jumps is not known: at rest, about a rest before a turn, and within twice [`REST_S`] of any other rest, whose
+    /// edges are not still for as long and which the low-pass mixes with what is beside it.
     pub fn undecided(&self) -> Vec<bool> {
         let Series { position_rad, rate_hz, deadband_rad, .. } = &self.series;
         let mut undecided = rests(position_rad, *rate_hz, *deadband_rad);
+        let mut pauses = undecided.clone();
+        self.turns.iter().for_each(|turn| pauses[turn.rest.clone()].fill(false));
+        let beside = (2.0 * REST_S * rate_hz) as usize;
+        for (i, undecided) in undecided.iter_mut().enumerate() {
+            *undecided |= pauses[i.saturating_sub(beside)..(i + beside).min(pauses.len())].contains(&true);
+        }
         if let Some(lowpass) = &self.lowpass {
             let before_turn = before_turns(&self.turns, self.len(), lowpass);
             undecided.iter_mut().zip(before_turn).for_each(|(undecided, before)| *undecided |= before);
