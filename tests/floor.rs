@@ -86,15 +86,20 @@ fn what_a_coarse_encoder_leaves_of_a_true_model_is_floor_and_no_cause() {
     assert!(found.verdict.decisions.iter().any(|d| d.rule == "encoder" && d.value >= d.limit && d.limit > 0.0));
 }
 
-/// Noise slower than the low-pass, N m: it never comes twice the same, and no noise beyond the low-pass tells of it.
+/// Adds to each log noise slower than the low-pass, N m: it never comes twice the same, and no noise beyond the low-pass tells of it.
 fn with_slow_noise(folder: &std::path::Path, rms_nm: f64) {
+    let logs = std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path());
+    let mut logs: Vec<_> = logs.filter(|path| path.extension().is_some_and(|e| e == "csv")).collect();
+    logs.sort();
+    logs.iter().zip(1..).for_each(|(log, seed)| add_slow_noise(log, rms_nm, seed));
+}
+
+fn add_slow_noise(log: &std::path::Path, rms_nm: f64, seed: u64) {
     const KEPT: f64 = 0.97;
-    let log = std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path());
-    let log = log.into_iter().find(|path| path.extension().is_some_and(|e| e == "csv")).unwrap();
-    let text = std::fs::read_to_string(&log).unwrap();
+    let text = std::fs::read_to_string(log).unwrap();
     let (header, rows) = text.split_once('\n').unwrap();
     let torque = header.split(',').position(|name| name.contains("torque")).unwrap();
-    let (mut noise_nm, mut smooth_nm, mut state) = (0.0, 0.0, 1_u64);
+    let (mut noise_nm, mut smooth_nm, mut state) = (0.0, 0.0, seed);
     let noisy = |row: &str| {
         let mut cells: Vec<String> = row.split(',').map(str::to_string).collect();
         state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
@@ -105,19 +110,41 @@ fn with_slow_noise(folder: &std::path::Path, rms_nm: f64) {
         cells.join(",")
     };
     let rows: Vec<String> = rows.lines().map(noisy).collect();
-    std::fs::write(&log, format!("{header}\n{}\n", rows.join("\n"))).unwrap();
+    std::fs::write(log, format!("{header}\n{}\n", rows.join("\n"))).unwrap();
+}
+
+/// A plan of one motion, so often.
+fn to_and_fro(repeats: u32, torque_noise_nm: f64) -> Plan {
+    let segments = vec![Segment::Cosine { low_rad: 0.2, high_rad: 0.9, period_s: 3.1, periods: 20 }];
+    let own = Path { start_rad: 0.2, segments };
+    let (name, protocol) = ("to_and_fro".to_string(), Protocol::Cosine);
+    let cosine = Trajectory { name, protocol, repeats: Some(repeats), own, others: Vec::new() };
+    let sensors = Sensors { torque_noise_nm, encoder_counts: 0.0 };
+    Plan { speeds: 0, trajectories: vec![cosine], rate_hz: 100.0, sensors, seed: 5, ..plan() }
+}
+
+#[test]
+fn what_repeats_differ_by_beyond_noise_has_a_cause_that_no_model_of_the_motion_knows() {
+    let found = |slow_noise_nm: f64| {
+        let folder = record(&truth(), &to_and_fro(3, 0.01));
+        with_slow_noise(folder.path(), slow_noise_nm);
+        run(&Campaign::read(folder.path()).unwrap(), &truth(), &|_| ()).unwrap()
+    };
+    let factor = |found: &Diagnosis| found.gap.floor.differing.unwrap();
+    let (still, shaken) = (found(0.0), found(0.03));
+    assert_eq!([&still, &shaken].map(|found| found.gap.floor.source), [FloorSource::Repeats; 2]);
+    assert_eq!([&still, &shaken].map(|found| found.verdict.kind), [Kind::None, Kind::Unknown]);
+    assert!((0.7..1.4).contains(&factor(&still)) && factor(&shaken) > 4.0, "{} {}", factor(&still), factor(&shaken));
+    assert!(still.verdict.differing().is_none() && shaken.verdict.differing() == Some(factor(&shaken)));
+    assert!(shaken.verdict.effects.is_empty(), "{:?}", shaken.verdict.effects);
+    let decisions = &still.verdict.decisions;
+    assert!(decisions.iter().any(|decision| decision.rule == "repeats" && decision.value < decision.limit));
 }
 
 #[test]
 fn what_no_fit_finds_again_is_noise_where_no_motion_was_repeated() {
-    let segments = vec![Segment::Cosine { low_rad: 0.2, high_rad: 0.9, period_s: 3.1, periods: 20 }];
-    let own = Path { start_rad: 0.2, segments };
-    let free =
-        Trajectory { name: "free".to_string(), protocol: Protocol::Free, repeats: Some(1), own, others: Vec::new() };
-    let sensors = Sensors { torque_noise_nm: 0.002, encoder_counts: 0.0 };
-    let wanted = Plan { speeds: 0, trajectories: vec![free], rate_hz: 100.0, sensors, seed: 5, ..plan() };
     let found = |joint: &Model| {
-        let folder = record(joint, &wanted);
+        let folder = record(joint, &to_and_fro(1, 0.002));
         with_slow_noise(folder.path(), 0.03);
         run(&Campaign::read(folder.path()).unwrap(), &truth(), &|_| ()).unwrap()
     };

@@ -42,6 +42,9 @@ pub struct Floor {
     pub source: FloorSource,
     /// Standard error of the floor's square as a share of it.
     pub relative_error: f64,
+    /// By what factor, RMS, repeats of one motion differ by more than the noise beyond the low-pass and the encoder would make them; nothing
+    /// where there are no repeats, or no such noise is recorded.
+    pub differing: Option<f64>,
 }
 
 impl Floor {
@@ -57,7 +60,8 @@ impl Floor {
 
     /// A floor of noise alone.
     pub(super) fn of_noise(rms_nm: f64, source: FloorSource, relative_error: f64) -> Self {
-        Self { rms_nm, quick_nm: rms_nm, encoder_nm: 0.0, encoder_simulated_nm: 0.0, source, relative_error }
+        let (quick_nm, encoder_nm, encoder_simulated_nm, differing) = (rms_nm, 0.0, 0.0, None);
+        Self { rms_nm, quick_nm, encoder_nm, encoder_simulated_nm, source, relative_error, differing }
     }
 
     /// The floor of noise alone, its square raised by that of the encoder, (N m)^2, both limited to `most_square`: no floor is above the
@@ -114,25 +118,31 @@ pub fn of_noise(mask: &Mask<'_>, residual_nm: &[f64], most_square: f64) -> Floor
         let relative_error = chance.hypot(data.policy.floor_repeats_error);
         return Floor::of_noise(rms_nm, FloorSource::Repeats, relative_error);
     }
-    let usual = |of: fn(&SpectralFloor) -> f64| {
-        let floors = data.records.all.iter().map(|record| of(&record.spectral_floor)).filter(|floor| floor.is_finite());
-        Some(quantile(&mut floors.collect::<Vec<f64>>(), 0.5)).filter(|rms_nm| rms_nm.is_finite()).unwrap_or_default()
-    };
-    let (carried_nm, white_nm) = (usual(|floor| floor.carried_nm), usual(|floor| floor.white_nm));
+    let [carried_nm, white_nm] =
+        [usual_spectral(mask, |floor| floor.carried_nm), usual_spectral(mask, |floor| floor.white_nm)];
     let most_nm = most_square.min(steady_square).sqrt();
     let rms_nm =
         if carried_nm <= data.policy.floor_coloured_max * most_nm { carried_nm } else { white_nm }.min(most_nm);
     Floor::of_noise(rms_nm, FloorSource::Spectrum, data.policy.floor_spectrum_error)
 }
 
-/// Mean square of the residual that the encoder alone causes on a joint exactly like `model`, (N m)^2, without the part that differs
-/// between repeats: it repeats with the motion.
-fn of_encoder(mask: &Mask<'_>, model: &Model) -> f64 {
-    let Some(again) = mask.again() else { return 0.0 };
+/// What the recordings usually have `of` their spectral floor, N m; 0 where none has any.
+fn usual_spectral(mask: &Mask<'_>, of: fn(&SpectralFloor) -> f64) -> f64 {
+    let records = mask.data.records.all.iter();
+    let mut floors: Vec<f64> =
+        records.map(|record| of(&record.spectral_floor)).filter(|floor| floor.is_finite()).collect();
+    Some(quantile(&mut floors, 0.5)).filter(|rms_nm| rms_nm.is_finite()).unwrap_or_default()
+}
+
+/// Mean square of the residual that the encoder alone causes on a joint exactly like `model`, (N m)^2: of its part that repeats with the motion,
+/// and of the one that differs between repeats.
+fn of_encoder(mask: &Mask<'_>, model: &Model) -> (f64, f64) {
+    let Some(again) = mask.again() else { return (0.0, 0.0) };
     let encoder_nm = mask.data.encoder_nm(model);
     let counted: Vec<f64> = (0..encoder_nm.len()).filter(|i| mask.counts(*i)).map(|i| encoder_nm[i]).collect();
     let in_repeats = usual_square(&Differences::of(&again, &encoder_nm, BLOCK)).unwrap_or_default();
-    if counted.is_empty() { 0.0 } else { (root_mean_square(&counted).powi(2) - in_repeats).max(0.0) }
+    let whole = if counted.is_empty() { 0.0 } else { root_mean_square(&counted).powi(2) };
+    ((whole - in_repeats).max(0.0), in_repeats)
 }
 
 /// Mean square of what one of two repeats has, by the median over blocks of their differences, (N m)^2; nothing of few blocks.
@@ -154,7 +164,7 @@ pub fn settled(
     is_bare: bool,
 ) -> Floor {
     let (data, policy) = (mask.data, &mask.data.policy);
-    let encoder_square = of_encoder(mask, after);
+    let (encoder_square, encoder_differing_square) = of_encoder(mask, after);
     let unpredicted_square = (unforeseen_square - encoder_square).max(0.0);
     let steady_square = most_steady_square(mask, left_nm);
     let noise_square = unpredicted_square.min(steady_square);
@@ -179,6 +189,9 @@ pub fn settled(
             left_square,
         );
     }
+    let beyond_nm = usual_spectral(mask, |floor| floor.carried_nm);
+    let differing = fast.rms_nm / beyond_nm.hypot(encoder_differing_square.sqrt());
+    let differing = (fast.source == FloorSource::Repeats && beyond_nm > 0.0).then_some(differing);
     let slower = Differences::of(mask, left_nm, BLOCK_LATER);
     let blocks = slower.blocks();
     let whole_square = match blocks.len() >= BLOCKS_MIN {
@@ -187,7 +200,8 @@ pub fn settled(
     };
     let rms_nm = whole_square.min(steady_square).sqrt().min(policy.floor_rise_max * fast.rms_nm).max(fast.rms_nm);
     let rise = (rms_nm / fast.rms_nm.max(f64::MIN_POSITIVE)).powi(2) - 1.0;
-    let settled = Floor { rms_nm, relative_error: fast.relative_error.hypot(policy.floor_rise_error * rise), ..fast };
+    let relative_error = fast.relative_error.hypot(policy.floor_rise_error * rise);
+    let settled = Floor { rms_nm, relative_error, differing, ..fast };
     settled.with_encoder(policy, encoder_square, left_square)
 }
 
@@ -305,7 +319,7 @@ mod tests {
         let of = |left_square, unforeseen_square, is_bare| of_left(&white, left_square, unforeseen_square, is_bare);
         let without_encoder = |floor: Floor| (floor.rms_nm.powi(2) - floor.encoder_nm.powi(2)).sqrt();
         let (fast_nm, encoder_square) =
-            (of_noise(&all(&data), &white, f64::MAX).rms_nm, of_encoder(&all(&data), &model));
+            (of_noise(&all(&data), &white, f64::MAX).rms_nm, of_encoder(&all(&data), &model).0);
         let [less, weak, strong] = [0.8, 1.5, 10.0].map(|factor: f64| (factor * fast_nm).powi(2) + encoder_square);
         let (limit, rise) = (data.policy.floor_coloured_max, data.policy.floor_rise_max);
         let near = |floor: Floor, factor: f64| (without_encoder(floor) / fast_nm - factor).abs() < 1e-6;

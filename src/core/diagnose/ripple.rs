@@ -6,7 +6,7 @@ use std::f64::consts::TAU;
 use std::ops::Range;
 
 /// Fewest and most periods within the range of positions that are looked for.
-const PERIODS: (f64, f64) = (1.5, 150.0);
+const PERIODS: (f64, f64) = (1.2, 150.0);
 /// Wave numbers are tried at this share of a period over the range: a line is two thirds of a period wide at half its height.
 const SPACING: f64 = 0.3;
 /// At most this many rows are used: lines are found on few.

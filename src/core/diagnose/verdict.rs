@@ -18,6 +18,8 @@ const CLEAR: &str = "clear";
 const UNNAMED: &str = "causes do not name the gap";
 /// The subject of the rule about the first of several causes.
 const FIRST: &str = "first cause";
+/// What the rule says of repeats that noise would not make differ so much.
+const NOT_NOISE: &str = "no noise";
 /// Most of the resamples: so many must agree on the causes of a weak gap.
 const MOST: f64 = 0.5;
 
@@ -51,6 +53,12 @@ impl Verdict {
     pub fn is_disputed(&self) -> bool {
         self.decisions.iter().any(|decision| decision.subject == FIRST && decision.outcome == UNNAMED)
     }
+
+    /// Whether nothing that repeats with the motion is left, but repeats differ by more than noise, and by what factor.
+    pub fn differing(&self) -> Option<f64> {
+        let decides = |decision: &&Decision| decision.rule == "repeats" && decision.outcome == NOT_NOISE;
+        self.decisions.iter().find(decides).map(|decision| decision.value)
+    }
 }
 
 /// What the verdict is drawn from: squares left in each unit over its rows.
@@ -73,6 +81,8 @@ pub struct Evidence<'e> {
     pub floor_square: f64,
     /// That of its fast part alone, by which an open remainder is judged, so that slow noise does not hide a cause.
     pub quick_square: f64,
+    /// By what factor repeats differ by more than noise would make them, where that is known.
+    pub differing: Option<f64>,
     /// Mean square that the model left of the recordings that it was identified from, (N m)^2; 0 where that is not known.
     pub own_square: f64,
     /// Oscillations of the remainder.
@@ -209,6 +219,12 @@ pub fn verdict(choice: &Choice<'_>, evidence: &Evidence<'_>) -> Verdict {
         }
         decisions.push(first);
     }
+    if kind == Kind::None
+        && let Some(repeats) = repeats(policy, evidence.differing)
+    {
+        kind = if repeats.outcome == NOT_NOISE { Kind::Unknown } else { kind };
+        decisions.push(repeats);
+    }
     let form = match kind {
         Kind::None | Kind::Unknown => None,
         _ if is_open => Some(Form::Approximate),
@@ -251,6 +267,13 @@ fn on_first_cause(policy: &Policy, on_first: f64) -> Decision {
     let limit = policy.first_agreement;
     let outcome = if on_first < limit { UNNAMED } else { "causes named" };
     Decision { rule: "agreement", subject: FIRST, value: on_first, limit, outcome }
+}
+
+/// Whether repeats that differ by this factor, RMS, more than noise would make them differ by noise all the same: it need not be white.
+fn repeats(policy: &Policy, differing: Option<f64>) -> Option<Decision> {
+    let (value, limit) = (differing?, policy.floor_coloured_max);
+    let outcome = if value > limit { NOT_NOISE } else { "noise" };
+    Some(Decision { rule: "repeats", subject: "remainder", value, limit, outcome })
 }
 
 fn kind_of(cause: Cause) -> Kind {

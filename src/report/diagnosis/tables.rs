@@ -69,6 +69,7 @@ pub fn decisions_table(found: &Diagnosis) -> Option<Table> {
          whether most trials or cycles improve; \"prior penalty\" is how far a first cause that the base imitates lowers the sum of the base's squared \
          moves, in standard deviations; \"distinct\" is the share of the reduction that no other cause gives, which a weak cause \
          must have; \"oscillation\" is the power of a line in the spectrum of the remainder over that of its neighbourhood; \
+         \"repeats\" is what repeats of one motion differ by, over what the noise beyond the low-pass and the encoder would make them differ by; \
          \"form\", \"open\" and \"named\" compare the remainder, N m RMS above the floor; \"clear\" compares the gap with \
          the floor and the remainder with the gap, N m RMS (it selects the simulated verdicts that the probability is taken from, and which \
          causes need agreement); \"agreement\" is the share of the resamples that agree on the causes of a weak gap, or on the first of several that \

@@ -229,6 +229,14 @@ fn ambiguous(found: &Diagnosis) -> String {
 
 fn unknown(found: &Diagnosis, units: &Units) -> String {
     let (verdict, gap) = (&found.verdict, &found.gap);
+    if let Some(factor) = verdict.differing() {
+        return format!(
+            "Nothing that repeats with the motion is left, but repeats of one motion differ by {} RMS each, {} times as much as the noise beyond the \
+             low-pass would make them: something acts that no model of the motion describes, such as stick-slip, a rumble or a torque from outside.",
+            units.torque(gap.floor.quick_nm),
+            significant(factor, 2)
+        );
+    }
     let shrink = percent(flexible_shrink(found));
     let nature = match gap.recoverable_nm > FOLLOWS * gap.explainable_nm {
         true => format!("A flexible fit shrinks it by {shrink}, so it depends on the recorded motion"),
