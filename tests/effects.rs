@@ -330,7 +330,7 @@ fn a_ripple_at_the_joint_is_carried_by_the_cable() {
         difference_nm(Added::parse(&format!("torque_ripple:periods_per_rad=5,{strengths}{place}")).unwrap(), &course)
     };
     let truth = truth();
-    // The load is one at the joint there, and one at the winch here: it passes to the winch already.
+    // `sin_1_nm` is a torque at the joint then; `sin_of_load` scales the load, which at the winch has passed the transmission already.
     for (strengths, passes) in [("sin_1_nm=0.1,cos_2_nm=0.05", truth.joint.transmission()), ("sin_of_load=0.2", 1.0)] {
         let (at_winch_nm, at_joint_nm) = (of(strengths, ""), of(strengths, ",at_joint=1"));
         for (at, direction) in [(n / 5, Direction::Up), (3 * n / 5, Direction::Down)] {

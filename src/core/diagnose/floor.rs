@@ -135,14 +135,14 @@ fn usual_spectral(mask: &Mask<'_>, of: fn(&SpectralFloor) -> f64) -> f64 {
 }
 
 /// Mean square of the residual that the encoder alone causes on a joint exactly like `model`, (N m)^2: of its part that repeats with the motion,
-/// and of the one that differs between repeats.
-fn of_encoder(mask: &Mask<'_>, model: &Model) -> (f64, f64) {
-    let Some(again) = mask.again() else { return (0.0, 0.0) };
+/// and of the one that differs between repeats; nothing where that is not known.
+fn of_encoder(mask: &Mask<'_>, model: &Model) -> (f64, Option<f64>) {
+    let Some(again) = mask.again() else { return (0.0, None) };
     let encoder_nm = mask.data.encoder_nm(model);
     let counted: Vec<f64> = (0..encoder_nm.len()).filter(|i| mask.counts(*i)).map(|i| encoder_nm[i]).collect();
-    let in_repeats = usual_square(&Differences::of(&again, &encoder_nm, BLOCK)).unwrap_or_default();
+    let in_repeats = usual_square(&Differences::of(&again, &encoder_nm, BLOCK));
     let whole = if counted.is_empty() { 0.0 } else { root_mean_square(&counted).powi(2) };
-    ((whole - in_repeats).max(0.0), in_repeats)
+    ((whole - in_repeats.unwrap_or_default()).max(0.0), in_repeats)
 }
 
 /// Mean square of what one of two repeats has, by the median over blocks of their differences, (N m)^2; nothing of few blocks.
@@ -189,9 +189,10 @@ pub fn settled(
             left_square,
         );
     }
-    let beyond_nm = usual_spectral(mask, |floor| floor.carried_nm);
-    let differing = fast.rms_nm / beyond_nm.hypot(encoder_differing_square.sqrt());
-    let differing = (fast.source == FloorSource::Repeats && beyond_nm > 0.0).then_some(differing);
+    let beyond_nm = usual_spectral(mask, |floor| floor.carried_nm.max(floor.next_nm));
+    let differing = encoder_differing_square
+        .filter(|_| fast.source == FloorSource::Repeats && beyond_nm > 0.0)
+        .map(|encoder| fast.rms_nm / beyond_nm.hypot(encoder.sqrt()));
     let slower = Differences::of(mask, left_nm, BLOCK_LATER);
     let blocks = slower.blocks();
     let whole_square = match blocks.len() >= BLOCKS_MIN {

@@ -252,7 +252,7 @@ pub fn run_by(campaign: &Campaign, model: &Model, policy: &Policy, listener: Lis
     let opening = Opening::of(&data, &model, listener);
     let ceiling = Ceiling::of(&opening);
     let mut found = explained(opening, (campaign, &model), listener);
-    if found.verdict.kind == Kind::Unknown {
+    if found.verdict.kind == Kind::Unknown && found.verdict.tells_of_a_gap() {
         on_cycles::look_again(&mut found, &ceiling, &data, (campaign, &model), listener);
     }
     found.warnings.splice(..0, warnings);
@@ -299,7 +299,7 @@ fn explained<'d>(
         candidates: account.candidates(),
         contacts: account.contacts(),
         views: account.views(),
-        after: if verdict.kind == Kind::None { model.clone() } else { explanation.after.clone() },
+        after: if verdict.tells_of_a_gap() { explanation.after.clone() } else { model.clone() },
         before: model.clone(),
         verdict,
         held_out: data.folds.held_out(),

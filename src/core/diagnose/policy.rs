@@ -138,8 +138,9 @@ pub struct Policy {
     pub floor_rise_max: f64,
     /// Factor, RMS: noise that is not white may differ from the density carried on from beyond the low-pass by this: without repeats, what causes
     /// leave counts as such noise up to there if a flexible fit predicts none of it, and all of what is left if the density would make it larger.
-    /// Noise is no louder than this times what is left at the speeds where that is quietest. Where nothing is named, what repeats differ by
-    /// beyond this times that density and what the encoder makes them differ by is no noise: the gap is unknown.
+    /// Noise is no louder than this times what is left at the speeds where that is quietest. Where nothing is named, repeats that
+    /// differ by more than this times what that density (at least that next to the low-pass) and the encoder would give do not differ by noise: the
+    /// verdict is `unknown`.
     pub floor_coloured_max: f64,
     /// Factor, RMS: noise is no louder than this times what is left in the third of the motion cycles that is quietest (of simulated campaigns in
     /// which nothing is wrong 98 of 100 are within 1.44).

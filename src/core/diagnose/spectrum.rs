@@ -26,6 +26,9 @@ pub struct SpectralFloor {
     pub carried_nm: f64,
     /// Its lowest part as white noise.
     pub white_nm: f64,
+    /// The part next to the low-pass as white noise: of a torque that was filtered before it was recorded the density falls too steeply to be
+    /// carried on.
+    pub next_nm: f64,
 }
 
 /// The noise of `trial` beyond the low-pass, carried on below.
@@ -40,7 +43,11 @@ pub fn spectral(trial: &Trial, predicted_nm: &[f64], signal: &Signal) -> Spectra
     let raw_nm = &trial.log.torque_nm;
     let left_nm: Vec<f64> = raw_nm.iter().zip(predicted_nm).map(|(y, predicted)| y - predicted).collect();
     let [raw, left] = [raw_nm, &left_nm].map(|series_nm| carried_below(series_nm, trial.log.rate_hz, signal));
-    SpectralFloor { carried_nm: raw.carried_nm.min(left.carried_nm), white_nm: raw.white_nm.min(left.white_nm) }
+    SpectralFloor {
+        carried_nm: raw.carried_nm.min(left.carried_nm),
+        white_nm: raw.white_nm.min(left.white_nm),
+        next_nm: raw.next_nm.min(left.next_nm),
+    }
 }
 
 /// The noise in `series_nm` beyond the low-pass, carried on below.
@@ -51,7 +58,7 @@ fn carried_below(series_nm: &[f64], rate_hz: f64, signal: &Signal) -> SpectralFl
     let levels: Option<Vec<Vec<f64>>> =
         edges.iter().map(|edge_hz| Some(LowPass::new(order, *edge_hz, rate_hz)?.zero_phase(series_nm))).collect();
     let Some(mut levels) = levels.filter(|levels| !levels.is_empty()) else {
-        return SpectralFloor { carried_nm: f64::NAN, white_nm: f64::NAN };
+        return SpectralFloor { carried_nm: f64::NAN, white_nm: f64::NAN, next_nm: f64::NAN };
     };
     levels.push(series_nm.to_vec());
     let stretch = ((STRETCH_S * rate_hz) as usize).max(8);
@@ -96,8 +103,12 @@ fn carried_below(series_nm: &[f64], rate_hz: f64, signal: &Signal) -> SpectralFl
     };
     let best = (0..CORNERS).map(fit).min_by(|a, b| a.0.total_cmp(&b.0));
     let (levels, power) = process(0.0);
-    let lowest = levels.into_iter().fold(f64::INFINITY, f64::min);
-    SpectralFloor { carried_nm: best.map_or(f64::NAN, |(_, rms_nm)| rms_nm), white_nm: (lowest * power).sqrt() }
+    let (next, lowest) = (levels[0], levels.iter().copied().fold(f64::INFINITY, f64::min));
+    SpectralFloor {
+        carried_nm: best.map_or(f64::NAN, |(_, rms_nm)| rms_nm),
+        white_nm: (lowest * power).sqrt(),
+        next_nm: (next * power).sqrt(),
+    }
 }
 
 /// Share of an amplitude at `hz` that passes a zero-phase Butterworth low-pass, as the bilinear transform has it.

@@ -54,10 +54,15 @@ impl Verdict {
         self.decisions.iter().any(|decision| decision.subject == FIRST && decision.outcome == UNNAMED)
     }
 
-    /// Whether nothing that repeats with the motion is left, but repeats differ by more than noise, and by what factor.
+    /// Whether no gap is named or placed, but repeats of one motion differ by more than noise, and by what factor.
     pub fn differing(&self) -> Option<f64> {
         let decides = |decision: &&Decision| decision.rule == "repeats" && decision.outcome == NOT_NOISE;
         self.decisions.iter().find(decides).map(|decision| decision.value)
+    }
+
+    /// Whether it speaks of a gap between the model and what repeats with the motion.
+    pub fn tells_of_a_gap(&self) -> bool {
+        self.kind != Kind::None && self.differing().is_none()
     }
 }
 
@@ -222,7 +227,10 @@ pub fn verdict(choice: &Choice<'_>, evidence: &Evidence<'_>) -> Verdict {
     if kind == Kind::None
         && let Some(repeats) = repeats(policy, evidence.differing)
     {
-        kind = if repeats.outcome == NOT_NOISE { Kind::Unknown } else { kind };
+        if repeats.outcome == NOT_NOISE {
+            // The resamples are of units, whatever repeats differ by.
+            (kind, agreement) = (Kind::Unknown, 1.0);
+        }
         decisions.push(repeats);
     }
     let form = match kind {
@@ -269,7 +277,7 @@ fn on_first_cause(policy: &Policy, on_first: f64) -> Decision {
     Decision { rule: "agreement", subject: FIRST, value: on_first, limit, outcome }
 }
 
-/// Whether repeats that differ by this factor, RMS, more than noise would make them differ by noise all the same: it need not be white.
+/// Whether repeats differ by noise where they do by `differing` times, RMS, what that beyond the low-pass tells: it need not be white.
 fn repeats(policy: &Policy, differing: Option<f64>) -> Option<Decision> {
     let (value, limit) = (differing?, policy.floor_coloured_max);
     let outcome = if value > limit { NOT_NOISE } else { "noise" };

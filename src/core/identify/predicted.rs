@@ -108,10 +108,14 @@ impl Prepared {
         let Series { position_rad, rate_hz, deadband_rad, .. } = &self.series;
         let mut undecided = rests(position_rad, *rate_hz, *deadband_rad);
         let mut pauses = undecided.clone();
-        self.turns.iter().for_each(|turn| pauses[turn.rest.clone()].fill(false));
+        for Turn { rest, .. } in &self.turns {
+            let before = pauses[..rest.start].iter().rev().take_while(|rests| **rests).count();
+            let after = pauses[rest.end..].iter().take_while(|rests| **rests).count();
+            pauses[rest.start - before..rest.end + after].fill(false);
+        }
         let beside = (2.0 * REST_S * rate_hz) as usize;
         for (i, undecided) in undecided.iter_mut().enumerate() {
-            *undecided |= pauses[i.saturating_sub(beside)..(i + beside).min(pauses.len())].contains(&true);
+            *undecided |= pauses[i.saturating_sub(beside)..(i + beside + 1).min(pauses.len())].contains(&true);
         }
         if let Some(lowpass) = &self.lowpass {
             let before_turn = before_turns(&self.turns, self.len(), lowpass);

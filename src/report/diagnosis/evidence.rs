@@ -29,7 +29,7 @@ pub fn evidence(found: &Diagnosis) -> Vec<String> {
     )];
     all.extend(encoder_part(&gap.floor, units));
     all.extend(own_confidence(found));
-    if found.verdict.kind != Kind::None {
+    if found.verdict.tells_of_a_gap() {
         all.extend(found.places.first().map(|_| format!("Where the gap lies: {}.", location(found))));
     }
     let (sure, agree) = (percent(found.verdict.confidence), percent(found.verdict.agreement));

@@ -139,10 +139,10 @@ fn ambiguous(found: &Diagnosis) -> String {
 fn unknown(found: &Diagnosis) -> Vec<String> {
     if found.verdict.differing().is_some() {
         return vec![
-            "Look at what repeats of one motion differ by, over time and over position: at which speeds it is loud tells stick-slip from a rumble \
-             and from a torque that comes at any time."
+            "Compare the residuals of repeats: the speeds at which they differ most tell stick-slip from a rumble and from a torque that comes at \
+             any time."
                 .to_string(),
-            "Record the joint at rest, too: what differs there as well is no friction.".to_string(),
+            "Record the joint at rest, too: what differs there as well is not friction.".to_string(),
         ];
     }
     let at = found.places.first().map_or("time".to_string(), bounds);

@@ -84,7 +84,7 @@ fn cards(found: &Diagnosis) -> Vec<Card> {
             ),
         ),
     ];
-    if verdict.kind != Kind::None && verdict.gap_before_nm > 0.0 {
+    if verdict.tells_of_a_gap() && verdict.gap_before_nm > 0.0 {
         let own = added(None, found).map_or_else(String::new, |share| {
             format!(
                 "; {} of the gap could also be due to the model's own parameters, within their confidence",

@@ -3,7 +3,7 @@
 use super::names::{Role, bounds, formula, means};
 use super::parameters::{Shown, shown};
 use super::words::{percent, shrink, taken};
-use crate::diagnose::{Candidate, Decision, Diagnosis, Kind};
+use crate::diagnose::{Candidate, Decision, Diagnosis};
 use crate::report::number::significant;
 use crate::report::page::{Block, Cell, Table};
 use crate::report::plots::diagnosis::budget::added;
@@ -69,7 +69,7 @@ pub fn decisions_table(found: &Diagnosis) -> Option<Table> {
          whether most trials or cycles improve; \"prior penalty\" is how far a first cause that the base imitates lowers the sum of the base's squared \
          moves, in standard deviations; \"distinct\" is the share of the reduction that no other cause gives, which a weak cause \
          must have; \"oscillation\" is the power of a line in the spectrum of the remainder over that of its neighbourhood; \
-         \"repeats\" is what repeats of one motion differ by, over what the noise beyond the low-pass and the encoder would make them differ by; \
+         \"repeats\" is what repeats of one motion differ by, over what the noise beyond the low-pass and the encoder would give; \
          \"form\", \"open\" and \"named\" compare the remainder, N m RMS above the floor; \"clear\" compares the gap with \
          the floor and the remainder with the gap, N m RMS (it selects the simulated verdicts that the probability is taken from, and which \
          causes need agreement); \"agreement\" is the share of the resamples that agree on the causes of a weak gap, or on the first of several that \
@@ -116,7 +116,7 @@ pub fn places_table(found: &Diagnosis) -> Option<Table> {
     let row = |at: &crate::diagnose::Place| {
         vec![bounds(at), percent(at.share_of_gap), percent(at.share_of_samples), units.torque(at.rmse_nm)]
     };
-    let places = if found.verdict.kind == Kind::None { &[][..] } else { &found.places };
+    let places = if found.verdict.tells_of_a_gap() { &found.places[..] } else { &[] };
     table(
         "The share of the gap's mean square that a function of each quantity alone accounts for, and the narrowest range that holds most of \
          the gap. The quantities are correlated, so the shares do not add up to 100 %.",

@@ -4,7 +4,7 @@ use super::names::{Role, bounds, floor_source};
 use super::next::next_steps;
 use super::parameters::{Shown, shown};
 use super::words::{flexible_shrink, kept_together, percent, shrink, taken, verdict};
-use crate::diagnose::{Diagnosis, Kind};
+use crate::diagnose::Diagnosis;
 use crate::report::number::counted;
 use crate::report::plots::diagnosis::budget::{self, added};
 use crate::report::terminal::{BOLD, DIM, heading, picture, wrapped, write_warnings};
@@ -33,7 +33,7 @@ pub fn write_summary(out: &mut impl Write, found: &Diagnosis, campaign: &str, wr
     writeln!(out, "{BOLD}{name}{BOLD:#}  {DIM}diagnosed on {trials} of campaign {campaign}{DIM:#}")?;
     writeln!(out, "\n  {}", wrapped(&verdict(found), 2))?;
     gap(out, found)?;
-    if found.verdict.kind != Kind::None {
+    if found.verdict.tells_of_a_gap() {
         picture(out, &budget::figure(found))?;
     }
     places(out, found)?;
@@ -53,10 +53,10 @@ fn gap(out: &mut impl Write, found: &Diagnosis) -> io::Result<()> {
         writeln!(out, "  {name:<24} {:>12}  {DIM}{}{DIM:#}", units.torque(value_nm), wrapped(&note, NOTE))
     };
     row("as delivered", verdict.gap_before_nm, format!("RMSE {}", units.torque(gap.rmse_nm)))?;
-    if verdict.kind != Kind::None {
+    if verdict.tells_of_a_gap() {
         row("with the causes found", verdict.gap_after_nm, format!("shrinks by {}", shrink(verdict.shrink)))?;
     }
-    if verdict.kind != Kind::None {
+    if verdict.tells_of_a_gap() {
         let flexible = flexible_shrink(found);
         let note = format!("shrinks by {}: without any named cause", percent(flexible));
         row("with a flexible fit", verdict.gap_before_nm * (1.0 - flexible), note)?;
@@ -81,7 +81,7 @@ fn motion(out: &mut impl Write, found: &Diagnosis) -> io::Result<()> {
 
 fn places(out: &mut impl Write, found: &Diagnosis) -> io::Result<()> {
     let units = Units::of(&found.before.joint);
-    if found.places.is_empty() || found.verdict.kind == Kind::None {
+    if found.places.is_empty() || !found.verdict.tells_of_a_gap() {
         return Ok(());
     }
     heading(out, "What the gap depends on: share of its mean square (quantities are correlated)")?;

@@ -231,10 +231,12 @@ fn unknown(found: &Diagnosis, units: &Units) -> String {
     let (verdict, gap) = (&found.verdict, &found.gap);
     if let Some(factor) = verdict.differing() {
         return format!(
-            "Nothing that repeats with the motion is left, but repeats of one motion differ by {} RMS each, {} times as much as the noise beyond the \
-             low-pass would make them: something acts that no model of the motion describes, such as stick-slip, a rumble or a torque from outside.",
-            units.torque(gap.floor.quick_nm),
-            significant(factor, 2)
+            "No gap that repeats with the motion is named, but repeats of one motion differ by {} times (RMS) what the noise beyond the low-pass and \
+             the encoder would give: something acts that no model of the motion describes, such as stick-slip, a rumble or a torque from outside. \
+             The RMSE is {}, what does not repeat at most {}.",
+            significant(factor, 2),
+            units.torque(gap.rmse_nm),
+            units.torque(gap.floor.upper_nm())
         );
     }
     let shrink = percent(flexible_shrink(found));

@@ -141,7 +141,7 @@ fn pooled(trials: &[MotionTrial], of: impl Fn(&MotionTrial) -> f64) -> f64 {
 
 /// Whether the model is not the simulator's, by more than hardly matters here.
 fn differs(real: &Diagnosis, simulator: &Diagnosis) -> bool {
-    simulator.verdict.kind != Kind::None && simulator.verdict.gap_before_nm > SHARED * real.verdict.gap_before_nm
+    simulator.verdict.tells_of_a_gap() && simulator.verdict.gap_before_nm > SHARED * real.verdict.gap_before_nm
 }
 
 /// Causes that `real` names and `simulator` does not.

@@ -1,6 +1,6 @@
 //! Where the gap lies: its share by region, as bars.
 
-use crate::diagnose::{Diagnosis, Kind};
+use crate::diagnose::Diagnosis;
 use crate::report::chart::{Anchor, Axis, Figure, Panel, palette};
 use crate::report::diagnosis::names::bounds;
 use crate::report::diagnosis::words::percent;
@@ -18,7 +18,7 @@ const CAPTION: &str = "The share of the gap that a function of each quantity alo
 /// The bars; `None` without any region, or without a gap.
 pub(super) fn figure(found: &Diagnosis) -> Option<Figure> {
     let places = &found.places[..SHOWN.min(found.places.len())];
-    if places.is_empty() || found.verdict.kind == Kind::None {
+    if places.is_empty() || !found.verdict.tells_of_a_gap() {
         return None;
     }
     let units = Units::of(&found.before.joint);
