@@ -436,6 +436,7 @@ fn numbers_that_contradict_the_name_are_told() {
         "warm_up:restarts=0,cold_share=-0.5,cold_nm=0.1,time_constant_s=15,exponent=1",
         "warm_up:restarts=0,cold_nm=-0.1,time_constant_s=15,exponent=1,parts=2",
         "friction_ripple:periods_per_rad=1.2,sin_1_nm=0.08",
+        "friction_ripple:periods_per_rad=1.3,sin_1_nm=0.08",
         "torque_ripple:periods_per_rad=0.9,cos_of_load=0.1",
         "sensor_drift:restarts=0,horizon_s=40,waves=0,settle_s=5,line_nm=0.01,offset_nm=0.2",
         "sensor_gain:error=2.5",
@@ -444,6 +445,7 @@ fn numbers_that_contradict_the_name_are_told() {
     ] {
         assert!(!is_itself(text), "{text}");
     }
+    assert!(is_itself("friction_ripple:periods_per_rad=1.4,sin_1_nm=0.08"), "1.26 periods within the range");
 }
 
 #[test]

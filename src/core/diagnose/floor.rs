@@ -42,8 +42,8 @@ pub struct Floor {
     pub source: FloorSource,
     /// Standard error of the floor's square as a share of it.
     pub relative_error: f64,
-    /// By what factor, RMS, repeats of one motion differ by more than the noise beyond the low-pass and the encoder would make them; nothing
-    /// where there are no repeats, or no such noise is recorded.
+    /// What repeats of one motion differ by over what the noise beyond the low-pass and the encoder would give, RMS; nothing where there are no
+    /// repeats, or no such noise is recorded.
     pub differing: Option<f64>,
 }
 

@@ -1,12 +1,13 @@
 //! Lines in the spectrum over position: where a ripple's search begins.
 
 use super::base::BaseModel;
+use crate::effects::PERIODS_MIN;
 use rayon::prelude::*;
 use std::f64::consts::TAU;
 use std::ops::Range;
 
 /// Fewest and most periods within the range of positions that are looked for.
-const PERIODS: (f64, f64) = (1.2, 150.0);
+const PERIODS: (f64, f64) = (PERIODS_MIN, 150.0);
 /// Wave numbers are tried at this share of a period over the range: a line is two thirds of a period wide at half its height.
 const SPACING: f64 = 0.3;
 /// At most this many rows are used: lines are found on few.

@@ -61,15 +61,9 @@ fn carried_below(series_nm: &[f64], rate_hz: f64, signal: &Signal) -> SpectralFl
         return SpectralFloor { carried_nm: f64::NAN, white_nm: f64::NAN, next_nm: f64::NAN };
     };
     levels.push(series_nm.to_vec());
-    let stretch = ((STRETCH_S * rate_hz) as usize).max(8);
     let half_hz = rate_hz / 2.0;
-    let band = |(i, pair): (usize, &[Vec<f64>])| {
-        let folds = pair[0].chunks_exact(stretch).zip(pair[1].chunks_exact(stretch));
-        let square = |(a, b): (&[f64], &[f64])| a.iter().zip(b).map(|(a, b)| (b - a) * (b - a)).sum::<f64>();
-        let usual = quantile(&mut folds.map(|part| square(part) / stretch as f64).collect::<Vec<f64>>(), 0.5);
-        let width_hz = edges.get(i + 1).unwrap_or(&half_hz) - edges[i];
-        usual / median_of_squares((2.0 * width_hz * stretch as f64 / rate_hz).max(1.0))
-    };
+    let width_hz = |i: usize| edges.get(i + 1).unwrap_or(&half_hz) - edges[i];
+    let band = |(i, pair): (usize, &[Vec<f64>])| usual_square((&pair[0], &pair[1]), width_hz(i), rate_hz);
     let squares: Vec<f64> = levels.windows(2).enumerate().map(band).collect();
     // The square of an even grid, whose steps are in proportion to the grid.
     let at = |i: usize| (i as f64 + 0.5) / FREQUENCIES as f64;
@@ -109,6 +103,15 @@ fn carried_below(series_nm: &[f64], rate_hz: f64, signal: &Signal) -> SpectralFl
         white_nm: (lowest * power).sqrt(),
         next_nm: (next * power).sqrt(),
     }
+}
+
+/// Mean square of the noise in a band of `width_hz`, what the second level has beyond the first, by the median over stretches.
+fn usual_square((lower, upper): (&[f64], &[f64]), width_hz: f64, rate_hz: f64) -> f64 {
+    let stretch = ((STRETCH_S * rate_hz) as usize).max(8);
+    let folds = lower.chunks_exact(stretch).zip(upper.chunks_exact(stretch));
+    let square = |(a, b): (&[f64], &[f64])| a.iter().zip(b).map(|(a, b)| (b - a) * (b - a)).sum::<f64>();
+    let usual = quantile(&mut folds.map(|part| square(part) / stretch as f64).collect::<Vec<f64>>(), 0.5);
+    usual / median_of_squares((2.0 * width_hz * stretch as f64 / rate_hz).max(1.0))
 }
 
 /// Share of an amplitude at `hz` that passes a zero-phase Butterworth low-pass, as the bilinear transform has it.

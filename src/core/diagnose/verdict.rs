@@ -54,7 +54,7 @@ impl Verdict {
         self.decisions.iter().any(|decision| decision.subject == FIRST && decision.outcome == UNNAMED)
     }
 
-    /// Whether no gap is named or placed, but repeats of one motion differ by more than noise, and by what factor.
+    /// What repeats of one motion differ by over what noise would give, where that is the whole verdict: no gap is named or placed.
     pub fn differing(&self) -> Option<f64> {
         let decides = |decision: &&Decision| decision.rule == "repeats" && decision.outcome == NOT_NOISE;
         self.decisions.iter().find(decides).map(|decision| decision.value)
@@ -86,7 +86,7 @@ pub struct Evidence<'e> {
     pub floor_square: f64,
     /// That of its fast part alone, by which an open remainder is judged, so that slow noise does not hide a cause.
     pub quick_square: f64,
-    /// By what factor repeats differ by more than noise would make them, where that is known.
+    /// See [`Floor::differing`](super::floor::Floor::differing).
     pub differing: Option<f64>,
     /// Mean square that the model left of the recordings that it was identified from, (N m)^2; 0 where that is not known.
     pub own_square: f64,
@@ -204,6 +204,15 @@ pub fn verdict(choice: &Choice<'_>, evidence: &Evidence<'_>) -> Verdict {
     if is_open && !effects.is_empty() {
         decisions.push(evidence.naming(rest, last));
     }
+    if kind == Kind::None
+        && let Some(repeats) = repeats(policy, evidence.differing)
+    {
+        if repeats.outcome == NOT_NOISE {
+            // What repeats differ by is the same in every resample.
+            (kind, agreement) = (Kind::Unknown, 1.0);
+        }
+        decisions.push(repeats);
+    }
     if let Some(value) = choice.given_up {
         let (limit, outcome) = (MOST, "too weak to be named");
         decisions.push(Decision { rule: "agreement", subject: "all causes", value, limit, outcome });
@@ -224,20 +233,7 @@ pub fn verdict(choice: &Choice<'_>, evidence: &Evidence<'_>) -> Verdict {
         }
         decisions.push(first);
     }
-    if kind == Kind::None
-        && let Some(repeats) = repeats(policy, evidence.differing)
-    {
-        if repeats.outcome == NOT_NOISE {
-            // The resamples are of units, whatever repeats differ by.
-            (kind, agreement) = (Kind::Unknown, 1.0);
-        }
-        decisions.push(repeats);
-    }
-    let form = match kind {
-        Kind::None | Kind::Unknown => None,
-        _ if is_open => Some(Form::Approximate),
-        _ => Some(Form::Fits),
-    };
+    let form = form(kind, is_open);
     let probabilities = probabilities(policy, (kind, is_clear), agreement, &effects);
     Verdict {
         kind,
@@ -282,6 +278,15 @@ fn repeats(policy: &Policy, differing: Option<f64>) -> Option<Decision> {
     let (value, limit) = (differing?, policy.floor_coloured_max);
     let outcome = if value > limit { NOT_NOISE } else { "noise" };
     Some(Decision { rule: "repeats", subject: "remainder", value, limit, outcome })
+}
+
+/// How well the formulas of the causes that a verdict of `kind` names fit.
+fn form(kind: Kind, is_open: bool) -> Option<Form> {
+    match kind {
+        Kind::None | Kind::Unknown => None,
+        _ if is_open => Some(Form::Approximate),
+        _ => Some(Form::Fits),
+    }
 }
 
 fn kind_of(cause: Cause) -> Kind {

@@ -50,7 +50,7 @@ pub use library::{Added, CONTACT, find};
 pub use load_dependent_friction::{friction_of_load, place_of_share, share_name};
 pub use parameter::{Parameter, Role};
 pub use region::Region;
-pub use ripple::HARMONICS;
+pub use ripple::{HARMONICS, PERIODS_MIN};
 pub use sample::{Carried, Extent, Sample};
 pub use transition::{Curve, Presliding};
 

@@ -30,7 +30,7 @@ pub(super) const fn parameters(sin: &'static str, cos: &'static str) -> [Paramet
 }
 
 /// At least this many periods within the range: fewer are hardly told from any other function of position.
-const PERIODS_MIN: f64 = 1.2;
+pub const PERIODS_MIN: f64 = 1.2;
 
 /// The ripple at `sample`, N m: what is always there, and what there is of it in each N m that the cable carries.
 pub(super) fn ripple_nm<S: Scalar>(p: &[S], sample: &Sample<'_, S::Given>) -> (S, S) {

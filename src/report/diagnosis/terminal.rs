@@ -55,8 +55,6 @@ fn gap(out: &mut impl Write, found: &Diagnosis) -> io::Result<()> {
     row("as delivered", verdict.gap_before_nm, format!("RMSE {}", units.torque(gap.rmse_nm)))?;
     if verdict.tells_of_a_gap() {
         row("with the causes found", verdict.gap_after_nm, format!("shrinks by {}", shrink(verdict.shrink)))?;
-    }
-    if verdict.tells_of_a_gap() {
         let flexible = flexible_shrink(found);
         let note = format!("shrinks by {}: without any named cause", percent(flexible));
         row("with a flexible fit", verdict.gap_before_nm * (1.0 - flexible), note)?;

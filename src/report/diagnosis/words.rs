@@ -73,7 +73,7 @@ fn cause(found: &Diagnosis, units: &Units) -> String {
         Kind::Effect => effect(found),
         Kind::Several => several(found),
         Kind::Ambiguous => ambiguous(found),
-        Kind::Unknown => unknown(found, units),
+        Kind::Unknown => not_repeating(found, units).unwrap_or_else(|| unknown(found, units)),
     }
 }
 
@@ -227,18 +227,21 @@ fn ambiguous(found: &Diagnosis) -> String {
     format!("{} causes explain these data equally well: {}.", all.len(), all.join(", or "))
 }
 
+/// Of repeats that differ by more than noise, where no gap is named.
+fn not_repeating(found: &Diagnosis, units: &Units) -> Option<String> {
+    let factor = found.verdict.differing()?;
+    Some(format!(
+        "No gap that repeats with the motion is named, but repeats of one motion differ by {} times (RMS) what the noise beyond the low-pass and \
+         the encoder would give: something acts that no model of the motion describes, such as stick-slip, a rumble or a torque from outside. \
+         The RMSE is {}, what does not repeat at most {}.",
+        significant(factor, 2),
+        units.torque(found.gap.rmse_nm),
+        units.torque(found.gap.floor.upper_nm())
+    ))
+}
+
 fn unknown(found: &Diagnosis, units: &Units) -> String {
     let (verdict, gap) = (&found.verdict, &found.gap);
-    if let Some(factor) = verdict.differing() {
-        return format!(
-            "No gap that repeats with the motion is named, but repeats of one motion differ by {} times (RMS) what the noise beyond the low-pass and \
-             the encoder would give: something acts that no model of the motion describes, such as stick-slip, a rumble or a torque from outside. \
-             The RMSE is {}, what does not repeat at most {}.",
-            significant(factor, 2),
-            units.torque(gap.rmse_nm),
-            units.torque(gap.floor.upper_nm())
-        );
-    }
     let shrink = percent(flexible_shrink(found));
     let nature = match gap.recoverable_nm > FOLLOWS * gap.explainable_nm {
         true => format!("A flexible fit shrinks it by {shrink}, so it depends on the recorded motion"),
