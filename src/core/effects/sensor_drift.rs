@@ -18,6 +18,9 @@ const WAVES: usize = 4;
 const FEW_WAVES: f64 = 2.0;
 /// Largest way of a drift, as a share of the reading's range: at its ends, which few samples show, its law goes a little beyond what was read.
 const SPAN_MAX: f64 = 1.1;
+/// Largest share of all its way that a drift may go back where it starts anew with each trial: creep goes one way, and what wanders has no
+/// reason to wander alike in every trial.
+const BACK_MAX: f64 = 0.1;
 /// Where the constant stands: what drifts has no reason to begin at zero.
 const OFFSET: usize = FIRST_WAVE + WAVES;
 
@@ -83,11 +86,14 @@ impl Effect for SensorDrift {
         }
     }
 
-    /// A zero that moves by more than all that the sensor read is no drift, and one that hardly moves is an offset.
+    /// A zero that moves by more than all that the sensor read is no drift, one that hardly moves is an offset, and one that goes forth and
+    /// back alike in each trial follows the motion.
     fn is_itself(&self, p: &[f64], extent: &Extent) -> bool {
         let drift_nm = |t_s| offset_nm(p, t_s);
-        let (low, high) = statistics::extent(&scanned(drift_nm, p[1]));
-        high - low <= SPAN_MAX * (extent.torque_nm.1 - extent.torque_nm.0) && varies(drift_nm, p[1])
+        let course_nm = scanned(drift_nm, p[1]);
+        let (low, high) = statistics::extent(&course_nm);
+        let is_small = high - low <= SPAN_MAX * (extent.torque_nm.1 - extent.torque_nm.0);
+        is_small && varies(drift_nm, p[1]) && (p[0] <= 0.5 || share_back(&course_nm) <= BACK_MAX)
     }
 }
 
@@ -95,6 +101,13 @@ impl<S: Scalar> Hooks<S> for SensorDrift {
     fn reading_nm(&self, p: &[S], sample: &Sample<'_, S::Given>, torque_nm: S) -> S {
         torque_nm + offset_nm(p, clock_s(p[0].value(), sample))
     }
+}
+
+/// The share of its whole way that `course` goes against the direction in which it goes further.
+fn share_back(course: &[f64]) -> f64 {
+    let way = |sign: f64| course.windows(2).map(|pair| (sign * (pair[1] - pair[0])).max(0.0)).sum::<f64>();
+    let (up, down) = (way(1.0), way(-1.0));
+    up.min(down) / (up + down).max(f64::MIN_POSITIVE)
 }
 
 /// The offset `t_s` on its clock, N m.

@@ -15,6 +15,9 @@ fn cold<S: Scalar>(p: &[S], t_s: S::Given) -> S {
 
 /// How much less of all friction there may seem to be when cold, beside more of its constant and viscous part.
 const LESS_MAX: f64 = 0.1;
+/// A joint that is cold again at the start of each trial does not warm up faster than this, s: so fast neither its mass nor its grease cools,
+/// and friction that decays so after each start follows the motion.
+const RESTARTS_MIN_S: f64 = 60.0;
 /// Where the form stands that says which of friction's parts decay, and the parts' strengths: all of it, what is constant, what is viscous.
 const PARTS: usize = 7;
 const STRENGTHS: [usize; 3] = [1, 2, 3];
@@ -79,7 +82,8 @@ impl Effect for WarmUp {
                 one.into_iter().chain([start(0.9, 0.0, 0.0), start(1.0, 1.0, 0.0)])
             })
         };
-        extent.clocks().flat_map(of).collect()
+        let is_slow = |(restarts, horizon_s): &(f64, f64)| *restarts <= 0.5 || *horizon_s >= RESTARTS_MIN_S;
+        extent.clocks().filter(is_slow).flat_map(of).collect()
     }
 
     fn uses(&self, p: &[f64], at: usize) -> bool {
@@ -88,10 +92,11 @@ impl Effect for WarmUp {
     }
 
     /// Friction that is lower when cold is not this effect; where only a part of it warms up, the share may come out slightly negative.
-    /// Nor is friction that is as high at the end as at the start.
+    /// Nor is friction that is as high at the end as at the start, or that decays faster after the start of each trial than a joint cools.
     fn is_itself(&self, p: &[f64], extent: &Extent) -> bool {
         let is_less_when_warm = only(p).map_or(p[1] >= -LESS_MAX, |only| p[only] >= 0.0);
-        is_less_when_warm && varies(|t_s| cold(p, t_s), extent.horizon_s(p[0]))
+        let cools = p[0] <= 0.5 || p[4] >= RESTARTS_MIN_S;
+        is_less_when_warm && cools && varies(|t_s| cold(p, t_s), extent.horizon_s(p[0]))
     }
 
     fn limits(&self, at: usize, _extent: &Extent) -> (f64, f64) {
