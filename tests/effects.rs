@@ -451,7 +451,10 @@ fn numbers_that_contradict_the_name_are_told() {
     ] {
         assert!(!is_itself(text), "{text}");
     }
-    assert!(is_itself("sensor_drift:restarts=1,horizon_s=20,waves=0,settle_s=5,settle_nm=0.1"), "creep, each trial tared");
+    assert!(
+        is_itself("sensor_drift:restarts=1,horizon_s=20,waves=0,settle_s=5,settle_nm=0.1"),
+        "creep, each trial tared"
+    );
     assert!(is_itself("friction_ripple:periods_per_rad=1.4,sin_1_nm=0.08"), "1.26 periods within the range");
 }
 

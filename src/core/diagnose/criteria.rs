@@ -186,7 +186,7 @@ pub fn rivals(taken: &FittedCause, tried: &[FittedCause], start: f64) -> Vec<Cau
     let is_rival = |other: &&FittedCause| {
         let does_as_well =
             || other.count() <= taken.count() + spare(other.cause) && is_tie(&taken.fit, &other.fit, start);
-        other.cause != taken.cause && (does_as_well() || (!taken.is_confirmed() && is_other_form(taken, other)))
+        other.cause != taken.cause && (does_as_well() || (!taken.is_confirmed() && is_other_form(taken, other, start)))
     };
     let mut found: Vec<Cause> = Vec::new();
     for other in tried.iter().filter(is_rival) {
@@ -205,12 +205,14 @@ pub fn rivals(taken: &FittedCause, tried: &[FittedCause], start: f64) -> Vec<Cau
 }
 
 /// Whether `other` is the same effect in another form, and explains as much: as far as the clusters can tell, or within what the form of
-/// `taken` itself leaves, which is misfit as the other's may be.
-fn is_other_form(taken: &FittedCause, other: &FittedCause) -> bool {
+/// `taken` itself leaves, which is misfit as the other's may be; where `taken` came out in a form that both have, nearly as much.
+fn is_other_form(taken: &FittedCause, other: &FittedCause, start: f64) -> bool {
     let (mask, policy) = (&taken.fit.mask, &taken.fit.mask.data.policy);
     let misfit = taken.score() - (1.0 + policy.form_exact_floor_share) * mask.floor_square();
     let is_behind = leaves_more(&taken.fit, &other.fit, policy.gain_errors);
-    taken.cause.is_alike(other.cause) && (!is_behind || other.score() - taken.score() <= misfit)
+    let behind = other.score() - taken.score();
+    let is_near = || taken.is_doubtful() && behind < policy.distinct_share * (start - taken.score());
+    taken.cause.is_alike(other.cause) && (!is_behind || behind <= misfit || is_near())
 }
 
 /// Causes that `taken` is known to be mistaken for and that do as well: only their number of parameters speaks against them.

@@ -22,6 +22,8 @@ const BLOCK: f64 = 10.0;
 const BLOCK_LATER: f64 = 40.0;
 /// Fewer blocks do not determine a floor.
 const BLOCKS_MIN: usize = 8;
+/// What repeats differ by is compared with noise in so many parts of the speeds.
+const SPEEDS: usize = 3;
 /// Of fewer motion cycles chance alone makes the quietest third much quieter than the rest ...
 const UNITS_MIN: usize = 6;
 /// ... and so it does of cycles with fewer rows that count.
@@ -42,8 +44,8 @@ pub struct Floor {
     pub source: FloorSource,
     /// Standard error of the floor's square as a share of it.
     pub relative_error: f64,
-    /// What repeats of one motion differ by over what the noise beyond the low-pass and the encoder would give, RMS; nothing where there are no
-    /// repeats, or no such noise is recorded.
+    /// What repeats of one motion differ by over what the noise beyond the low-pass and the encoder would give, RMS, at the speeds where that is
+    /// most; nothing where there are no repeats, or no such noise is recorded.
     pub differing: Option<f64>,
 }
 
@@ -112,8 +114,8 @@ pub fn of_noise(mask: &Mask<'_>, residual_nm: &[f64], most_square: f64) -> Floor
     let (data, differences) = (mask.data, Differences::of(mask, residual_nm, BLOCK));
     let steady_square = most_steady_square(mask, residual_nm);
     if let Some(usual_square) = usual_square(&differences) {
-        let (_, most) = moving_and_most_square(&data.policy, differences.by_speed());
-        let rms_nm = usual_square.min(differences.of_one(most)).min(steady_square).sqrt();
+        let most = differences.of_one(most_of_noise(&data.policy, differences.by_speed()));
+        let rms_nm = usual_square.min(most).min(steady_square).sqrt();
         let chance = (std::f64::consts::PI / (BLOCK * differences.blocks().len() as f64)).sqrt();
         let relative_error = chance.hypot(data.policy.floor_repeats_error);
         return Floor::of_noise(rms_nm, FloorSource::Repeats, relative_error);
@@ -134,21 +136,40 @@ fn usual_spectral(mask: &Mask<'_>, of: fn(&SpectralFloor) -> f64) -> f64 {
     Some(quantile(&mut floors, 0.5)).filter(|rms_nm| rms_nm.is_finite()).unwrap_or_default()
 }
 
-/// Mean square of the residual that the encoder alone causes on a joint exactly like `model`, (N m)^2: of its part that repeats with the motion,
-/// and of the one that differs between repeats; nothing where that is not known.
-fn of_encoder(mask: &Mask<'_>, model: &Model) -> (f64, Option<f64>) {
+/// Of `encoder_nm`, the residual that the encoder alone causes: the mean square of its part that repeats with the motion, (N m)^2, and by what repeats
+/// differ, where that is known.
+fn of_encoder(mask: &Mask<'_>, encoder_nm: &[f64]) -> (f64, Option<Differences>) {
     let Some(again) = mask.again() else { return (0.0, None) };
-    let encoder_nm = mask.data.encoder_nm(model);
     let counted: Vec<f64> = (0..encoder_nm.len()).filter(|i| mask.counts(*i)).map(|i| encoder_nm[i]).collect();
-    let in_repeats = usual_square(&Differences::of(&again, &encoder_nm, BLOCK));
+    let differences = Differences::of(&again, encoder_nm, BLOCK);
+    let in_repeats = usual_square(&differences).unwrap_or_default();
     let whole = if counted.is_empty() { 0.0 } else { root_mean_square(&counted).powi(2) };
-    ((whole - in_repeats.unwrap_or_default()).max(0.0), in_repeats)
+    ((whole - in_repeats).max(0.0), Some(differences))
 }
 
 /// Mean square of what one of two repeats has, by the median over blocks of their differences, (N m)^2; nothing of few blocks.
 fn usual_square(differences: &Differences) -> Option<f64> {
+    Some(usual_squares(differences, 1)?[0])
+}
+
+/// The same from the slowest to the fastest of `parts` that the blocks are cut into; nothing of fewer blocks than that takes.
+fn usual_squares(differences: &Differences, parts: usize) -> Option<Vec<f64>> {
     let mut blocks = differences.blocks();
-    (blocks.len() >= BLOCKS_MIN).then(|| differences.of_one(quantile(&mut blocks, 0.5) / median_of_squares(BLOCK)))
+    let each = (blocks.len() / parts).max(1);
+    let usual = |part: usize, blocks: &mut [f64]| {
+        let last = if part + 1 == parts { blocks.len() } else { (part + 1) * each };
+        differences.of_one(quantile(&mut blocks[part * each..last], 0.5) / median_of_squares(BLOCK))
+    };
+    (each >= BLOCKS_MIN).then(|| (0..parts).map(|part| usual(part, &mut blocks)).collect())
+}
+
+/// See [`Floor::differing`]: of `own` differences, where the noise beyond the low-pass would give `beyond_nm` within it, and the encoder those `of_encoder`. A
+/// chatter shows where the joint is slow, a rumble where it is fast.
+fn differing(own: &Differences, of_encoder: &Differences, beyond_nm: f64) -> Option<f64> {
+    let by_speed = |parts: usize| Some((usual_squares(own, parts)?, usual_squares(of_encoder, parts)?));
+    let (own, of_encoder) = by_speed(SPEEDS).or_else(|| by_speed(1))?;
+    let factor = |(own, of_encoder): (&f64, &f64)| (own / (beyond_nm * beyond_nm + of_encoder)).sqrt();
+    Some(own.iter().zip(&of_encoder).map(factor).fold(0.0, f64::max)).filter(|_| beyond_nm > 0.0)
 }
 
 /// The floor under `left_nm`, the residual of `after` where `mask` counts, the model with its causes, oscillations left out; it includes slow noise.
@@ -164,7 +185,8 @@ pub fn settled(
     is_bare: bool,
 ) -> Floor {
     let (data, policy) = (mask.data, &mask.data.policy);
-    let (encoder_square, encoder_differing_square) = of_encoder(mask, after);
+    let encoder_nm = data.encoder_nm(after);
+    let (encoder_square, of_encoder) = of_encoder(mask, &encoder_nm);
     let unpredicted_square = (unforeseen_square - encoder_square).max(0.0);
     let steady_square = most_steady_square(mask, left_nm);
     let noise_square = unpredicted_square.min(steady_square);
@@ -172,10 +194,13 @@ pub fn settled(
     let found_again = left_square - unforeseen_square;
     let least = policy.floor_found_again_share * (left_square - encoder_square - fast.rms_nm.powi(2));
     let lasting = lasting_share(mask, left_nm);
-    let by_speed = data.records.speeds_rad_s().into_iter().zip(left_nm).map(|(speed, left)| (speed, left * left));
-    let counted = by_speed.enumerate().filter(|(i, _)| mask.counts(*i)).map(|(_, row)| row);
+    let beyond_nm = usual_spectral(mask, |floor| floor.carried_nm.max(floor.next_nm));
+    let beyond_square = if beyond_nm > 0.0 { beyond_nm.powi(2) } else { noise_square };
+    let speeds_rad_s = data.records.speeds_rad_s();
+    let row = |i: usize| (speeds_rad_s[i], [left_nm[i].powi(2), beyond_square + encoder_nm[i].powi(2)]);
+    let counted = (0..left_nm.len()).filter(|i| mask.counts(*i));
     let is_noise = found_again <= least
-        && !depends_on_speed(policy, counted.collect())
+        && !depends_on_speed(policy, counted.map(row).collect())
         && (policy.floor_lasting_share / BLOCK..=policy.floor_lasting_share).contains(&lasting);
     if fast.source == FloorSource::Spectrum && noise_square > fast.rms_nm.powi(2) && is_noise {
         let all_nm = noise_square.sqrt();
@@ -189,10 +214,7 @@ pub fn settled(
             left_square,
         );
     }
-    let beyond_nm = usual_spectral(mask, |floor| floor.carried_nm.max(floor.next_nm));
-    let differing = encoder_differing_square
-        .filter(|_| fast.source == FloorSource::Repeats && beyond_nm > 0.0)
-        .map(|encoder| fast.rms_nm / beyond_nm.hypot(encoder.sqrt()));
+    let differing = of_encoder.and_then(|of| differing(&Differences::of(mask, left_nm, BLOCK), &of, beyond_nm));
     let slower = Differences::of(mask, left_nm, BLOCK_LATER);
     let blocks = slower.blocks();
     let whole_square = match blocks.len() >= BLOCKS_MIN {
@@ -237,21 +259,30 @@ fn lasting_share(mask: &Mask<'_>, left_nm: &[f64]) -> f64 {
     lasting / sum(|piece| piece.iter().map(|x| x * x).sum()).max(f64::MIN_POSITIVE)
 }
 
-/// The mean square of `rows` (speed, rad/s, and square at each) where the joint moves, and the most that it may be if it is noise. Noise does not
-/// depend on the motion: it exceeds that of the third of the speeds where it is quietest by no more than noise that is not white exceeds
-/// other noise. At rest a torque that is read in steps does not change.
-fn moving_and_most_square(policy: &Policy, mut rows: Vec<(f64, f64)>) -> (f64, f64) {
+/// Means over the thirds of `rows`, each a speed, rad/s, and what is there, from slow to fast where the joint moves. At rest a torque that is read in
+/// steps does not change.
+fn by_thirds<const N: usize>(mut rows: Vec<(f64, [f64; N])>) -> Vec<[f64; N]> {
     rows.retain(|(speed, _)| *speed >= AT_REST_RAD_S);
     rows.sort_by(|a, b| a.0.total_cmp(&b.0));
-    let mean = |rows: &[(f64, f64)]| rows.iter().map(|(_, square)| square).sum::<f64>() / rows.len().max(1) as f64;
-    let thirds = rows.chunks(rows.len().div_ceil(3).max(1));
-    (mean(&rows), policy.floor_coloured_max.powi(2) * thirds.map(mean).fold(f64::INFINITY, f64::min))
+    let mean = |rows: &[(f64, [f64; N])]| {
+        std::array::from_fn(|k| rows.iter().map(|(_, values)| values[k]).sum::<f64>() / rows.len() as f64)
+    };
+    rows.chunks(rows.len().div_ceil(3).max(1)).map(mean).collect()
 }
 
-/// Whether what has these squares is louder at some speeds than noise is.
-fn depends_on_speed(policy: &Policy, rows: Vec<(f64, f64)>) -> bool {
-    let (moving, most) = moving_and_most_square(policy, rows);
-    moving > most
+/// The most that the mean square of `rows` (speed, rad/s, and square at each) may be if it is noise, (N m)^2. Noise does not depend on the motion: it
+/// exceeds that of the third of the speeds where it is quietest by no more than noise that is not white exceeds other noise.
+fn most_of_noise(policy: &Policy, rows: Vec<(f64, f64)>) -> f64 {
+    let thirds = by_thirds(rows.into_iter().map(|(speed, square)| (speed, [square])).collect());
+    policy.floor_coloured_max.powi(2) * thirds.iter().fold(f64::INFINITY, |least, [square]| least.min(*square))
+}
+
+/// Whether `rows` (speed, rad/s; the square of what is left; that of noise and of what the encoder leaves) are louder, for what noise and encoder leave, at
+/// some speeds than noise is.
+fn depends_on_speed(policy: &Policy, rows: Vec<(f64, [f64; 2])>) -> bool {
+    let factors: Vec<f64> = by_thirds(rows).iter().map(|[left, expected]| left / expected).collect();
+    let least = factors.iter().copied().fold(f64::INFINITY, f64::min);
+    factors.iter().any(|factor| *factor > policy.floor_coloured_max.powi(2) * least)
 }
 
 /// The mean over blocks without those above `outlier` times their median, such as a contact in one repeat.
@@ -264,8 +295,8 @@ fn usual_mean(mut blocks: Vec<f64>, outlier: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::{
-        Floor, FloorSource, depends_on_speed, lasting_share, moving_and_most_square, of_encoder, of_noise,
-        root_mean_square, settled,
+        BLOCK, Differences, Floor, FloorSource, depends_on_speed, differing, lasting_share, most_of_noise, of_encoder,
+        of_noise, quantile, root_mean_square, settled,
     };
     use crate::diagnose::Policy;
     use crate::diagnose::data::DataSet;
@@ -320,7 +351,7 @@ mod tests {
         let of = |left_square, unforeseen_square, is_bare| of_left(&white, left_square, unforeseen_square, is_bare);
         let without_encoder = |floor: Floor| (floor.rms_nm.powi(2) - floor.encoder_nm.powi(2)).sqrt();
         let (fast_nm, encoder_square) =
-            (of_noise(&all(&data), &white, f64::MAX).rms_nm, of_encoder(&all(&data), &model).0);
+            (of_noise(&all(&data), &white, f64::MAX).rms_nm, of_encoder(&all(&data), &data.encoder_nm(&model)).0);
         let [less, weak, strong] = [0.8, 1.5, 10.0].map(|factor: f64| (factor * fast_nm).powi(2) + encoder_square);
         let (limit, rise) = (data.policy.floor_coloured_max, data.policy.floor_rise_max);
         let near = |floor: Floor, factor: f64| (without_encoder(floor) / fast_nm - factor).abs() < 1e-6;
@@ -399,15 +430,44 @@ mod tests {
     #[test]
     fn noise_is_as_loud_at_any_speed_and_nothing_is_compared_at_rest() {
         let policy = &Policy::default();
-        let rows = |square: fn(f64) -> f64| (0..300).map(|i| (f64::from(i), square(f64::from(i)))).collect::<Vec<_>>();
-        assert!(!depends_on_speed(policy, rows(|_| 1.0)));
-        assert!(!depends_on_speed(policy, rows(|speed| if speed > 0.0 { 1.0 } else { 1e6 })), "loud at rest alone");
-        assert!(depends_on_speed(policy, rows(|speed| speed * speed)), "a rumble");
-        assert!(depends_on_speed(policy, rows(|speed| if speed < 90.0 { 20.0 } else { 1.0 })), "a chatter");
+        let rows = |left: fn(f64) -> f64, expected: fn(f64) -> f64| {
+            let row = |speed: f64| (speed, [left(speed), expected(speed)]);
+            (0..300).map(|i| row(f64::from(i))).collect::<Vec<_>>()
+        };
+        let depends = |left: fn(f64) -> f64| depends_on_speed(policy, rows(left, |_| 1.0));
+        assert!(!depends(|_| 1.0) && !depends(|_| 9.0));
+        assert!(!depends(|speed| if speed > 0.0 { 1.0 } else { 1e6 }), "loud at rest alone");
+        assert!(depends(|speed| speed * speed), "a rumble");
+        assert!(depends(|speed| if speed < 90.0 { 20.0 } else { 1.0 }), "a chatter");
+        assert!(
+            !depends(|speed| if speed < 90.0 { 3.0 } else { 1.0 }),
+            "within what noise that is not white may differ by"
+        );
+        let slow = |speed: f64| if speed < 90.0 { 20.0 } else { 1.0 };
+        assert!(!depends_on_speed(policy, rows(slow, slow)), "what the encoder leaves");
         // The most that a rumble's noise may be is what its slow third has, times the square of the limit.
-        let (_, most) = moving_and_most_square(policy, rows(|speed| if speed <= 100.0 { 2.0 } else { 50.0 }));
+        let rumble = |speed: f64| if speed <= 100.0 { 2.0 } else { 50.0 };
+        let most = most_of_noise(policy, (0..300).map(|i| (f64::from(i), rumble(f64::from(i)))).collect());
         assert!((most / (2.0 * policy.floor_coloured_max.powi(2)) - 1.0).abs() < 1e-12, "{most}");
         // Of a joint that never moves nothing is known.
-        assert!(!depends_on_speed(policy, vec![(0.0, 1.0); 9]));
+        assert!(!depends_on_speed(policy, vec![(0.0, [1.0; 2]); 9]));
+    }
+
+    #[test]
+    fn repeats_are_held_against_noise_at_the_speeds_where_they_differ_most() {
+        let (data, _) = repeated();
+        let (white, mask, speeds) = (white(&data), all(&data), data.records.speeds_rad_s());
+        let slow = quantile(&mut speeds.clone(), 0.3);
+        let of = |left_nm: &[f64]| Differences::of(&mask, left_nm, BLOCK);
+        let (encoder, beyond_nm) = (of(&vec![0.0; white.len()]), root_mean_square(&white));
+        let factor = |loud: f64| {
+            let at = |(x, speed): (&f64, &f64)| if *speed <= slow { loud * x } else { *x };
+            differing(&of(&white.iter().zip(&speeds).map(at).collect::<Vec<f64>>()), &encoder, beyond_nm).unwrap()
+        };
+        let (steady, chatter) = (factor(1.0), factor(3.0));
+        assert!((0.8..1.3).contains(&steady) && chatter > 2.0 * steady, "{steady} and {chatter}");
+        // What the encoder makes repeats differ by counts, and without noise beyond the low-pass nothing is known.
+        assert!((differing(&of(&white), &of(&white), beyond_nm).unwrap() / steady - 0.5f64.sqrt()).abs() < 0.05);
+        assert!(differing(&of(&white), &encoder, 0.0).is_none());
     }
 }

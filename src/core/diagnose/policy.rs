@@ -33,7 +33,8 @@ pub struct Policy {
     /// Share of the remainder's square: enough for a further cause, if it reaches `further_floors`; one cause seldom explains to the floor what is
     /// misfit of another's formula.
     pub further_closing_share: f64,
-    /// Share of its gain: a further cause that is ahead of every other cause by this much is distinct; `distinct_remainder_share` is then enough.
+    /// Share of its gain: a further cause that is ahead of every other cause by this much is distinct; `distinct_remainder_share` is then enough. An
+    /// effect that came out in a form that it shares with another is not distinguished from that if it is ahead by less.
     pub distinct_share: f64,
     /// Share of the remainder's square: a distinct further cause must explain this much of it, less than one that others could replace.
     pub distinct_remainder_share: f64,
@@ -139,8 +140,8 @@ pub struct Policy {
     /// Factor, RMS: noise that is not white may differ from the density carried on from beyond the low-pass by this: without repeats, what causes
     /// leave counts as such noise up to there if a flexible fit predicts none of it, and all of what is left if the density would make it larger.
     /// Noise is no louder than this times what is left at the speeds where that is quietest. Where nothing is named, repeats that
-    /// differ by more than this times what that density (at least that next to the low-pass) and the encoder would give do not differ by noise: the
-    /// verdict is `unknown`.
+    /// differ at some speeds by more than this times what that density (at least that next to the low-pass) and the encoder would give do not differ
+    /// by noise: the verdict is `unknown`.
     pub floor_coloured_max: f64,
     /// Factor, RMS: noise is no louder than this times what is left in the third of the motion cycles that is quietest (of simulated campaigns in
     /// which nothing is wrong 98 of 100 are within 1.44).

@@ -42,10 +42,16 @@ impl Differences {
         Self { block, rows: rows(block), runs }
     }
 
-    /// Their mean squares in blocks, (N m)^2.
+    /// Their mean squares in blocks, (N m)^2, the slowest block first.
     pub fn blocks(&self) -> Vec<f64> {
-        let mean_square = |block: &[(f64, f64)]| block.iter().map(|(_, d)| d * d).sum::<f64>() / block.len() as f64;
-        self.runs.iter().flat_map(|run| run.chunks_exact(self.rows).map(mean_square)).collect()
+        let speed_and_square = |block: &[(f64, f64)]| {
+            let mean = |of: fn(&(f64, f64)) -> f64| block.iter().map(of).sum::<f64>() / block.len() as f64;
+            (mean(|(speed, _)| *speed), mean(|(_, d)| d * d))
+        };
+        let of_run = |run: &Vec<(f64, f64)>| run.chunks_exact(self.rows).map(speed_and_square).collect::<Vec<_>>();
+        let mut blocks: Vec<(f64, f64)> = self.runs.iter().flat_map(of_run).collect();
+        blocks.sort_by(|a, b| a.0.total_cmp(&b.0));
+        blocks.into_iter().map(|(_, square)| square).collect()
     }
 
     /// The speed, rad/s, and the square, (N m)^2, at each row.

@@ -22,7 +22,7 @@ pub fn undecided_nm(base: &BaseModel<'_>) -> [Vec<f64>; 2] {
     })
 }
 
-/// Where `motion` is within `reach_rad` of where it turns, or rests, before it left there.
+/// Where `motion` is within `reach_rad` of where it turns, or rests, before it left there, and one sample beside: it turns between two.
 fn at_turns(motion: &[Motion], reach_rad: f64) -> Vec<bool> {
     let mut is_at = vec![false; motion.len()];
     for turn in 1..motion.len() {
@@ -30,8 +30,9 @@ fn at_turns(motion: &[Motion], reach_rad: f64) -> Vec<bool> {
             continue;
         }
         let is_near = |at: &usize| (motion[*at].position - motion[turn].position).abs() <= reach_rad;
-        let near = (0..turn).rev().take_while(is_near).chain((turn..motion.len()).take_while(is_near));
-        near.for_each(|at| is_at[at] = true);
+        let [before, after] =
+            [(0..turn).rev().take_while(is_near).count(), (turn..motion.len()).take_while(is_near).count()];
+        is_at[(turn - before).saturating_sub(1)..(turn + after + 1).min(motion.len())].fill(true);
     }
     is_at
 }
@@ -55,7 +56,8 @@ mod tests {
         };
         let motion: Vec<Motion> = (0..1000).map(swing).collect();
         let is_at = at_turns(&motion, 1e-3);
-        assert!(motion.iter().zip(&is_at).all(|(m, at)| *at == (m.position.abs() >= 1.0 - 1e-3)));
+        let is_near = |i: usize| motion[i].position.abs() >= 1.0 - 1e-3;
+        assert!((1..999).all(|i| is_at[i] == (is_near(i - 1) || is_near(i) || is_near(i + 1))));
         let rest = vec![Motion { position: 0.2, velocity: 0.0, acceleration: 0.0 }; 9];
         assert!(at_turns(&rest, 0.0)[1..].iter().all(|at| *at));
         assert!(at_turns(&[], 0.0).is_empty());

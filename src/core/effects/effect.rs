@@ -27,6 +27,11 @@ pub trait Effect: Along<f64> + Along<Dual> + for<'t> Along<Expression<'t>> + Syn
         true
     }
 
+    /// Whether what was found has the form of an effect that is alike, as much as its own.
+    fn is_doubtful(&self, _p: &[f64]) -> bool {
+        false
+    }
+
     /// By how many the number of its fitted parameters is reduced in comparisons, because their values agree with those that the joint of
     /// `extent` has.
     fn confirmed(&self, _p: &[f64], _extent: &Extent) -> usize {

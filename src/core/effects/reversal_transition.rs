@@ -9,6 +9,8 @@ const WIDTHS: (f64, f64) = (0.004, 0.4);
 const OWN: f64 = 0.15;
 /// ... and counts as this many parameters fewer: the clearance need not be fitted, and no second one has to be assumed.
 const OWN_COUNTS: usize = 2;
+/// Below this exponent friction builds up the fastest right at the reversal: bristles bend so, a clearance is taken up first.
+const EXPONENT_DOUBTFUL: f64 = 0.6;
 /// Widest clearance, as a share of the stroke that crosses it.
 const CROSSED: f64 = 0.8;
 
@@ -57,6 +59,10 @@ impl Effect for ReversalTransition {
     /// Over a travel that the encoder does not show friction jumps.
     fn is_itself(&self, p: &[f64], extent: &Extent) -> bool {
         p[0] >= extent.resolution_rad * extent.pulley_radius_m
+    }
+
+    fn is_doubtful(&self, p: &[f64]) -> bool {
+        p[2] < EXPONENT_DOUBTFUL
     }
 
     fn limits(&self, at: usize, extent: &Extent) -> (f64, f64) {
