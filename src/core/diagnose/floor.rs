@@ -194,10 +194,8 @@ pub fn settled(
     let found_again = left_square - unforeseen_square;
     let least = policy.floor_found_again_share * (left_square - encoder_square - fast.rms_nm.powi(2));
     let lasting = lasting_share(mask, left_nm);
-    let beyond_nm = usual_spectral(mask, |floor| floor.carried_nm.max(floor.next_nm));
-    let beyond_square = if beyond_nm > 0.0 { beyond_nm.powi(2) } else { noise_square };
     let speeds_rad_s = data.records.speeds_rad_s();
-    let row = |i: usize| (speeds_rad_s[i], [left_nm[i].powi(2), beyond_square + encoder_nm[i].powi(2)]);
+    let row = |i: usize| (speeds_rad_s[i], [left_nm[i].powi(2), encoder_nm[i].powi(2)]);
     let counted = (0..left_nm.len()).filter(|i| mask.counts(*i));
     let is_noise = found_again <= least
         && !depends_on_speed(policy, counted.map(row).collect())
@@ -214,6 +212,7 @@ pub fn settled(
             left_square,
         );
     }
+    let beyond_nm = usual_spectral(mask, |floor| floor.carried_nm.max(floor.next_nm));
     let differing = of_encoder.and_then(|of| differing(&Differences::of(mask, left_nm, BLOCK), &of, beyond_nm));
     let slower = Differences::of(mask, left_nm, BLOCK_LATER);
     let blocks = slower.blocks();
@@ -277,12 +276,12 @@ fn most_of_noise(policy: &Policy, rows: Vec<(f64, f64)>) -> f64 {
     policy.floor_coloured_max.powi(2) * thirds.iter().fold(f64::INFINITY, |least, [square]| least.min(*square))
 }
 
-/// Whether `rows` (speed, rad/s; the square of what is left; that of noise and of what the encoder leaves) are louder, for what noise and encoder leave, at
-/// some speeds than noise is.
+/// Whether `rows` (speed, rad/s; the square of what is left, and of what the encoder leaves) are louder at some speeds than noise is, the encoder's part
+/// there left out.
 fn depends_on_speed(policy: &Policy, rows: Vec<(f64, [f64; 2])>) -> bool {
-    let factors: Vec<f64> = by_thirds(rows).iter().map(|[left, expected]| left / expected).collect();
-    let least = factors.iter().copied().fold(f64::INFINITY, f64::min);
-    factors.iter().any(|factor| *factor > policy.floor_coloured_max.powi(2) * least)
+    let thirds = by_thirds(rows);
+    let least = thirds.iter().fold(f64::INFINITY, |least, [left, _]| least.min(*left));
+    thirds.iter().any(|[left, encoder]| left - encoder > policy.floor_coloured_max.powi(2) * least)
 }
 
 /// The mean over blocks without those above `outlier` times their median, such as a contact in one repeat.
@@ -430,11 +429,11 @@ mod tests {
     #[test]
     fn noise_is_as_loud_at_any_speed_and_nothing_is_compared_at_rest() {
         let policy = &Policy::default();
-        let rows = |left: fn(f64) -> f64, expected: fn(f64) -> f64| {
-            let row = |speed: f64| (speed, [left(speed), expected(speed)]);
+        let rows = |left: fn(f64) -> f64, encoder: fn(f64) -> f64| {
+            let row = |speed: f64| (speed, [left(speed), encoder(speed)]);
             (0..300).map(|i| row(f64::from(i))).collect::<Vec<_>>()
         };
-        let depends = |left: fn(f64) -> f64| depends_on_speed(policy, rows(left, |_| 1.0));
+        let depends = |left: fn(f64) -> f64| depends_on_speed(policy, rows(left, |_| 0.0));
         assert!(!depends(|_| 1.0) && !depends(|_| 9.0));
         assert!(!depends(|speed| if speed > 0.0 { 1.0 } else { 1e6 }), "loud at rest alone");
         assert!(depends(|speed| speed * speed), "a rumble");

@@ -224,7 +224,7 @@ fn named(found: &Diagnosis) -> String {
 
 fn ambiguous(found: &Diagnosis) -> String {
     let all: Vec<String> = found.verdict.effects.iter().map(|cause| claim(*cause)).collect();
-    format!("{} causes explain these data equally well: {}.", all.len(), all.join(", or "))
+    format!("{} causes explain these data about equally well: {}.", all.len(), all.join(", or "))
 }
 
 /// Of repeats that differ by more than noise, where no gap is named.

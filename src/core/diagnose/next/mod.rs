@@ -151,7 +151,7 @@ impl Design<'_> {
         let repeats = (needed.ceil().min(f64::from(REPEATS_MAX)) as u32).max(REPEATS_MIN);
         let (unit, _) = Measures::of(&self.base.model.joint).torque;
         let mut reason = format!(
-            "{} explain these recordings equally well; along {} their predictions still differ by {:.1} m{unit} RMS, {floors:.1} times the noise",
+            "{} explain these recordings about equally well; along {} their predictions still differ by {:.1} m{unit} RMS, {floors:.1} times the noise",
             words::listed(open),
             motion.means,
             1e3 * apart_nm
@@ -177,7 +177,7 @@ fn by_hand(rivals: &[Rival]) -> NextExperiment {
     let names: Vec<&'static str> = rivals.iter().map(|rival| rival.name).collect();
     NextExperiment {
         reason: format!(
-            "{} explain these recordings equally well, and no motion of this joint distinguishes them",
+            "{} explain these recordings about equally well, and no motion of this joint distinguishes them",
             words::listed(&names)
         ),
         trajectory: None,
