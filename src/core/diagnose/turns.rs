@@ -24,17 +24,17 @@ pub fn undecided_nm(base: &BaseModel<'_>) -> [Vec<f64>; 2] {
 
 /// Where `motion` is within `reach_rad` of where it turns, or rests, before it left there, and one sample beside: it turns between two.
 fn at_turns(motion: &[Motion], reach_rad: f64) -> Vec<bool> {
-    let mut is_at = vec![false; motion.len()];
+    let mut is_within = vec![false; motion.len()];
     for turn in 1..motion.len() {
-        if is_at[turn] || motion[turn - 1].velocity * motion[turn].velocity > 0.0 {
+        if is_within[turn] || motion[turn - 1].velocity * motion[turn].velocity > 0.0 {
             continue;
         }
         let is_near = |at: &usize| (motion[*at].position - motion[turn].position).abs() <= reach_rad;
-        let [before, after] =
-            [(0..turn).rev().take_while(is_near).count(), (turn..motion.len()).take_while(is_near).count()];
-        is_at[(turn - before).saturating_sub(1)..(turn + after + 1).min(motion.len())].fill(true);
+        let near = (0..turn).rev().take_while(is_near).chain((turn..motion.len()).take_while(is_near));
+        near.for_each(|at| is_within[at] = true);
     }
-    is_at
+    let is_beside = |at: usize| is_within[at.saturating_sub(1)..(at + 2).min(motion.len())].contains(&true);
+    (0..motion.len()).map(is_beside).collect()
 }
 
 /// What of `residual_nm` is left at `row` if friction is anything between the directions there, by which the prediction moves `undecided_nm`, N m.
