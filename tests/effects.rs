@@ -405,6 +405,17 @@ fn a_clearance_that_comes_out_as_the_joint_s_own_is_confirmed() {
     assert_eq!(confirmed(0.003), 0);
 }
 
+/// Bristles bend the most at first, a clearance that is taken up has a flat part there.
+#[test]
+fn a_transition_that_rises_at_first_suits_presliding_as_well() {
+    let suits = |n: f64| {
+        let added = Added::parse(&format!("reversal_transition:backlash_m=0.003,p=1,n={n}")).unwrap();
+        added.effect.suits_its_like(&added.parameters)
+    };
+    assert!(suits(0.4) && !suits(0.8) && !suits(1.4));
+    assert!(examples().all(|added| !added.effect.suits_its_like(&added.parameters)));
+}
+
 #[test]
 fn numbers_that_contradict_the_name_are_told() {
     let extent = extent();

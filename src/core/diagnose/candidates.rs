@@ -85,9 +85,9 @@ impl FittedCause<'_> {
         self.count() < self.fit.moves.len()
     }
 
-    /// Whether the effect came out in a form that it shares with another.
-    pub fn is_doubtful(&self) -> bool {
-        self.added().is_some_and(|added| added.effect.is_doubtful(&added.parameters))
+    /// Whether the effect's numbers suit one that is alike as well.
+    pub fn suits_its_like(&self) -> bool {
+        self.added().is_some_and(|added| added.effect.suits_its_like(&added.parameters))
     }
 
     /// Mean square left on units that were held out, with what the base's moves cost, (N m)^2.

@@ -85,8 +85,8 @@ pub fn choose<'d>(mask: &Arc<Mask<'d>>, model: &Model, listener: Listener<'_>) -
     let of_step = |step: Step<'d>| Found {
         cause: step.taken.cause,
         how: step.taken.how,
-        rivals: rivals(&step.taken, &step.tried, start),
-        seconds: seconds(&step.taken, &step.tried, start),
+        rivals: rivals(&step.taken, &step.tried, (start, step.without.score())),
+        seconds: seconds(&step.taken, &step.tried, (start, step.without.score())),
         distinctness: step.distinctness,
         met: search.requirements(&last, &step.without, if count < 2 { Share::First } else { step.share() }),
         without: step.without.score(),

@@ -179,14 +179,15 @@ fn sureness((policy, folds): (&Policy, &Folds), before: &[f64], after: &[f64]) -
 /// Causes other than `taken` that do as well with no more numbers (one that a spring over a short way is mistaken for may have one
 /// less), and, unless the joint confirms it, other forms of it that explain as much within the accuracy of any formula, however many numbers
 /// they have. Of a parameter out of date that has none of these, the effect known to be mistaken for it that does better by one number more.
-pub fn rivals(taken: &FittedCause, tried: &[FittedCause], start: f64) -> Vec<Cause> {
+pub fn rivals(taken: &FittedCause, tried: &[FittedCause], (start, without): (f64, f64)) -> Vec<Cause> {
     let spare = |cause: Cause| {
         usize::from(taken.cause.effect().is_some_and(|effect| effect.about().outnumbered_by.contains(&cause.name())))
     };
     let is_rival = |other: &&FittedCause| {
         let does_as_well =
             || other.count() <= taken.count() + spare(other.cause) && is_tie(&taken.fit, &other.fit, start);
-        other.cause != taken.cause && (does_as_well() || (!taken.is_confirmed() && is_other_form(taken, other, start)))
+        other.cause != taken.cause
+            && (does_as_well() || (!taken.is_confirmed() && is_other_form(taken, other, without)))
     };
     let mut found: Vec<Cause> = Vec::new();
     for other in tried.iter().filter(is_rival) {
@@ -205,19 +206,25 @@ pub fn rivals(taken: &FittedCause, tried: &[FittedCause], start: f64) -> Vec<Cau
 }
 
 /// Whether `other` is the same effect in another form, and explains as much: as far as the clusters can tell, or within what the form of
-/// `taken` itself leaves, which is misfit as the other's may be; where `taken` came out in a form that both have, nearly as much.
-fn is_other_form(taken: &FittedCause, other: &FittedCause, start: f64) -> bool {
+/// `taken` itself leaves, which is misfit as the other's may be; where `taken` came out in a form that suits the other as well, most of what it
+/// gains on what is left `without` it, (N m)^2.
+fn is_other_form(taken: &FittedCause, other: &FittedCause, without: f64) -> bool {
     let (mask, policy) = (&taken.fit.mask, &taken.fit.mask.data.policy);
     let misfit = taken.score() - (1.0 + policy.form_exact_floor_share) * mask.floor_square();
     let is_behind = leaves_more(&taken.fit, &other.fit, policy.gain_errors);
     let behind = other.score() - taken.score();
-    let is_near = || taken.is_doubtful() && behind < policy.distinct_share * (start - taken.score());
+    let is_near = || taken.suits_its_like() && is_indistinct(policy, behind, without - taken.score());
     taken.cause.is_alike(other.cause) && (!is_behind || behind <= misfit || is_near())
 }
 
+/// Whether a cause that leaves more by `behind` than one that gains `gain`, (N m)^2, is too near to it to be told from it by that.
+fn is_indistinct(policy: &Policy, behind: f64, gain: f64) -> bool {
+    behind < policy.distinct_share * gain
+}
+
 /// Causes that `taken` is known to be mistaken for and that do as well: only their number of parameters speaks against them.
-pub fn seconds(taken: &FittedCause, tried: &[FittedCause], start: f64) -> Vec<Cause> {
-    let known = rivals(taken, tried, start);
+pub fn seconds(taken: &FittedCause, tried: &[FittedCause], (start, without): (f64, f64)) -> Vec<Cause> {
+    let known = rivals(taken, tried, (start, without));
     let mut found: Vec<Cause> = Vec::new();
     for other in tried.iter().filter(|other| other.cause != taken.cause && is_tie(&taken.fit, &other.fit, start)) {
         let is_new = !known.contains(&other.cause) && !found.contains(&other.cause);
@@ -235,7 +242,15 @@ fn names(cause: Cause, other: Cause) -> bool {
 
 #[cfg(test)]
 mod tests {
-    use super::{Cause, Policy, Share};
+    use super::{Cause, Policy, Share, is_indistinct};
+
+    #[test]
+    fn of_a_form_that_suits_both_the_other_is_a_rival_if_it_gains_most_of_the_same() {
+        let policy = &Policy::default();
+        let is_rival = |behind: f64| is_indistinct(policy, behind, 1.0);
+        assert!(is_rival(0.99 * policy.distinct_share) && !is_rival(1.01 * policy.distinct_share));
+        assert!(!is_rival(1.0), "it gains nothing");
+    }
 
     #[test]
     fn a_weak_cause_is_named_where_no_other_explains_the_same_and_time_explains_anything() {

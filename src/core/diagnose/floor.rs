@@ -22,7 +22,10 @@ const BLOCK: f64 = 10.0;
 const BLOCK_LATER: f64 = 40.0;
 /// Fewer blocks do not determine a floor.
 const BLOCKS_MIN: usize = 8;
-/// What repeats differ by is compared with noise in so many parts of the speeds.
+/// Fewer independent samples in a third of the speeds do not show how loud it is there.
+const THIRD_MIN: f64 = 25.0;
+/// What repeats differ by is compared with noise in so many parts of their blocks, by the mean speed of each; as a whole where a part would have too
+/// few.
 const SPEEDS: usize = 3;
 /// Of fewer motion cycles chance alone makes the quietest third much quieter than the rest ...
 const UNITS_MIN: usize = 6;
@@ -197,8 +200,10 @@ pub fn settled(
     let speeds_rad_s = data.records.speeds_rad_s();
     let row = |i: usize| (speeds_rad_s[i], [left_nm[i].powi(2), encoder_nm[i].powi(2)]);
     let counted = (0..left_nm.len()).filter(|i| mask.counts(*i));
+    let is_enough = |rows: &Vec<_>| rows.len() as f64 >= 3.0 * THIRD_MIN * data.records.rows_per_independent;
+    let by_speed = Some(counted.map(row).collect()).filter(is_enough);
     let is_noise = found_again <= least
-        && !depends_on_speed(policy, counted.map(row).collect())
+        && !by_speed.is_some_and(|rows| depends_on_speed(policy, rows))
         && (policy.floor_lasting_share / BLOCK..=policy.floor_lasting_share).contains(&lasting);
     if fast.source == FloorSource::Spectrum && noise_square > fast.rms_nm.powi(2) && is_noise {
         let all_nm = noise_square.sqrt();
@@ -276,12 +281,13 @@ fn most_of_noise(policy: &Policy, rows: Vec<(f64, f64)>) -> f64 {
     policy.floor_coloured_max.powi(2) * thirds.iter().fold(f64::INFINITY, |least, [square]| least.min(*square))
 }
 
-/// Whether `rows` (speed, rad/s; the square of what is left, and of what the encoder leaves) are louder at some speeds than noise is, the encoder's part
-/// there left out.
+/// Whether `rows` (speed, rad/s; the square of what is left, and of what the encoder leaves) are louder at some speeds, without the encoder's part, than
+/// all that is left where it is quietest allows for noise.
 fn depends_on_speed(policy: &Policy, rows: Vec<(f64, [f64; 2])>) -> bool {
     let thirds = by_thirds(rows);
     let least = thirds.iter().fold(f64::INFINITY, |least, [left, _]| least.min(*left));
-    thirds.iter().any(|[left, encoder]| left - encoder > policy.floor_coloured_max.powi(2) * least)
+    let encoder_most = 1.0 + policy.floor_encoder_error;
+    thirds.iter().any(|[left, encoder]| left - encoder_most * encoder > policy.floor_coloured_max.powi(2) * least)
 }
 
 /// The mean over blocks without those above `outlier` times their median, such as a contact in one repeat.
@@ -444,6 +450,8 @@ mod tests {
         );
         let slow = |speed: f64| if speed < 90.0 { 20.0 } else { 1.0 };
         assert!(!depends_on_speed(policy, rows(slow, slow)), "what the encoder leaves");
+        let simulated = |speed: f64| if speed < 90.0 { 16.0 } else { 0.0 };
+        assert!(!depends_on_speed(policy, rows(slow, simulated)), "what it leaves, simulated once");
         // The most that a rumble's noise may be is what its slow third has, times the square of the limit.
         let rumble = |speed: f64| if speed <= 100.0 { 2.0 } else { 50.0 };
         let most = most_of_noise(policy, (0..300).map(|i| (f64::from(i), rumble(f64::from(i)))).collect());

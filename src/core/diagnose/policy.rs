@@ -34,7 +34,7 @@ pub struct Policy {
     /// misfit of another's formula.
     pub further_closing_share: f64,
     /// Share of its gain: a further cause that is ahead of every other cause by this much is distinct; `distinct_remainder_share` is then enough. An
-    /// effect that came out in a form that it shares with another is not distinguished from that if it is ahead by less.
+    /// effect that came out with numbers that suit another as well is not distinguished from that if it is ahead by less.
     pub distinct_share: f64,
     /// Share of the remainder's square: a distinct further cause must explain this much of it, less than one that others could replace.
     pub distinct_remainder_share: f64,

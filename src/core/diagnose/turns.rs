@@ -58,6 +58,12 @@ mod tests {
         let is_at = at_turns(&motion, 1e-3);
         let is_near = |i: usize| motion[i].position.abs() >= 1.0 - 1e-3;
         assert!((1..999).all(|i| is_at[i] == (is_near(i - 1) || is_near(i) || is_near(i + 1))));
+        // Each of two turns that follow one another at once has its sample beside.
+        let to_and_fro =
+            [0.0, 1.0, 0.5, 1.5, 2.5].map(|position| Motion { position, velocity: 1.0, acceleration: 0.0 });
+        let turning: Vec<Motion> =
+            to_and_fro.iter().zip([1.0, 1.0, -1.0, 1.0, 1.0]).map(|(m, velocity)| Motion { velocity, ..*m }).collect();
+        assert_eq!(at_turns(&turning, 0.0), [false, true, true, true, true]);
         let rest = vec![Motion { position: 0.2, velocity: 0.0, acceleration: 0.0 }; 9];
         assert!(at_turns(&rest, 0.0)[1..].iter().all(|at| *at));
         assert!(at_turns(&[], 0.0).is_empty());

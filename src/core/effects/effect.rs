@@ -27,8 +27,8 @@ pub trait Effect: Along<f64> + Along<Dual> + for<'t> Along<Expression<'t>> + Syn
         true
     }
 
-    /// Whether what was found has the form of an effect that is alike, as much as its own.
-    fn is_doubtful(&self, _p: &[f64]) -> bool {
+    /// Whether these numbers suit an effect that is alike as well as this one.
+    fn suits_its_like(&self, _p: &[f64]) -> bool {
         false
     }
 

@@ -9,8 +9,9 @@ const WIDTHS: (f64, f64) = (0.004, 0.4);
 const OWN: f64 = 0.15;
 /// ... and counts as this many parameters fewer: the clearance need not be fitted, and no second one has to be assumed.
 const OWN_COUNTS: usize = 2;
-/// Below this exponent friction builds up the fastest right at the reversal: bristles bend so, a clearance is taken up first.
-const EXPONENT_DOUBTFUL: f64 = 0.6;
+/// Below this exponent the curve rises with a vertical slope and most of it in the first part of the travel, as bristles bend; a clearance that is taken
+/// up first has a flat part there.
+const EXPONENT_OF_BRISTLES: f64 = 0.6;
 /// Widest clearance, as a share of the stroke that crosses it.
 const CROSSED: f64 = 0.8;
 
@@ -61,8 +62,8 @@ impl Effect for ReversalTransition {
         p[0] >= extent.resolution_rad * extent.pulley_radius_m
     }
 
-    fn is_doubtful(&self, p: &[f64]) -> bool {
-        p[2] < EXPONENT_DOUBTFUL
+    fn suits_its_like(&self, p: &[f64]) -> bool {
+        p[2] < EXPONENT_OF_BRISTLES
     }
 
     fn limits(&self, at: usize, extent: &Extent) -> (f64, f64) {

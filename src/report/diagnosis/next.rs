@@ -105,7 +105,7 @@ fn rivals(found: &Diagnosis) -> Option<String> {
     let all: Vec<String> = taken(found).filter_map(of).collect();
     (!all.is_empty()).then(|| {
         let what = all.join("; ");
-        format!("These data are explained equally well with {what}: before you rely on the name, record a motion on which they differ.")
+        format!("These data are explained about equally well with {what}: before you rely on the name, record a motion on which they differ.")
     })
 }
 
