@@ -77,6 +77,24 @@ fn thresholds_that_differ_from_the_default_decide_and_are_recorded() {
     assert!(said.contains("expected a number above 0"), "{said}");
 }
 
+/// What an earlier version found, or somebody wrote, and the rules of today would not name.
+#[test]
+fn an_effect_of_the_delivered_model_does_not_keep_others_from_being_named() {
+    let folder = TempDir::new().unwrap();
+    let to = |name: &str| folder.path().join(name).to_string_lossy().into_owned();
+    let mut model: Value = serde_json::from_str(&std::fs::read_to_string(MODEL).unwrap()).unwrap();
+    let faint = serde_json::json!({
+        "restarts": 1, "cold_share": 0, "cold_nm": 1e-9, "cold_nm_s_rad": 0, "time_constant_s": 5, "exponent": 1, "long_tail": 0, "parts": 0
+    });
+    model["effects"] = serde_json::json!([{ "id": "warm_up", "parameters": faint }]);
+    std::fs::write(to("model.json"), model.to_string()).unwrap();
+    let done = tautline(&["diagnose", CAMPAIGN, "--model", &to("model.json"), "-o", &to("r"), "--json"]);
+    assert_eq!(done.status.code(), Some(0), "{}", String::from_utf8_lossy(&done.stderr));
+    let [told, usual]: [Value; 2] =
+        [&done.stdout, &RUN.printed].map(|printed| serde_json::from_slice(printed).unwrap());
+    assert_eq!(told["verdict"]["effects"], usual["verdict"]["effects"]);
+}
+
 /// Friction that jumps is not known at rest and around rests before turns: here there is nothing else.
 #[test]
 fn a_joint_that_sticks_at_each_turn_is_refused() {

@@ -273,7 +273,7 @@ impl Initialised {
     fn fit<'d>(self, base: &BaseModel<'d>, reach: f64) -> Option<FittedCause<'d>> {
         let (cause, how) = self.cause();
         let fits = self.starts.into_par_iter().map(|(_, model, moves)| base.fit_to_reach(reach, model, moves));
-        let fits: Vec<Fit<'d>> = fits.filter(|fit| fit.is_sound(&base.data().extent)).collect();
+        let fits: Vec<Fit<'d>> = fits.filter(|fit| fit.is_sound()).collect();
         let best = fits.iter().min_by(|a, b| a.score().total_cmp(&b.score()))?;
         // A form with more numbers must do better by them.
         let equal = |fit: &&Fit| is_tie(best, fit, best.score());

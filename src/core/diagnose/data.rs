@@ -26,6 +26,8 @@ pub struct DataSet {
     pub extent: Extent,
     /// The thresholds by which is decided.
     pub policy: Policy,
+    /// How many effects the model as delivered has: they come first in every model of a search.
+    pub delivered: usize,
 }
 
 impl DataSet {
@@ -35,16 +37,25 @@ impl DataSet {
     pub fn read(campaign: &Campaign, model: &Model, policy: &Policy, listener: Listener<'_>) -> Result<Self> {
         let (records, beside) = Records::read(campaign, model, listener)?;
         let (measured_nm, folds) = (records.measured_nm(), Folds::new(&records));
-        let extent = extent::of(&records, campaign, model);
+        let (extent, delivered) = (extent::of(&records, campaign, model), model.effects.len());
         let again = beside.map(|(smooth, records)| {
             let (folds, extent, policy) = (folds.clone(), extent.clone(), policy.clone());
             let measured_nm = smooth.predicted_by(model);
             (
                 Arc::new(smooth),
-                Box::new(Self { records: Arc::new(records), measured_nm, again: None, folds, extent, policy }),
+                Box::new(Self {
+                    records: Arc::new(records),
+                    measured_nm,
+                    again: None,
+                    folds,
+                    extent,
+                    policy,
+                    delivered,
+                }),
             )
         });
-        Ok(Self { records: Arc::new(records), measured_nm, again, folds, extent, policy: policy.clone() })
+        let (records, policy) = (Arc::new(records), policy.clone());
+        Ok(Self { records, measured_nm, again, folds, extent, policy, delivered })
     }
 
     /// The same with motion cycles held out; nothing where they are already.
@@ -57,6 +68,7 @@ impl DataSet {
             folds: folds.clone(),
             extent: data.extent.clone(),
             policy: data.policy.clone(),
+            delivered: data.delivered,
         };
         let again = self.again.as_ref().map(|(smooth, again)| (smooth.clone(), Box::new(with(again, None))));
         Some(with(self, again))

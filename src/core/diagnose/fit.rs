@@ -10,7 +10,6 @@ use super::gram::{Gram, Solution};
 use super::mask::Mask;
 use super::perturbation::Perturbation;
 use super::records::Passages;
-use crate::effects::Extent;
 use crate::model::Model;
 use crate::numerics::statistics::standard_deviation;
 use std::sync::Arc;
@@ -54,9 +53,11 @@ pub struct Fit<'d> {
 }
 
 impl Fit<'_> {
-    /// Whether each of its effects agrees with its name over `extent`.
-    pub fn is_sound(&self, extent: &Extent) -> bool {
-        self.model.effects.iter().all(|added| added.effect.is_itself(&added.parameters, extent))
+    /// Whether each effect that it adds to the model as delivered agrees with its name.
+    pub fn is_sound(&self) -> bool {
+        let data = self.mask.data;
+        let mut added = self.model.effects.iter().skip(data.delivered);
+        added.all(|added| added.effect.is_itself(&added.parameters, &data.extent))
     }
 
     /// What the base's moves cost, as a factor of the square left: half a log-likelihood for each of their squares.

@@ -9,24 +9,19 @@
 
 use super::mask::Mask;
 use super::policy::Policy;
-use super::repeats::Differences;
+use super::repeats::{BLOCKS_MIN, Differences};
 use super::spectrum::SpectralFloor;
 use crate::dynamics::AT_REST_RAD_S;
 use crate::model::Model;
-use crate::numerics::statistics::{median_of_squares, quantile, root_mean_square};
+use crate::numerics::statistics::{quantile, root_mean_square};
 use std::ops::Range;
 
 /// Independent samples in a block.
 const BLOCK: f64 = 10.0;
 /// The same once the causes are known, and a drift is explained: noise that is not white has its slow part, too.
 const BLOCK_LATER: f64 = 40.0;
-/// Fewer blocks do not determine a floor.
-const BLOCKS_MIN: usize = 8;
 /// Fewer independent samples in a third of the speeds do not show how loud it is there.
 const THIRD_MIN: f64 = 25.0;
-/// What repeats differ by is compared with noise in so many parts of their blocks, by the mean speed of each; as a whole where a part would have too
-/// few.
-const SPEEDS: usize = 3;
 /// Of fewer motion cycles chance alone makes the quietest third much quieter than the rest ...
 const UNITS_MIN: usize = 6;
 /// ... and so it does of cycles with fewer rows that count.
@@ -114,9 +109,13 @@ impl FloorSource {
 /// extrapolated below the low-pass exceeds that, all of it is noise; where far, the density was not that of noise, and only its lowest part is
 /// used.
 pub fn of_noise(mask: &Mask<'_>, residual_nm: &[f64], most_square: f64) -> Floor {
-    let (data, differences) = (mask.data, Differences::of(mask, residual_nm, BLOCK));
-    let steady_square = most_steady_square(mask, residual_nm);
-    if let Some(usual_square) = usual_square(&differences) {
+    of_differences(mask, &Differences::of(mask, residual_nm, BLOCK), residual_nm, most_square)
+}
+
+/// The same by what repeats have in `residual_nm` that differs.
+fn of_differences(mask: &Mask<'_>, differences: &Differences, residual_nm: &[f64], most_square: f64) -> Floor {
+    let (data, steady_square) = (mask.data, most_steady_square(mask, residual_nm));
+    if let Some(usual_square) = differences.usual_square() {
         let most = differences.of_one(most_of_noise(&data.policy, differences.by_speed()));
         let rms_nm = usual_square.min(most).min(steady_square).sqrt();
         let chance = (std::f64::consts::PI / (BLOCK * differences.blocks().len() as f64)).sqrt();
@@ -139,40 +138,15 @@ fn usual_spectral(mask: &Mask<'_>, of: fn(&SpectralFloor) -> f64) -> f64 {
     Some(quantile(&mut floors, 0.5)).filter(|rms_nm| rms_nm.is_finite()).unwrap_or_default()
 }
 
-/// Of `encoder_nm`, the residual that the encoder alone causes: the mean square of its part that repeats with the motion, (N m)^2, and by what repeats
-/// differ, where that is known.
+/// Of `encoder_nm`, the residual that the encoder alone causes: the mean square of its part that repeats with the motion, (N m)^2, and by what
+/// repeats differ, where that is known.
 fn of_encoder(mask: &Mask<'_>, encoder_nm: &[f64]) -> (f64, Option<Differences>) {
     let Some(again) = mask.again() else { return (0.0, None) };
     let counted: Vec<f64> = (0..encoder_nm.len()).filter(|i| mask.counts(*i)).map(|i| encoder_nm[i]).collect();
     let differences = Differences::of(&again, encoder_nm, BLOCK);
-    let in_repeats = usual_square(&differences).unwrap_or_default();
+    let in_repeats = differences.usual_square().unwrap_or_default();
     let whole = if counted.is_empty() { 0.0 } else { root_mean_square(&counted).powi(2) };
     ((whole - in_repeats).max(0.0), Some(differences))
-}
-
-/// Mean square of what one of two repeats has, by the median over blocks of their differences, (N m)^2; nothing of few blocks.
-fn usual_square(differences: &Differences) -> Option<f64> {
-    Some(usual_squares(differences, 1)?[0])
-}
-
-/// The same from the slowest to the fastest of `parts` that the blocks are cut into; nothing of fewer blocks than that takes.
-fn usual_squares(differences: &Differences, parts: usize) -> Option<Vec<f64>> {
-    let mut blocks = differences.blocks();
-    let each = (blocks.len() / parts).max(1);
-    let usual = |part: usize, blocks: &mut [f64]| {
-        let last = if part + 1 == parts { blocks.len() } else { (part + 1) * each };
-        differences.of_one(quantile(&mut blocks[part * each..last], 0.5) / median_of_squares(BLOCK))
-    };
-    (each >= BLOCKS_MIN).then(|| (0..parts).map(|part| usual(part, &mut blocks)).collect())
-}
-
-/// See [`Floor::differing`]: of `own` differences, where the noise beyond the low-pass would give `beyond_nm` within it, and the encoder those `of_encoder`. A
-/// chatter shows where the joint is slow, a rumble where it is fast.
-fn differing(own: &Differences, of_encoder: &Differences, beyond_nm: f64) -> Option<f64> {
-    let by_speed = |parts: usize| Some((usual_squares(own, parts)?, usual_squares(of_encoder, parts)?));
-    let (own, of_encoder) = by_speed(SPEEDS).or_else(|| by_speed(1))?;
-    let factor = |(own, of_encoder): (&f64, &f64)| (own / (beyond_nm * beyond_nm + of_encoder)).sqrt();
-    Some(own.iter().zip(&of_encoder).map(factor).fold(0.0, f64::max)).filter(|_| beyond_nm > 0.0)
 }
 
 /// The floor under `left_nm`, the residual of `after` where `mask` counts, the model with its causes, oscillations left out; it includes slow noise.
@@ -193,17 +167,17 @@ pub fn settled(
     let unpredicted_square = (unforeseen_square - encoder_square).max(0.0);
     let steady_square = most_steady_square(mask, left_nm);
     let noise_square = unpredicted_square.min(steady_square);
-    let fast = of_noise(mask, left_nm, noise_square);
+    let differences = Differences::of(mask, left_nm, BLOCK);
+    let fast = of_differences(mask, &differences, left_nm, noise_square);
     let found_again = left_square - unforeseen_square;
     let least = policy.floor_found_again_share * (left_square - encoder_square - fast.rms_nm.powi(2));
     let lasting = lasting_share(mask, left_nm);
     let speeds_rad_s = data.records.speeds_rad_s();
     let row = |i: usize| (speeds_rad_s[i], [left_nm[i].powi(2), encoder_nm[i].powi(2)]);
-    let counted = (0..left_nm.len()).filter(|i| mask.counts(*i));
-    let is_enough = |rows: &Vec<_>| rows.len() as f64 >= 3.0 * THIRD_MIN * data.records.rows_per_independent;
-    let by_speed = Some(counted.map(row).collect()).filter(is_enough);
+    let by_speed: Vec<(f64, [f64; 2])> = (0..left_nm.len()).filter(|i| mask.counts(*i)).map(row).collect();
+    let is_short = (by_speed.len() as f64) < 3.0 * THIRD_MIN * data.records.rows_per_independent;
     let is_noise = found_again <= least
-        && !by_speed.is_some_and(|rows| depends_on_speed(policy, rows))
+        && (is_short || !depends_on_speed(policy, by_speed))
         && (policy.floor_lasting_share / BLOCK..=policy.floor_lasting_share).contains(&lasting);
     if fast.source == FloorSource::Spectrum && noise_square > fast.rms_nm.powi(2) && is_noise {
         let all_nm = noise_square.sqrt();
@@ -218,7 +192,7 @@ pub fn settled(
         );
     }
     let beyond_nm = usual_spectral(mask, |floor| floor.carried_nm.max(floor.next_nm));
-    let differing = of_encoder.and_then(|of| differing(&Differences::of(mask, left_nm, BLOCK), &of, beyond_nm));
+    let differing = of_encoder.and_then(|of_encoder| differences.over(&of_encoder, beyond_nm));
     let slower = Differences::of(mask, left_nm, BLOCK_LATER);
     let blocks = slower.blocks();
     let whole_square = match blocks.len() >= BLOCKS_MIN {
@@ -281,8 +255,8 @@ fn most_of_noise(policy: &Policy, rows: Vec<(f64, f64)>) -> f64 {
     policy.floor_coloured_max.powi(2) * thirds.iter().fold(f64::INFINITY, |least, [square]| least.min(*square))
 }
 
-/// Whether `rows` (speed, rad/s; the square of what is left, and of what the encoder leaves) are louder at some speeds, without the encoder's part, than
-/// all that is left where it is quietest allows for noise.
+/// Whether `rows` (speed, rad/s; the square of what is left, and of what the encoder leaves) are louder at some speeds, without the encoder's
+/// part, than all that is left where it is quietest allows for noise.
 fn depends_on_speed(policy: &Policy, rows: Vec<(f64, [f64; 2])>) -> bool {
     let thirds = by_thirds(rows);
     let least = thirds.iter().fold(f64::INFINITY, |least, [left, _]| least.min(*left));
@@ -300,8 +274,8 @@ fn usual_mean(mut blocks: Vec<f64>, outlier: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::{
-        BLOCK, Differences, Floor, FloorSource, depends_on_speed, differing, lasting_share, most_of_noise, of_encoder,
-        of_noise, quantile, root_mean_square, settled,
+        BLOCK, Differences, Floor, FloorSource, depends_on_speed, lasting_share, most_of_noise, of_encoder, of_noise,
+        quantile, root_mean_square, settled,
     };
     use crate::diagnose::Policy;
     use crate::diagnose::data::DataSet;
@@ -469,12 +443,12 @@ mod tests {
         let (encoder, beyond_nm) = (of(&vec![0.0; white.len()]), root_mean_square(&white));
         let factor = |loud: f64| {
             let at = |(x, speed): (&f64, &f64)| if *speed <= slow { loud * x } else { *x };
-            differing(&of(&white.iter().zip(&speeds).map(at).collect::<Vec<f64>>()), &encoder, beyond_nm).unwrap()
+            of(&white.iter().zip(&speeds).map(at).collect::<Vec<f64>>()).over(&encoder, beyond_nm).unwrap()
         };
         let (steady, chatter) = (factor(1.0), factor(3.0));
         assert!((0.8..1.3).contains(&steady) && chatter > 2.0 * steady, "{steady} and {chatter}");
         // What the encoder makes repeats differ by counts, and without noise beyond the low-pass nothing is known.
-        assert!((differing(&of(&white), &of(&white), beyond_nm).unwrap() / steady - 0.5f64.sqrt()).abs() < 0.05);
-        assert!(differing(&of(&white), &encoder, 0.0).is_none());
+        assert!((of(&white).over(&of(&white), beyond_nm).unwrap() / steady - 0.5f64.sqrt()).abs() < 0.05);
+        assert!(of(&white).over(&encoder, 0.0).is_none());
     }
 }

@@ -113,7 +113,7 @@ impl<'d> Search<'d, '_> {
         let refined = fitted
             .into_iter()
             .map(|pair| self.refined(pair, &way.opening.likely))
-            .filter(|(_, fit)| fit.is_sound(self.extent()) && self.is_material(fit, &way.fit, Share::Further));
+            .filter(|(_, fit)| fit.is_sound() && self.is_material(fit, &way.fit, Share::Further));
         refined.collect()
     }
 

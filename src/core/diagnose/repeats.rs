@@ -2,8 +2,12 @@
 
 use super::mask::Mask;
 use super::record::Record;
-use crate::numerics::statistics::extent;
+use crate::numerics::statistics::{extent, median_of_squares, quantile};
 
+/// Fewer blocks do not determine a level.
+pub const BLOCKS_MIN: usize = 8;
+/// Blocks are compared with noise in so many parts, by the mean speed of each; as a whole where a part would have too few.
+const SPEEDS: usize = 3;
 /// Slow differences are averaged over this many blocks and removed.
 const SLOW_BLOCKS: f64 = 2.0;
 /// Repeats are aligned within this many independent samples.
@@ -52,6 +56,28 @@ impl Differences {
         let mut blocks: Vec<(f64, f64)> = self.runs.iter().flat_map(of_run).collect();
         blocks.sort_by(|a, b| a.0.total_cmp(&b.0));
         blocks.into_iter().map(|(_, square)| square).collect()
+    }
+
+    /// Mean square of what one of two repeats has, by the median over blocks, (N m)^2; nothing of few blocks.
+    pub fn usual_square(&self) -> Option<f64> {
+        Some(self.usual_squares(1)?[0])
+    }
+
+    /// The same in each of `parts`, from the slowest blocks to the fastest; nothing where a part has few.
+    fn usual_squares(&self, parts: usize) -> Option<Vec<f64>> {
+        let mut blocks = self.blocks();
+        let each = blocks.len().div_ceil(parts).max(1);
+        let usual = |part: &mut [f64]| self.of_one(quantile(part, 0.5) / median_of_squares(self.block));
+        (blocks.len() >= parts * BLOCKS_MIN).then(|| blocks.chunks_mut(each).map(usual).collect())
+    }
+
+    /// By how much they exceed what the noise beyond the low-pass would give within it, `beyond_nm`, and the encoder, RMS, in the part of the speeds
+    /// where that is most: a chatter shows where the joint is slow, a rumble where it is fast. Nothing without such noise, or of few blocks.
+    pub fn over(&self, of_encoder: &Self, beyond_nm: f64) -> Option<f64> {
+        let by_speed = |parts: usize| Some((self.usual_squares(parts)?, of_encoder.usual_squares(parts)?));
+        let (own, of_encoder) = by_speed(SPEEDS).or_else(|| by_speed(1))?;
+        let factor = |(own, of_encoder): (&f64, &f64)| (own / (beyond_nm * beyond_nm + of_encoder)).sqrt();
+        (beyond_nm > 0.0).then(|| own.iter().zip(&of_encoder).map(factor).fold(0.0, f64::max))
     }
 
     /// The speed, rad/s, and the square, (N m)^2, at each row.

@@ -88,7 +88,7 @@ impl<'d, 's> Search<'d, 's> {
 
     /// Keeps `set` if each of its effects is what it is called and no better fit of its causes is known.
     pub fn note(&self, set: &Set<'d>) {
-        if !set.1.is_sound(self.extent()) {
+        if !set.1.is_sound() {
             return;
         }
         let mut best = self.best.borrow_mut();

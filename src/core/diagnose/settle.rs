@@ -128,7 +128,7 @@ impl<'d> Search<'d, '_> {
             let mut all = chosen.to_vec();
             all[at] = form.hypothesis()?;
             let (all, fit) = self.together(&all);
-            let is_whole = all.len() == chosen.len() && fit.is_sound(self.extent());
+            let is_whole = all.len() == chosen.len() && fit.is_sound();
             is_whole.then_some((all, FittedCause { cause: form.cause, how: form.how, fit }))
         };
         let mut sets: Vec<(Vec<Hypothesis>, FittedCause<'d>)> = forms.into_iter().filter_map(together).collect();
@@ -165,7 +165,7 @@ impl<'d> Search<'d, '_> {
 /// gains nothing. Where its own fit is no longer what it is called and none of `tried` is, the best of `tried` stands in its place.
 pub fn place<'d>(own: FittedCause<'d>, mut tried: Vec<FittedCause<'d>>, without: Fit<'d>) -> Step<'d> {
     let is_own = |t: &FittedCause| t.is(&own);
-    let is_sound = own.fit.is_sound(&own.fit.mask.data.extent);
+    let is_sound = own.fit.is_sound();
     let better = |t: &&FittedCause| !is_sound || t.score() <= own.score();
     let taken = match tried.iter().find(|t| is_own(t)).filter(better).or(tried.first().filter(|_| !is_sound)) {
         Some(better) => better.clone(),

@@ -28,7 +28,7 @@ impl<'d> Search<'d, '_> {
                 sets.push(self.together(&all));
             }
         }
-        sets.retain(|(_, fit)| fit.is_sound(self.extent()) && self.is_material(fit, &way.fit, Share::Further));
+        sets.retain(|(_, fit)| fit.is_sound() && self.is_material(fit, &way.fit, Share::Further));
         (sets, next)
     }
 
@@ -60,6 +60,6 @@ impl<'d> Search<'d, '_> {
         let all: Vec<Hypothesis> = known.iter().cloned().chain(tried.hypothesis()).collect();
         let (all, _) = self.together_to_reach(best, &all);
         let (own, known) = all.split_last()?;
-        Some(self.own(own, &self.base_beside(known))).filter(|own| own.fit.is_sound(self.extent()))
+        Some(self.own(own, &self.base_beside(known))).filter(|own| own.fit.is_sound())
     }
 }

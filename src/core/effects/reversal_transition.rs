@@ -9,8 +9,8 @@ const WIDTHS: (f64, f64) = (0.004, 0.4);
 const OWN: f64 = 0.15;
 /// ... and counts as this many parameters fewer: the clearance need not be fitted, and no second one has to be assumed.
 const OWN_COUNTS: usize = 2;
-/// Below this exponent the curve rises with a vertical slope and most of it in the first part of the travel, as bristles bend; a clearance that is taken
-/// up first has a flat part there.
+/// Below this exponent the curve rises with a vertical slope and most of it in the first part of the travel, as bristles bend; a clearance that is
+/// taken up first has a flat part there.
 const EXPONENT_OF_BRISTLES: f64 = 0.6;
 /// Widest clearance, as a share of the stroke that crosses it.
 const CROSSED: f64 = 0.8;

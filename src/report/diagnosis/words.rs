@@ -231,9 +231,9 @@ fn ambiguous(found: &Diagnosis) -> String {
 fn not_repeating(found: &Diagnosis, units: &Units) -> Option<String> {
     let factor = found.verdict.differing()?;
     Some(format!(
-        "No gap that repeats with the motion is named, but repeats of one motion differ, at the speeds where that is most, by {} times (RMS) what the \
-         noise beyond the low-pass and the encoder would give: something acts that no model of the motion describes, such as stick-slip, a rumble or a torque from outside. \
-         The RMSE is {}, what does not repeat at most {}.",
+        "No gap that repeats with the motion is named, but repeats of one motion differ, at the speeds where that is most, by {} times (RMS) \
+         what the noise beyond the low-pass and the encoder would give: something acts that no model of the motion describes, such as stick-slip, \
+         a rumble or a torque from outside. The RMSE is {}, what does not repeat at most {}.",
         significant(factor, 2),
         units.torque(found.gap.rmse_nm),
         units.torque(found.gap.floor.upper_nm())
