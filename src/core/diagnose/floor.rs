@@ -4,7 +4,7 @@
 //! are removed (a drift between repeats is not noise), and blocks are combined by their median (neither is a contact in one repeat). Rows that a
 //! contact event sets aside do not count, and no floor is much above what is left in the quietest cycles.
 //! Without repeats: the density of the raw torque's noise beyond the low-pass, extrapolated below; where no fit predicts any of the
-//! residual on held-out data, all of it. In both cases the residual that the encoder's steps give a perfect model is added, as far as it
+//! residual on held-out data, all of it; where the rate leaves no room beyond the low-pass, what no fit predicts. In each case the residual that the encoder's steps give a perfect model is added, as far as it
 //! repeats with the motion.
 
 use super::mask::Mask;
@@ -106,8 +106,8 @@ impl FloorSource {
 }
 
 /// The floor of noise alone under `residual_nm` where `mask` counts; some fit leaves `most_square` on held-out units: where the density
-/// extrapolated below the low-pass exceeds that, all of it is noise; where far, the density was not that of noise, and only its lowest part is
-/// used.
+/// extrapolated below the low-pass exceeds that, or none was recorded, all of it is noise; where far, the density was not that of noise, and only
+/// its lowest part is used.
 pub fn of_noise(mask: &Mask<'_>, residual_nm: &[f64], most_square: f64) -> Floor {
     of_differences(mask, &Differences::of(mask, residual_nm, BLOCK), residual_nm, most_square)
 }
@@ -122,20 +122,25 @@ fn of_differences(mask: &Mask<'_>, differences: &Differences, residual_nm: &[f64
         let relative_error = chance.hypot(data.policy.floor_repeats_error);
         return Floor::of_noise(rms_nm, FloorSource::Repeats, relative_error);
     }
-    let [carried_nm, white_nm] =
-        [usual_spectral(mask, |floor| floor.carried_nm), usual_spectral(mask, |floor| floor.white_nm)];
     let most_nm = most_square.min(steady_square).sqrt();
-    let rms_nm =
-        if carried_nm <= data.policy.floor_coloured_max * most_nm { carried_nm } else { white_nm }.min(most_nm);
-    Floor::of_noise(rms_nm, FloorSource::Spectrum, data.policy.floor_spectrum_error)
+    let (carried_nm, white_nm) =
+        (usual_spectral(mask, |floor| floor.carried_nm), usual_spectral(mask, |floor| floor.white_nm));
+    let (rms_nm, source) = match carried_nm.zip(white_nm) {
+        Some((carried_nm, _)) if carried_nm <= data.policy.floor_coloured_max * most_nm => {
+            (carried_nm.min(most_nm), FloorSource::Spectrum)
+        }
+        Some((_, white_nm)) => (white_nm.min(most_nm), FloorSource::Spectrum),
+        None => (most_nm, FloorSource::Unforeseen),
+    };
+    Floor::of_noise(rms_nm, source, data.policy.floor_spectrum_error)
 }
 
-/// What the recordings usually have `of` their spectral floor, N m; 0 where none has any.
-fn usual_spectral(mask: &Mask<'_>, of: fn(&SpectralFloor) -> f64) -> f64 {
+/// What the recordings usually have `of` their spectral floor, N m; nothing where none has any.
+fn usual_spectral(mask: &Mask<'_>, of: fn(&SpectralFloor) -> f64) -> Option<f64> {
     let records = mask.data.records.all.iter();
     let mut floors: Vec<f64> =
         records.map(|record| of(&record.spectral_floor)).filter(|floor| floor.is_finite()).collect();
-    Some(quantile(&mut floors, 0.5)).filter(|rms_nm| rms_nm.is_finite()).unwrap_or_default()
+    Some(quantile(&mut floors, 0.5)).filter(|rms_nm| rms_nm.is_finite())
 }
 
 /// Of `encoder_nm`, the residual that the encoder alone causes: the mean square of its part that repeats with the motion, (N m)^2, and by what
@@ -192,7 +197,7 @@ pub fn settled(
         );
     }
     let beyond_nm = usual_spectral(mask, |floor| floor.carried_nm.max(floor.next_nm));
-    let differing = of_encoder.and_then(|of_encoder| differences.over(&of_encoder, beyond_nm));
+    let differing = of_encoder.zip(beyond_nm).and_then(|(of_encoder, nm)| differences.over(&of_encoder, nm));
     let slower = Differences::of(mask, left_nm, BLOCK_LATER);
     let blocks = slower.blocks();
     let whole_square = match blocks.len() >= BLOCKS_MIN {
@@ -274,8 +279,8 @@ fn usual_mean(mut blocks: Vec<f64>, outlier: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::{
-        BLOCK, Differences, Floor, FloorSource, depends_on_speed, lasting_share, most_of_noise, of_encoder, of_noise,
-        quantile, root_mean_square, settled,
+        BLOCK, Differences, Floor, FloorSource, SpectralFloor, depends_on_speed, lasting_share, most_of_noise,
+        of_encoder, of_noise, quantile, root_mean_square, settled,
     };
     use crate::diagnose::Policy;
     use crate::diagnose::data::DataSet;
@@ -355,6 +360,27 @@ mod tests {
         for is_bare in [false, true] {
             assert!(near(of(2.0 * strong, strong, is_bare), rise));
             assert!([&slow, &quick, &loud].iter().all(|left_nm| near(of_left(left_nm, strong, strong, is_bare), rise)));
+        }
+    }
+
+    #[test]
+    fn without_repeats_or_room_beyond_the_low_pass_the_floor_is_what_no_fit_predicts() {
+        let (mut data, model) = bundled();
+        let records = Arc::get_mut(&mut data.records).unwrap();
+        for record in &mut records.all {
+            record.repeats = None;
+            record.spectral_floor = SpectralFloor { carried_nm: f64::NAN, white_nm: f64::NAN, next_nm: f64::NAN };
+        }
+        let (mask, left_nm) = (all(&data), white(&data));
+        let unforeseen = |floor: Floor| {
+            assert_eq!(floor.source, FloorSource::Unforeseen);
+            floor.rms_nm
+        };
+        assert!((unforeseen(of_noise(&mask, &left_nm, 0.04)) - 0.2).abs() < 1e-12);
+        let least = root_mean_square(&data.encoder_nm(&model)).powi(2);
+        for is_bare in [false, true] {
+            let floor = settled((&mask, &model), &left_nm, (0.04 + least, 0.09 + least), is_bare);
+            assert!((0.2..0.21).contains(&unforeseen(floor)), "{}", floor.rms_nm);
         }
     }
 

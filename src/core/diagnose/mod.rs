@@ -208,8 +208,9 @@ const ENCODER_UNKNOWN: &str = "what the encoder alone leaves of a perfect model 
                                recorded one; a coarse encoder may be taken for a gap";
 
 /// Warning where the floor is the whole residual.
-const UNFORESEEN: &str = "what is left exceeds the torque's noise beyond the low-pass, but no fit finds any of it again on held-out data: it \
-                          counts as slow noise; whether it comes again with the motion, only repeats of one motion would tell";
+const UNFORESEEN: &str = "what is left exceeds the torque's noise beyond the low-pass, or the rate is too low to record any there, but no fit \
+                          finds it again on held-out data: it counts as noise; whether it comes again with the motion, only repeats of one \
+                          motion would tell";
 
 /// Warning where the residual oscillates.
 fn oscillates(oscillations: &[Oscillation]) -> Option<String> {

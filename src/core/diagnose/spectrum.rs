@@ -10,8 +10,10 @@ use std::f64::consts::{PI, TAU};
 const FROM: f64 = 1.6;
 /// ... over a decade, so many of them: mains hum is in one, and its filters' flanks carry some of it into the next to either side ...
 const BANDS: i32 = 10;
-/// ... and below this share of the rate.
+/// ... and below this share of the rate, but for the first of them ...
 const BELOW: f64 = 0.35;
+/// ... which may lie as high as this.
+const FIRST_BELOW: f64 = 0.45;
 /// Frequencies above which the noise's density falls, from the low-pass to the rate (white): number of values that are tried.
 const CORNERS: usize = 24;
 /// Frequencies at which a density is summed, denser towards 0.
@@ -54,7 +56,8 @@ pub fn spectral(trial: &Trial, predicted_nm: &[f64], signal: &Signal) -> Spectra
 fn carried_below(series_nm: &[f64], rate_hz: f64, signal: &Signal) -> SpectralFloor {
     let order = signal.lowpass_order;
     let edge_hz = |i: i32| FROM * signal.lowpass_hz * 10f64.powf(f64::from(i) / f64::from(BANDS));
-    let edges: Vec<f64> = (0..=BANDS).map(edge_hz).filter(|edge_hz| *edge_hz < BELOW * rate_hz).collect();
+    let below = |i: i32| if i == 0 { FIRST_BELOW } else { BELOW };
+    let edges: Vec<f64> = (0..=BANDS).filter(|i| edge_hz(*i) < below(*i) * rate_hz).map(edge_hz).collect();
     let levels: Option<Vec<Vec<f64>>> =
         edges.iter().map(|edge_hz| Some(LowPass::new(order, *edge_hz, rate_hz)?.zero_phase(series_nm))).collect();
     let Some(mut levels) = levels.filter(|levels| !levels.is_empty()) else {
@@ -143,6 +146,17 @@ mod tests {
             last
         };
         (0..(60.0 * RATE_HZ) as usize).map(step).collect()
+    }
+
+    #[test]
+    fn a_rate_of_four_times_the_low_pass_leaves_room_for_noise_beyond_it_and_one_of_three_none() {
+        let within = |lowpass_hz: f64| {
+            let (series, signal) = (noise(RATE_HZ), Signal { torque_sign: 1.0, lowpass_hz, lowpass_order: 4 });
+            let within = root_mean_square(&LowPass::new(4, lowpass_hz, RATE_HZ).unwrap().zero_phase(&series));
+            carried_below(&series, RATE_HZ, &signal).carried_nm / within
+        };
+        assert!((0.9..1.1).contains(&within(0.25 * RATE_HZ)), "{}", within(0.25 * RATE_HZ));
+        assert!(within(RATE_HZ / 3.0).is_nan());
     }
 
     #[test]
