@@ -250,6 +250,7 @@ fn evidence<'a>(
         resamples,
         floor_square: floor.upper_square(),
         quick_square: floor.quick_upper_square(),
+        found_again_nm: floor.found_again_nm,
         differing: floor.differing,
         oscillations: &explanation.oscillations,
         own_square: choice.base.model.own_rmse_nm.unwrap_or_default().powi(2),

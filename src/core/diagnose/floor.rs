@@ -42,6 +42,8 @@ pub struct Floor {
     pub source: FloorSource,
     /// Standard error of the floor's square as a share of it.
     pub relative_error: f64,
+    /// RMS of what a fit without physics finds again, on held-out units, of what is left, N m: nothing of noise.
+    pub found_again_nm: f64,
     /// What repeats of one motion differ by over what the noise beyond the low-pass and the encoder would give, RMS, at the speeds where that is
     /// most; nothing where there are no repeats, or no such noise is recorded.
     pub differing: Option<f64>,
@@ -60,8 +62,17 @@ impl Floor {
 
     /// A floor of noise alone.
     pub(super) fn of_noise(rms_nm: f64, source: FloorSource, relative_error: f64) -> Self {
-        let (quick_nm, encoder_nm, encoder_simulated_nm, differing) = (rms_nm, 0.0, 0.0, None);
-        Self { rms_nm, quick_nm, encoder_nm, encoder_simulated_nm, source, relative_error, differing }
+        let (encoder_nm, encoder_simulated_nm, found_again_nm) = (0.0, 0.0, 0.0);
+        Self {
+            rms_nm,
+            quick_nm: rms_nm,
+            encoder_nm,
+            encoder_simulated_nm,
+            source,
+            relative_error,
+            found_again_nm,
+            differing: None,
+        }
     }
 
     /// The floor of noise alone, its square raised by that of the encoder, (N m)^2, both limited to `most_square`: no floor is above the
@@ -175,6 +186,7 @@ pub fn settled(
     let differences = Differences::of(mask, left_nm, BLOCK);
     let fast = of_differences(mask, &differences, left_nm, noise_square);
     let found_again = left_square - unforeseen_square;
+    let found_again_nm = found_again.max(0.0).sqrt();
     let least = policy.floor_found_again_share * (left_square - encoder_square - fast.rms_nm.powi(2));
     let lasting = lasting_share(mask, left_nm);
     let speeds_rad_s = data.records.speeds_rad_s();
@@ -190,11 +202,8 @@ pub fn settled(
             true => (all_nm, FloorSource::Unforeseen),
             false => (all_nm.min(policy.floor_coloured_max * fast.rms_nm), FloorSource::Spectrum),
         };
-        return Floor::of_noise(rms_nm, source, policy.floor_spectrum_error).with_encoder(
-            policy,
-            encoder_square,
-            left_square,
-        );
+        let noise = Floor { found_again_nm, ..Floor::of_noise(rms_nm, source, policy.floor_spectrum_error) };
+        return noise.with_encoder(policy, encoder_square, left_square);
     }
     let beyond_nm = usual_spectral(mask, |floor| floor.carried_nm.max(floor.next_nm));
     let differing = of_encoder.zip(beyond_nm).and_then(|(of_encoder, nm)| differences.over(&of_encoder, nm));
@@ -207,7 +216,7 @@ pub fn settled(
     let rms_nm = whole_square.min(steady_square).sqrt().min(policy.floor_rise_max * fast.rms_nm).max(fast.rms_nm);
     let rise = (rms_nm / fast.rms_nm.max(f64::MIN_POSITIVE)).powi(2) - 1.0;
     let relative_error = fast.relative_error.hypot(policy.floor_rise_error * rise);
-    let settled = Floor { rms_nm, relative_error, differing, ..fast };
+    let settled = Floor { rms_nm, relative_error, found_again_nm, differing, ..fast };
     settled.with_encoder(policy, encoder_square, left_square)
 }
 

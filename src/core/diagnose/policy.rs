@@ -17,7 +17,8 @@ pub const FORMAT: &str = "policy/1";
 #[derive(Debug, Clone, PartialEq)]
 pub struct Policy {
     /// Floors, RMS: the first cause must change the prediction by this much; a weaker one cannot be distinguished from an error of the floor,
-    /// unless it spares the base (`prior_penalty_apart`).
+    /// unless it spares the base (`prior_penalty_apart`). What all causes leave is material if a fit without physics finds this much of it
+    /// again on held-out data: of noise none finds any.
     pub first_floors: f64,
     /// Floors, RMS: a further cause must change the prediction by this much, more than the first: what that leaves may be misfit of its formula.
     pub further_floors: f64,
@@ -179,7 +180,7 @@ impl Default for Policy {
             further_remainder_share: 0.30,
             further_explained_share: 0.035,
             further_gap_share: 0.12,
-            further_closing_share: 0.8,
+            further_closing_share: 0.7,
             distinct_share: 0.25,
             distinct_remainder_share: 0.1,
             gain_errors: 2.0,

@@ -86,6 +86,8 @@ pub struct Evidence<'e> {
     pub floor_square: f64,
     /// That of its fast part alone, by which an open remainder is judged, so that slow noise does not hide a cause.
     pub quick_square: f64,
+    /// See [`Floor::found_again_nm`](super::floor::Floor::found_again_nm).
+    pub found_again_nm: f64,
     /// See [`Floor::differing`](super::floor::Floor::differing).
     pub differing: Option<f64>,
     /// Mean square that the model left of the recordings that it was identified from, (N m)^2; 0 where that is not known.
@@ -104,16 +106,19 @@ impl Evidence<'_> {
 
     /// Whether what the causes leave (`last`, of `rest` by the base; mean squares) is material, and by which rule.
     fn open(&self, rest: f64, last: f64) -> (bool, Vec<Decision>) {
-        let exceeds = |rule: &'static str, floor_square: f64, floors: f64, share: f64| {
-            let value = above(last, floor_square);
-            let limit = (floors * floor_square.sqrt()).max(share * above(rest, floor_square));
+        let decision = |rule: &'static str, value: f64, limit: f64| {
             let outcome = if value > limit { "material" } else { "immaterial" };
             Decision { rule, subject: "remainder", value, limit, outcome }
         };
-        let Policy { form_floors, form_share, open_floors, open_share, .. } = *self.policy;
+        let exceeds = |rule: &'static str, floor_square: f64, floors: f64, share: f64| {
+            let limit = (floors * floor_square.sqrt()).max(share * above(rest, floor_square));
+            decision(rule, above(last, floor_square), limit)
+        };
+        let Policy { form_floors, form_share, open_floors, open_share, first_floors, .. } = *self.policy;
         let form = exceeds("form", self.floor_square, form_floors, form_share);
         let open = exceeds("open", self.quick_square, open_floors, open_share);
-        let rules = if self.contact { vec![open] } else { vec![form, open] };
+        let again = decision("found again", self.found_again_nm, first_floors * self.floor_square.sqrt());
+        let rules = if self.contact { vec![open, again] } else { vec![form, open, again] };
         (rules.iter().any(|rule| rule.value > rule.limit), rules)
     }
 
