@@ -180,14 +180,16 @@ fn sureness((policy, folds): (&Policy, &Folds), before: &[f64], after: &[f64]) -
 /// less), and, unless the joint confirms it, other forms of it that explain as much within the accuracy of any formula, however many numbers
 /// they have. Of a parameter out of date that has none of these, the effect known to be mistaken for it that does better by one number more.
 pub fn rivals(taken: &FittedCause, tried: &[FittedCause], (start, without): (f64, f64)) -> Vec<Cause> {
+    let (mask, policy) = (&taken.fit.mask, &taken.fit.mask.data.policy);
     let spare = |cause: Cause| {
         usize::from(taken.cause.effect().is_some_and(|effect| effect.about().outnumbered_by.contains(&cause.name())))
     };
     let is_rival = |other: &&FittedCause| {
         let does_as_well =
             || other.count() <= taken.count() + spare(other.cause) && is_tie(&taken.fit, &other.fit, start);
-        other.cause != taken.cause
-            && (does_as_well() || (!taken.is_confirmed() && is_other_form(taken, other, without)))
+        let behind = other.score() - taken.score();
+        let is_confirmed = || taken.is_confirmed() && is_beyond_noise(policy, behind, mask.floor_square());
+        other.cause != taken.cause && (does_as_well() || (!is_confirmed() && is_other_form(taken, other, without)))
     };
     let mut found: Vec<Cause> = Vec::new();
     for other in tried.iter().filter(is_rival) {
@@ -203,6 +205,12 @@ pub fn rivals(taken: &FittedCause, tried: &[FittedCause], (start, without): (f64
         found.extend(tried.iter().find(does_better).map(|other| other.cause));
     }
     found
+}
+
+/// Whether a cause that leaves more by `behind`, (N m)^2, does worse than noise explains: that the joint confirms some numbers of a form says
+/// nothing against another that does as well or better.
+fn is_beyond_noise(policy: &Policy, behind: f64, floor_square: f64) -> bool {
+    behind > policy.tie_floor_share * floor_square
 }
 
 /// Whether `other` is the same effect in another form, and explains as much: as far as the clusters can tell, or within what the form of
@@ -242,7 +250,13 @@ fn names(cause: Cause, other: Cause) -> bool {
 
 #[cfg(test)]
 mod tests {
-    use super::{Cause, Policy, Share, is_indistinct};
+    use super::{Cause, Policy, Share, is_beyond_noise, is_indistinct};
+
+    #[test]
+    fn a_form_that_the_joint_confirms_has_the_other_as_a_rival_where_that_does_as_well() {
+        let is_beyond = |behind: f64| is_beyond_noise(&Policy::default(), behind, 1.0);
+        assert!(is_beyond(0.04) && !is_beyond(0.003) && !is_beyond(-0.03));
+    }
 
     #[test]
     fn of_a_form_that_suits_both_the_other_is_a_rival_if_it_gains_most_of_the_same() {

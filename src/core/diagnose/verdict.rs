@@ -328,7 +328,41 @@ pub fn signature(cause: Cause, how: &str) -> Region {
 
 #[cfg(test)]
 mod tests {
-    use super::{CLEAR, Kind, Policy, UNNAMED, clear, on_first_cause};
+    use super::{CLEAR, Evidence, Kind, Numbers, Policy, Resamples, UNNAMED, clear, on_first_cause};
+    use crate::diagnose::data::tests::bundled;
+    use crate::diagnose::floor::{Floor, FloorSource};
+
+    #[test]
+    fn what_a_fit_without_physics_finds_again_is_material_however_weak() {
+        let (policy, (data, _)) = (&Policy::default(), bundled());
+        let resamples = &Resamples::new(&data.folds, &Floor::of_noise(1.0, FloorSource::Repeats, 0.0));
+        let units = data.folds.units.len();
+        let above_floor = |floors: f64| vec![1.0 + floors * floors; units];
+        // What is left is too weak to count by itself.
+        let is_unknown = |left: f64, found_again_nm: f64, has_causes: bool| {
+            let evidence = Evidence {
+                policy,
+                rows: vec![1.0; units],
+                delivered: above_floor(1.2),
+                rest: above_floor(1.2),
+                last: above_floor(left),
+                contact: false,
+                resamples,
+                floor_square: 1.0,
+                quick_square: 1.0,
+                found_again_nm,
+                differing: None,
+                own_square: 0.0,
+                oscillations: &[],
+                numbers: Numbers { effective_dof: 0.0, each_square: 0.0 },
+            };
+            evidence.is_unknown(evidence.mean(&evidence.rest), evidence.mean(&evidence.last), has_causes)
+        };
+        assert!(!is_unknown(0.6, 0.0, true) && !is_unknown(0.6, 0.9 * policy.first_floors, false));
+        assert!(is_unknown(0.6, 1.1 * policy.first_floors, false) && is_unknown(0.6, 1.1 * policy.first_floors, true));
+        // Causes that leave little of the gap name it, even if their formulas do not fit.
+        assert!(!is_unknown(0.45, 1.1 * policy.first_floors, true));
+    }
 
     #[test]
     fn several_causes_need_a_first_one_that_most_resamples_agree_on() {
