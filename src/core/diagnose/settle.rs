@@ -15,6 +15,10 @@ const SWEEPS: usize = 2;
 /// what is simpler, or was there, is preferred as long as it is within one of the best.
 const STAYS_WITHIN_ERRORS: f64 = 1.0;
 
+/// What does as well by so many numbers fewer takes the place of what was there even where it is behind by more than one error: an early compromise
+/// has numbers to spare.
+const MUCH_SIMPLER: usize = 2;
+
 /// A cause taken, with what it was chosen from.
 pub struct Step<'d> {
     /// The cause.
@@ -67,8 +71,8 @@ impl<'d> Search<'d, '_> {
     }
 
     /// The best in the place of number `at`, of all causes or only of those `among` which it is sought, and all causes as they stand with it.
-    /// What stands there stays unless something does better by more than [`STAYS_WITHIN_ERRORS`], or as well and is simpler, and still
-    /// enough to be named.
+    /// What stands there stays unless something does better by more than [`STAYS_WITHIN_ERRORS`], or as well and is simpler (by
+    /// [`MUCH_SIMPLER`], as far as a tie goes), and still enough to be named.
     fn again(&self, chosen: &[Hypothesis], at: usize, among: Option<&[Cause]>) -> (Step<'d>, Vec<Hypothesis>) {
         let (others, without) = self.together(&all_but(chosen, at));
         (self.listener)(Progress::Begins(Phase::Rivals(chosen[at].cause.name())));
@@ -103,7 +107,8 @@ impl<'d> Search<'d, '_> {
         let is_behind =
             |fitted: &FittedCause, other: &FittedCause| leaves_more(&other.fit, &fitted.fit, STAYS_WITHIN_ERRORS);
         let is_simple = simplicity(own) <= simplicity(best) && !is_behind(own, best);
-        let stays = (is_simple || is_behind(best, own)) && is_tie(&first.fit, &own.fit, self.start);
+        let is_ahead = || is_behind(best, own) && own.count() < best.count() + MUCH_SIMPLER;
+        let stays = (is_simple || is_ahead()) && is_tie(&first.fit, &own.fit, self.start);
         let order = if stays { [own, best, first] } else { [best, own, first] };
         let enough = |tried: &&FittedCause<'d>| self.is_material(&tried.fit, without, Share::at_best(tried.cause));
         Some(order.into_iter().find(enough).unwrap_or(best))
