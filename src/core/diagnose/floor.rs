@@ -42,7 +42,8 @@ pub struct Floor {
     pub source: FloorSource,
     /// Standard error of the floor's square as a share of it.
     pub relative_error: f64,
-    /// RMS of what a fit without physics finds again, on held-out units, of what is left, N m: nothing of noise.
+    /// RMS of what a fit without physics finds again, on held-out units, of what is left, less what the encoder leaves, which repeats, too, N m:
+    /// nothing of noise.
     pub found_again_nm: f64,
     /// What repeats of one motion differ by over what the noise beyond the low-pass and the encoder would give, RMS, at the speeds where that is
     /// most; nothing where there are no repeats, or no such noise is recorded.
@@ -186,7 +187,8 @@ pub fn settled(
     let differences = Differences::of(mask, left_nm, BLOCK);
     let fast = of_differences(mask, &differences, left_nm, noise_square);
     let found_again = left_square - unforeseen_square;
-    let found_again_nm = found_again.max(0.0).sqrt();
+    let of_encoder_most = (1.0 + policy.floor_encoder_error) * encoder_square;
+    let found_again_nm = (found_again - of_encoder_most).max(0.0).sqrt();
     let least = policy.floor_found_again_share * (left_square - encoder_square - fast.rms_nm.powi(2));
     let lasting = lasting_share(mask, left_nm);
     let speeds_rad_s = data.records.speeds_rad_s();

@@ -18,7 +18,7 @@ pub const FORMAT: &str = "policy/1";
 pub struct Policy {
     /// Floors, RMS: the first cause must change the prediction by this much; a weaker one cannot be distinguished from an error of the floor,
     /// unless it spares the base (`prior_penalty_apart`). What all causes leave is material if a fit without physics finds this much of it
-    /// again on held-out data: of noise none finds any.
+    /// again on held-out data, beyond what the encoder leaves: of noise none finds any.
     pub first_floors: f64,
     /// Floors, RMS: a further cause must change the prediction by this much, more than the first: what that leaves may be misfit of its formula.
     pub further_floors: f64,
