@@ -4,8 +4,8 @@
 //! are removed (a drift between repeats is not noise), and blocks are combined by their median (neither is a contact in one repeat). Rows that a
 //! contact event sets aside do not count, and no floor is much above what is left in the quietest cycles.
 //! Without repeats: the density of the raw torque's noise beyond the low-pass, extrapolated below; where no fit predicts any of the
-//! residual on held-out data, all of it; where the rate leaves no room beyond the low-pass, what no fit predicts. In each case the residual that the encoder's steps give a perfect model is added, as far as it
-//! repeats with the motion.
+//! residual on held-out data, all of it; where the rate leaves no room beyond the low-pass, what no fit predicts. In each case the residual that
+//! the encoder's steps give a perfect model is added, as far as it repeats with the motion.
 
 use super::mask::Mask;
 use super::policy::Policy;

@@ -71,8 +71,8 @@ impl<'d> Search<'d, '_> {
     }
 
     /// The best in the place of number `at`, of all causes or only of those `among` which it is sought, and all causes as they stand with it.
-    /// What stands there stays unless something does better by more than [`STAYS_WITHIN_ERRORS`], or as well and is simpler (by
-    /// [`MUCH_SIMPLER`], as far as a tie goes), and still enough to be named.
+    /// What stands there stays unless something does better by more than [`STAYS_WITHIN_ERRORS`], or as well and is simpler, or ties with it and is
+    /// simpler by [`MUCH_SIMPLER`], and still enough to be named.
     fn again(&self, chosen: &[Hypothesis], at: usize, among: Option<&[Cause]>) -> (Step<'d>, Vec<Hypothesis>) {
         let (others, without) = self.together(&all_but(chosen, at));
         (self.listener)(Progress::Begins(Phase::Rivals(chosen[at].cause.name())));
