@@ -5,7 +5,7 @@ use crate::campaigns::truth;
 use std::collections::BTreeSet;
 use tautline::dynamics::{Both, Motion};
 use tautline::effects::{ActsOn, Added, Carried, Extent, Family, LIBRARY, Role, Sample, find};
-use tautline::model::{Direction, Group, Model, Term};
+use tautline::model::{Direction, Friction, Group, Model, Term};
 use tautline::simulate::{Course, Sensors, record};
 
 const RATE_HZ: f64 = 500.0;
@@ -303,16 +303,20 @@ fn friction_takes_energy_from_every_cycle_and_a_potential_none() {
     let n = 20_000;
     let position = |i: usize| 0.6 - 0.4 * (2.0 * std::f64::consts::TAU * i as f64 / n as f64).cos();
     let course = Course { position_rad: (0..=n).map(position).collect(), ..Course::default() };
-    let work_nm = |id: &str| {
-        let added_nm = difference_nm(example(id), &course);
+    let work_of_nm = |effect: Added| {
+        let added_nm = difference_nm(effect, &course);
         let x = &course.position_rad;
         (1..=n).map(|i| (x[i] - x[i - 1]) * (added_nm[i] + added_nm[i - 1]) / 2.0).sum::<f64>()
     };
+    let work_nm = |id: &str| work_of_nm(example(id));
     for id in ["stribeck", "load_dependent_friction", "quadratic_viscous", "warm_up"] {
         assert!(work_nm(id) > 0.01, "{id} gives energy: {}", work_nm(id));
     }
-    for id in ["torque_ripple", "sensor_bias"] {
-        assert!(work_nm(id).abs() < 1e-6, "{id}: {} N m over whole cycles", work_nm(id));
+    // A pulley that is not round scales friction, too, where it pulls: cogging is the potential.
+    let cogging = || Added::parse("torque_ripple:periods_per_rad=5.1,sin_1_nm=0.06,cos_3_nm=0.02").unwrap();
+    for effect in [cogging(), example("sensor_bias")] {
+        let (id, work_nm) = (effect.effect.about().id, work_of_nm(effect));
+        assert!(work_nm.abs() < 1e-6, "{id}: {work_nm} N m over whole cycles");
     }
     // Through the friction coefficients, which differ by direction, what acts at the joint costs a little.
     for id in ["gravity_phase", "elastic_spring", "end_stop", "inertia"] {
@@ -330,14 +334,23 @@ fn a_ripple_at_the_joint_is_carried_by_the_cable() {
         difference_nm(Added::parse(&format!("torque_ripple:periods_per_rad=5,{strengths}{place}")).unwrap(), &course)
     };
     let truth = truth();
-    // `sin_1_nm` is a torque at the joint then; `sin_of_load` scales the load, which at the winch has passed the transmission already.
-    for (strengths, passes) in [("sin_1_nm=0.1,cos_2_nm=0.05", truth.joint.transmission()), ("sin_of_load=0.2", 1.0)] {
-        let (at_winch_nm, at_joint_nm) = (of(strengths, ""), of(strengths, ",at_joint=1"));
-        for (at, direction) in [(n / 5, Direction::Up), (3 * n / 5, Direction::Down)] {
-            let expected = passes / truth.friction.of(direction).loss();
-            let ratio = at_joint_nm[at] / at_winch_nm[at];
-            assert!((ratio / expected - 1.0).abs() < 1e-9, "{strengths} {direction:?}: {ratio} for {expected}");
-        }
+    let strengths = "sin_1_nm=0.1,cos_2_nm=0.05";
+    let (at_winch_nm, at_joint_nm) = (of(strengths, ""), of(strengths, ",at_joint=1"));
+    for (at, direction) in [(n / 5, Direction::Up), (3 * n / 5, Direction::Down)] {
+        let expected = truth.joint.transmission() / truth.friction.of(direction).loss();
+        let ratio = at_joint_nm[at] / at_winch_nm[at];
+        assert!((ratio / expected - 1.0).abs() < 1e-9, "{direction:?}: {ratio} for {expected}");
+    }
+    // A share of the load is one of what is pulled there: at the winch of all of it, friction and all, at the joint of the load that the cable carries.
+    let (at_winch_nm, at_joint_nm) = (of("sin_of_load=0.2", ""), of("sin_of_load=0.2", ",at_joint=1"));
+    let frictionless = Model { friction: Both::make(|_| Friction::default()), ..truth.clone() };
+    let (whole_nm, load_nm) = (torque_nm(&truth, &course), torque_nm(&frictionless, &course));
+    for (at, direction) in [(n / 5, Direction::Up), (3 * n / 5, Direction::Down)] {
+        let share = 0.2 * (std::f64::consts::TAU * 5.0 * course.position_rad[at]).sin();
+        assert!((at_winch_nm[at] - share * whole_nm[at]).abs() < 1e-9, "{direction:?}");
+        let carried_nm = load_nm[at] / truth.friction.of(direction).loss();
+        assert!((at_joint_nm[at] - share * carried_nm).abs() < 1e-9, "{direction:?}");
+        assert!((whole_nm[at] - carried_nm).abs() > 0.05, "the joint has friction");
     }
 }
 

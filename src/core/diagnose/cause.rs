@@ -1,7 +1,7 @@
 //! What is known of a cause, whether an effect of the library or a group of the model's own parameters.
 
 use super::candidates::Cause;
-use crate::effects::{CONTACT, Effect, Excitation, Family, LIBRARY, Region, find};
+use crate::effects::{CONTACT, Effect, Excitation, Family, LIBRARY, Region, Starts, find};
 use crate::model::Group;
 
 impl Cause {
@@ -21,6 +21,15 @@ impl Cause {
     /// Whether `other` is another form of it: the same behaviour by another formula. Both are never named together.
     pub fn is_alike(self, other: Self) -> bool {
         self.effect().is_some_and(|effect| effect.about().alike.contains(&other.name()))
+    }
+
+    /// Whether a verdict may name both: another cause, not of another form of it, and not another kind of ripple. One line over position is
+    /// one cause, and with two kinds of ripple free to share it what is misfit of the one is taken for the other.
+    pub fn may_stand_beside(self, other: Self) -> bool {
+        let is_ripple = |cause: Self| {
+            cause.effect().is_some_and(|effect| matches!(effect.about().starts, Starts::PositionLines { .. }))
+        };
+        self != other && !self.is_alike(other) && !(is_ripple(self) && is_ripple(other))
     }
 
     /// The group of the model's own parameters that it is.

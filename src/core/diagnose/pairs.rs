@@ -71,7 +71,7 @@ fn promising(base: &BaseModel<'_>, hypotheses: &[Hypothesis]) -> Vec<[Hypothesis
         .flat_map(|i| (0..i).map(move |j| (j, i)))
         .filter(|(j, i)| {
             let [a, b] = [j, i].map(|at| parts[*at].hypothesis.cause);
-            a != b && !a.is_alike(b)
+            a.may_stand_beside(b)
         })
         .collect();
     let mut ranked: Vec<(f64, usize, usize)> =

@@ -305,7 +305,11 @@ impl Record {
             hooks.add_friction(p, samples, &carried, &mut friction_nm);
             hooks.add_joint_torque(p, samples, &asked_nm, &mut at_joint_nm);
             hooks.read(p, samples, &mut beside_nm);
-            hooks.add_winch_torque(p, samples, &carried, &mut beside_nm);
+            fill(&mut asked_nm, |j| {
+                let (Carried { load_nm, friction_nm }, k_tilde) = (carried[j], Dual::from(k_tilde[at[j]]));
+                over.balance_nm(load_nm, combined(friction_nm, k_tilde), k_tilde)
+            });
+            hooks.add_winch_torque(p, samples, &asked_nm, &mut beside_nm);
             slopes_nm.extend(at.iter().enumerate().map(|(j, i)| {
                 let k_tilde = Dual::from(k_tilde[*i]);
                 let friction_nm = combined(friction_nm[j], k_tilde);

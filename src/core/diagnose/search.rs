@@ -141,7 +141,7 @@ impl<'d, 's> Search<'d, 's> {
         if let Some(round) = rounds.known(&causes, score) {
             return round;
         }
-        let is_new = |cause: Cause| known.iter().all(|known| known.cause != cause && !known.cause.is_alike(cause));
+        let is_new = |cause: Cause| known.iter().all(|known| known.cause.may_stand_beside(cause));
         let wanted = |cause: Cause| is_new(cause) && among.is_none_or(|among| among.contains(&cause));
         let anew = || try_all(&self.base_of(fit), wanted, &self.rounds.likely(), reached, self.listener);
         let mut round = self.rounds.known(&causes, score).unwrap_or_else(anew);

@@ -35,9 +35,9 @@ pub trait Along<S: Scalar>: Hooks<S> {
     }
 
     /// Adds [`Hooks::winch_torque_nm`] to `torque_nm`.
-    fn add_winch_torque(&self, p: &[S], samples: &[Sample<'_, S::Given>], carried: &[Carried<S>], torque_nm: &mut [S]) {
-        for ((sample, carried), nm) in samples.iter().zip(carried).zip(torque_nm) {
-            *nm += self.winch_torque_nm(p, sample, carried.load_nm);
+    fn add_winch_torque(&self, p: &[S], samples: &[Sample<'_, S::Given>], asked_nm: &[S], torque_nm: &mut [S]) {
+        for ((sample, asked_nm), nm) in samples.iter().zip(asked_nm).zip(torque_nm) {
+            *nm += self.winch_torque_nm(p, sample, *asked_nm);
         }
     }
 

@@ -47,7 +47,7 @@ impl Effect for Contact {
 }
 
 impl<S: Scalar> Hooks<S> for Contact {
-    fn winch_torque_nm(&self, p: &[S], sample: &Sample<'_, S::Given>, _load_nm: S) -> S {
+    fn winch_torque_nm(&self, p: &[S], sample: &Sample<'_, S::Given>, _asked_nm: S) -> S {
         let share = (sample.elapsed_s - p[1]) / p[2];
         let within = share * (S::from(1.0) - share);
         within.if_positive(|| p[0] * (share * PI).sin().squared(), || S::from(0.0))

@@ -94,8 +94,9 @@ pub trait Hooks<S: Scalar>: Sync {
         S::from(1.0)
     }
 
-    /// Added to y, N m at the winch, for a load of `load_nm` there.
-    fn winch_torque_nm(&self, _p: &[S], _sample: &Sample<'_, S::Given>, _load_nm: S) -> S {
+    /// Added to y, N m at the winch, where the model asks `asked_nm` there, friction and all: without what effects add, whose order does not
+    /// matter.
+    fn winch_torque_nm(&self, _p: &[S], _sample: &Sample<'_, S::Given>, _asked_nm: S) -> S {
         S::from(0.0)
     }
 

@@ -91,7 +91,7 @@ impl<S: Scalar> Hooks<S> for JointCoupling {
         if is_at_joint(p) { coupled_nm(p, sample) } else { S::from(0.0) }
     }
 
-    fn winch_torque_nm(&self, p: &[S], sample: &Sample<'_, S::Given>, _load_nm: S) -> S {
+    fn winch_torque_nm(&self, p: &[S], sample: &Sample<'_, S::Given>, _asked_nm: S) -> S {
         if is_at_joint(p) { S::from(0.0) } else { coupled_nm(p, sample) }
     }
 }

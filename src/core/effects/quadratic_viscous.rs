@@ -55,7 +55,7 @@ impl<S: Scalar> Hooks<S> for QuadraticViscous {
         Both { up: p[0] * power, down: -p[1] * power }
     }
 
-    fn winch_torque_nm(&self, p: &[S], sample: &Sample<'_, S::Given>, _load_nm: S) -> S {
+    fn winch_torque_nm(&self, p: &[S], sample: &Sample<'_, S::Given>, _asked_nm: S) -> S {
         if p[3].value() <= 0.5 {
             return S::from(0.0);
         }

@@ -22,8 +22,8 @@ static ABOUT: About = About {
     acts_on: ActsOn::Load,
     means: "torque varies with position whatever the direction: cogging, an eccentric pulley",
     formula: "sum over h of sin_h_nm sin(2 pi h periods_per_rad q) + cos_h_nm cos(...), + (sin_of_load sin + cos_of_load cos) of one \
-              period times the load; at the winch, or at the joint if at_joint, where the cable carries it and friction grows with it, and \
-              the load is gravity, inertia and what was measured",
+              period times the load; at the winch, where the load is all that it pulls, friction and all, or at the joint if at_joint, where \
+              the cable carries it and friction grows with it, and the load is gravity, inertia and what was measured",
     source: "Tuttle and Seering 1996; cogging at 6 and 12 times the pole pairs",
     signature: Region::Position,
     trades_with: &["gravity_phase", "elastic_spring", "friction_ripple"],
@@ -69,7 +69,7 @@ impl<S: Scalar> Hooks<S> for TorqueRipple {
         if is_at_joint(p) { of_load_nm(p, sample, asked_nm) } else { S::from(0.0) }
     }
 
-    fn winch_torque_nm(&self, p: &[S], sample: &Sample<'_, S::Given>, load_nm: S) -> S {
-        if is_at_joint(p) { S::from(0.0) } else { of_load_nm(p, sample, load_nm) }
+    fn winch_torque_nm(&self, p: &[S], sample: &Sample<'_, S::Given>, asked_nm: S) -> S {
+        if is_at_joint(p) { S::from(0.0) } else { of_load_nm(p, sample, asked_nm) }
     }
 }

@@ -133,8 +133,12 @@ impl<S: Evaluated> Model<S> {
             carried[i] = Carried { load_nm: (joint_nm[i] * transmission).named("load_nm"), friction_nm: branches[i] };
         }
         let (mut winch_nm, mut branches_nm, mut friction_nm) = ([none; N], *branches, [none; N]);
+        if !self.effects.is_empty() {
+            let own_nm = |i: usize| combined(branches[i], k_tilde[i]);
+            fill(&mut asked_nm, |i| self.balance_nm(asked[i].torque_nm * transmission, own_nm(i), k_tilde[i]));
+        }
         for e in &self.effects {
-            e.hooks().add_winch_torque(&e.parameters, samples, &carried, &mut winch_nm);
+            e.hooks().add_winch_torque(&e.parameters, samples, &asked_nm, &mut winch_nm);
             e.hooks().add_friction(&e.parameters, samples, &carried, &mut branches_nm);
         }
         fill(&mut friction_nm, |i| {
