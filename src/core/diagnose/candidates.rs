@@ -203,7 +203,7 @@ pub fn try_all<'d>(
     let mut likely: Likely =
         shapes.map(|shape| (shape.effect.about().id, std::mem::take(&mut shape.promising))).collect();
     let mut place = 0..;
-    initialised.retain(|initialised| place.next() < Some(FITTED) || initialised.is_shape());
+    initialised.retain(|one| place.next() < Some(FITTED) || one.is_shape() || one.is_plain());
     let reach = initialised.first().map_or(f64::INFINITY, |best| reach(alone(base), best.cost().min(reached)));
     let groups: Vec<Stale> =
         stale(&base.model, &base.data().extent).into_iter().filter(|group| wanted(Cause::Stale(group.name))).collect();
@@ -262,6 +262,11 @@ impl Initialised {
         self.starts[0].2.iter().all(|way| !way.is_linear)
     }
 
+    /// Whether it is a single strength, fitted at once: what is as plain as a parameter out of date is compared with that.
+    fn is_plain(&self) -> bool {
+        self.starts.iter().all(|(_, _, moves)| moves.len() == 1 && moves[0].is_linear)
+    }
+
     fn cause(&self) -> (Cause, &'static str) {
         (Cause::Effect(self.effect.about().id), "")
     }
@@ -273,7 +278,9 @@ impl Initialised {
     fn fit<'d>(self, base: &BaseModel<'d>, reach: f64) -> Option<FittedCause<'d>> {
         let (cause, how) = self.cause();
         let fits = self.starts.into_par_iter().map(|(_, model, moves)| base.fit_to_reach(reach, model, moves));
-        let fits: Vec<Fit<'d>> = fits.filter(|fit| fit.is_sound()).collect();
+        // What the base holds is what it was before.
+        let is_itself = |added: &Added| added.effect.is_itself(&added.parameters, &base.data().extent);
+        let fits: Vec<Fit<'d>> = fits.filter(|fit| fit.model.effects.last().is_some_and(is_itself)).collect();
         let best = fits.iter().min_by(|a, b| a.score().total_cmp(&b.score()))?;
         // A form with more numbers must do better by them.
         let equal = |fit: &&Fit| is_tie(best, fit, best.score());

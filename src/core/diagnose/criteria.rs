@@ -177,7 +177,7 @@ fn sureness((policy, folds): (&Policy, &Folds), before: &[f64], after: &[f64]) -
 }
 
 /// Causes other than `taken` that do as well with no more numbers (one that a spring over a short way is mistaken for may have one
-/// less), and other forms of it that explain as much within the accuracy of any formula, however many numbers they have; where the joint
+/// less), as far as noise and the clusters tell, and other forms of it that explain as much within the accuracy of any formula, however many numbers they have; where the joint
 /// confirms it, only those that do as well as far as noise shows. Of a parameter out of date that has none of these, the effect known to be mistaken for it that does better by one number more.
 pub fn rivals(taken: &FittedCause, tried: &[FittedCause], (start, without): (f64, f64)) -> Vec<Cause> {
     let (mask, policy) = (&taken.fit.mask, &taken.fit.mask.data.policy);
@@ -185,9 +185,18 @@ pub fn rivals(taken: &FittedCause, tried: &[FittedCause], (start, without): (f64
         usize::from(taken.cause.effect().is_some_and(|effect| effect.about().outnumbered_by.contains(&cause.name())))
     };
     let is_rival = |other: &&FittedCause| {
-        let does_as_well =
-            || other.count() <= taken.count() + spare(other.cause) && is_tie(&taken.fit, &other.fit, start);
         let behind = other.score() - taken.score();
+        // A cause that is behind beyond noise and surely is no rival, however large the gap is beside which that is little.
+        let is_surely_behind = || {
+            is_beyond_noise(policy, behind, mask.floor_square())
+                && leaves_more(&taken.fit, &other.fit, policy.gain_errors)
+                && !taken.cause.is_alike(other.cause)
+        };
+        let does_as_well = || {
+            other.count() <= taken.count() + spare(other.cause)
+                && is_tie(&taken.fit, &other.fit, start)
+                && !is_surely_behind()
+        };
         let is_confirmed = || taken.is_confirmed() && is_beyond_noise(policy, behind, mask.floor_square());
         other.cause != taken.cause && (does_as_well() || (!is_confirmed() && is_other_form(taken, other, without)))
     };

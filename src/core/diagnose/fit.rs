@@ -6,7 +6,7 @@
 use super::base::BaseModel;
 use super::bootstrap::{Numbers, Resamples};
 use super::folds::FOLDS;
-use super::gram::{Gram, Solution};
+use super::gram::{Gram, Prior, RIDGE, Solution};
 use super::mask::Mask;
 use super::perturbation::Perturbation;
 use super::records::Passages;
@@ -26,8 +26,11 @@ const CATCHING_UP: f64 = 2.0;
 const TOLD_BY: usize = 2;
 /// Prior deviation of what is held at its bound.
 const HELD: f64 = 1e-9;
-/// Quarterings of a step that makes matters worse.
+/// Quarterings of a step that makes matters worse ...
 const QUARTERINGS: usize = 3;
+/// ... after which steps damped by these shares of each column's own square are tried (Marquardt 1963): where shapes trade with each other the
+/// undamped direction is of no use at any length.
+const DAMPED: [f64; 4] = [0.01, 0.1, 1.0, 10.0];
 
 /// A hypothesis fitted to the rows that count.
 #[derive(Debug, Clone)]
@@ -135,18 +138,24 @@ impl<'d> BaseModel<'d> {
         for step in 1..=STEPS {
             (columns, is_behind) = (columns_at(&now), false);
             let (gram, mut deviations) = self.gram_beside(&columns, &now.predicted_nm);
-            let solution = self.solve_within_bounds(&gram, &mut deviations, (&now.model, &moves));
+            let solution = self.solve_within_bounds(&gram, (&mut deviations, RIDGE), (&now.model, &moves));
             let (predicted, x) = (self.cost_of(&solution), solution.x.as_slice()[self.moves.len()..].to_vec());
-            let over = x.iter().zip(&moves).map(|(x, way)| x.abs() / way.stride).fold(1.0, f64::max);
-            let shorter = |quarterings: i32| {
+            let stepped = |x: &[f64], share: f64| {
+                let over = x.iter().zip(&moves).map(|(x, way)| x.abs() / way.stride).fold(1.0, f64::max);
                 let mut tried = now.model.clone();
-                let share = 0.25f64.powi(quarterings) / over;
-                moves.iter().zip(&x).for_each(|(way, x)| way.apply(&mut tried, share * x));
+                moves.iter().zip(x).for_each(|(way, x)| way.apply(&mut tried, share / over * x));
                 point(tried)
             };
-            let better = (0..QUARTERINGS as i32).map(shorter).find(|tried| tried.cost < now.cost);
-            let Some(better) = better else {
-                converged = true;
+            let shorter = |quarterings: i32| stepped(&x, 0.25f64.powi(quarterings));
+            let damped = |ridge: f64| {
+                let held = (&mut deviations.clone()[..], ridge);
+                let solution = self.solve_within_bounds(&gram, held, (&now.model, &moves));
+                stepped(&solution.x.as_slice()[self.moves.len()..], 1.0)
+            };
+            let is_better = |tried: &Point| tried.cost < now.cost;
+            let undamped = (0..QUARTERINGS as i32).map(shorter).find(is_better);
+            let Some(better) = undamped.or_else(|| DAMPED.into_iter().map(damped).find(is_better)) else {
+                converged = now.cost - predicted < PREDICTED * now.cost;
                 break;
             };
             let gained = now.cost - better.cost;
@@ -167,16 +176,16 @@ impl<'d> BaseModel<'d> {
         self.fit_at(now.model, moves, &now.predicted_nm, &columns, converged)
     }
 
-    /// The best coefficients of `gram`, whose columns have these prior `deviations`; what of the linear `moves` is at its bound in `model` and
+    /// The best coefficients of `gram`, whose columns have these prior `deviations` and this [`Prior::ridge`]; what of the `moves` is at its bound in `model` and
     /// would pass it is held there, and its deviation set accordingly.
     fn solve_within_bounds(
         &self,
         gram: &Gram,
-        deviations: &mut [f64],
+        (deviations, ridge): (&mut [f64], f64),
         (model, moves): (&Model, &[Perturbation]),
     ) -> Solution {
         loop {
-            let solution = gram.solve(self.mask.prior(deviations));
+            let solution = gram.solve(Prior { ridge, ..self.mask.prior(deviations) });
             let own = self.moves.len();
             let is_stopped = |at: &usize| moves[*at].is_stopped(model, solution.x[own + at]);
             let stopped: Vec<usize> =
@@ -202,8 +211,12 @@ impl<'d> BaseModel<'d> {
         for (deviation, way) in deviations.iter_mut().skip(self.moves.len()).zip(&moves) {
             *deviation = way.stride;
         }
-        let solution = self.solve_within_bounds(&gram, &mut deviations, (&model, &moves));
-        let held_out = gram.held_out(&self.mask.data.folds, self.mask.prior(&deviations));
+        let solution = self.solve_within_bounds(&gram, (&mut deviations, RIDGE), (&model, &moves));
+        let mut held_out = gram.held_out(&self.mask.data.folds, self.mask.prior(&deviations));
+        // What one more step of the causes promises counts for nothing: at an optimum it is nothing, and elsewhere no step kept the promise.
+        let promised = self.cost_of(&solution);
+        let reached = self.cost_beside(&[], predicted_nm).0;
+        held_out.iter_mut().for_each(|square| *square *= (reached / promised.max(f64::MIN_POSITIVE)).max(1.0));
         let base_x = solution.x.rows(0, self.moves.len()).iter().copied().collect();
         let (mask, prior_penalty) = (self.mask.clone(), solution.prior_penalty);
         Fit { mask, model, moves, prior_penalty, held_out, base_x, converged, gram, deviations }
