@@ -80,20 +80,21 @@ pub struct Policy {
     pub form_share: f64,
     /// Share of the residual of the base, RMS: causes that leave more do not name the gap; it is a fifth of the energy.
     pub unnamed_share: f64,
-    /// Share of the residual of the base, RMS: several causes that leave more do not name the gap. With so many numbers they imitate what none of
-    /// them is: of 15 blind verdicts above this three were right, and of nine the cause was outside the library.
-    pub several_unnamed_share: f64,
     /// Multiple, RMS: where the base leaves more than this times what the model left of the recordings that it was identified from, the gap to
     /// be named is what lies above that.
     pub news_factor: f64,
     /// Floors, RMS: where the residual of the base is below this, causes are named only if most of the resamples agree.
     pub weak_floors: f64,
+    /// Share of the resamples: so many must agree on the first of several causes that are not clear (`clear_floors`, `clear_share`): together they may
+    /// imitate what none of them is.
+    pub first_agreement: f64,
     /// Floors, RMS: a verdict that names causes is clear only if the gap is at least this large.
     pub clear_floors: f64,
     /// Share of the gap, RMS: a verdict that names causes is clear only if they leave no more than this.
     pub clear_share: f64,
-    /// Weight: resamples that disagree count with this where causes are named. Most of them prefer a rival for the same part of the gap, and blind
-    /// verdicts on which few agreed were not right that much more seldom (agreement below 0.8: 35 of 53, else 451 of 515).
+    /// Weight: resamples that disagree count with this where causes are named, or several disputed (`first_agreement`). Most of them prefer a rival
+    /// for the same part of the gap, and blind verdicts on which few agreed were not right that much more seldom (agreement below 0.8: 35 of 53,
+    /// else 451 of 515).
     pub disagreement_weight: f64,
     /// Multiple of the usual level of the residual: a contact event reaches this.
     pub contact_peak: f64,
@@ -198,9 +199,9 @@ impl Default for Policy {
             form_floors: 0.75,
             form_share: 0.25,
             unnamed_share: 0.45,
-            several_unnamed_share: 0.25,
             news_factor: 1.25,
             weak_floors: 0.6,
+            first_agreement: 0.7,
             clear_floors: 1.0,
             clear_share: 0.1,
             disagreement_weight: 0.2,
@@ -272,9 +273,9 @@ pub const ENTRIES: [Threshold; 60] = [
     Threshold { name: "form_floors", field: |policy| &mut policy.form_floors },
     Threshold { name: "form_share", field: |policy| &mut policy.form_share },
     Threshold { name: "unnamed_share", field: |policy| &mut policy.unnamed_share },
-    Threshold { name: "several_unnamed_share", field: |policy| &mut policy.several_unnamed_share },
     Threshold { name: "news_factor", field: |policy| &mut policy.news_factor },
     Threshold { name: "weak_floors", field: |policy| &mut policy.weak_floors },
+    Threshold { name: "first_agreement", field: |policy| &mut policy.first_agreement },
     Threshold { name: "clear_floors", field: |policy| &mut policy.clear_floors },
     Threshold { name: "clear_share", field: |policy| &mut policy.clear_share },
     Threshold { name: "disagreement_weight", field: |policy| &mut policy.disagreement_weight },

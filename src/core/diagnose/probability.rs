@@ -46,7 +46,11 @@ pub fn probabilities(
     effects: &[Cause],
 ) -> Vec<(Answer, f64)> {
     let Outcomes { right, none, outside, other } = kind.outcomes(is_clear);
-    let weight = if matches!(kind, Kind::None | Kind::Unknown) { 1.0 } else { policy.disagreement_weight };
+    // A gap is unknown too where resamples do not agree on the first of several causes, which are not clear then.
+    let weight = match kind {
+        Kind::None | Kind::Unknown if is_clear => 1.0,
+        _ => policy.disagreement_weight,
+    };
     let said = (1.0 - weight * (1.0 - agreement)).max(0.0) * (right + 1.0) / (right + none + outside + other + 2.0);
     let wrong = none + outside + other + 3.0;
     let share = |count: f64| (1.0 - said) * (count + 1.0) / wrong;

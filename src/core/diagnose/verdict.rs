@@ -16,6 +16,8 @@ use crate::model::groups::LOAD_COEFFICIENT;
 const CLEAR: &str = "clear";
 /// What it says of causes that the gap is not put down to.
 const UNNAMED: &str = "causes do not name the gap";
+/// The subject of the rule about the first of several causes.
+const FIRST: &str = "first cause";
 /// What the rule says of repeats that noise would not make differ so much.
 const NOT_NOISE: &str = "no noise";
 /// Most of the resamples: so many must agree on the causes of a weak gap.
@@ -47,6 +49,11 @@ pub struct Verdict {
 }
 
 impl Verdict {
+    /// Whether the gap is unknown because too few resamples agree on the first of several causes.
+    pub fn is_disputed(&self) -> bool {
+        self.decisions.iter().any(|decision| decision.subject == FIRST && decision.outcome == UNNAMED)
+    }
+
     /// What repeats of one motion differ by over what noise would give, where that is the whole verdict: no gap is named or placed.
     pub fn differing(&self) -> Option<f64> {
         let decides = |decision: &&Decision| decision.rule == "repeats" && decision.outcome == NOT_NOISE;
@@ -115,21 +122,19 @@ impl Evidence<'_> {
         (rules.iter().any(|rule| rule.value > rule.limit), rules)
     }
 
-    /// Whether so many `causes` that leave `last` of `rest` name the gap, however well their formulas fit.
-    fn naming(&self, rest: f64, last: f64, causes: usize) -> Decision {
+    /// Whether causes that leave `last` of `rest` name the gap, however well their formulas fit.
+    fn naming(&self, rest: f64, last: f64) -> Decision {
         let is_news = rest > self.policy.news_factor.powi(2) * self.own_square;
         let known_square = if is_news { self.floor_square.max(self.own_square) } else { self.floor_square };
-        let Policy { unnamed_share, several_unnamed_share, .. } = *self.policy;
-        let share = if causes > 1 { several_unnamed_share } else { unnamed_share };
-        let (value, limit) = (above(last, known_square), share * above(rest, known_square));
+        let (value, limit) = (above(last, known_square), self.policy.unnamed_share * above(rest, known_square));
         let outcome = if value > limit { UNNAMED } else { "causes named, form approximate" };
         Decision { rule: "named", subject: "all causes", value, limit, outcome }
     }
 
-    /// Whether something material is left that none of so many `causes` names.
-    fn is_unknown(&self, rest: f64, last: f64, causes: usize) -> bool {
-        let naming = self.naming(rest, last, causes);
-        self.open(rest, last).0 && (causes == 0 || naming.value > naming.limit)
+    /// Whether something material is left that no cause names.
+    fn is_unknown(&self, rest: f64, last: f64, has_causes: bool) -> bool {
+        let naming = self.naming(rest, last);
+        self.open(rest, last).0 && (!has_causes || naming.value > naming.limit)
     }
 
     /// How far the gap shrinks where a fit of `numbers` parameters leaves the squares `left` in each unit.
@@ -149,12 +154,14 @@ struct Judged {
     kind: Kind,
     /// Share of the resamples that come to the same.
     agreement: f64,
+    /// Share of the resamples in which the first cause, the one that explains most alone, does best in its place and all together name the gap.
+    on_first: f64,
 }
 
 /// What the causes of `choice` amount to.
 fn judged(choice: &Choice<'_>, evidence: &Evidence<'_>) -> Judged {
-    let causes = causes(choice, evidence).len();
-    let is_unknown = evidence.is_unknown(evidence.mean(&evidence.rest), evidence.mean(&evidence.last), causes);
+    let has_causes = !causes(choice, evidence).is_empty();
+    let is_unknown = evidence.is_unknown(evidence.mean(&evidence.rest), evidence.mean(&evidence.last), has_causes);
     let kind = match (&choice.found[..], evidence.contact) {
         _ if is_unknown => Kind::Unknown,
         ([], false) => Kind::None,
@@ -166,17 +173,18 @@ fn judged(choice: &Choice<'_>, evidence: &Evidence<'_>) -> Judged {
     };
     let [rests, lasts] =
         [&evidence.rest, &evidence.last].map(|squares| evidence.resamples.mean_squares(squares, &evidence.rows));
-    let unknown = evidence.resamples.share(|i| evidence.is_unknown(rests[i], lasts[i], causes));
-    let shares = choice.found.iter().map(|found| {
-        let stands = stands(found, evidence);
-        evidence.resamples.share(|i| stands[i])
-    });
+    let unknown = evidence.resamples.share(|i| evidence.is_unknown(rests[i], lasts[i], has_causes));
+    let stand: Vec<Vec<bool>> = choice.found.iter().map(|found| stands(found, evidence)).collect();
+    let shares = stand.iter().map(|stands| evidence.resamples.share(|i| stands[i]));
     let agreement = match kind {
         Kind::Unknown => unknown,
         Kind::None => 1.0 - unknown,
         _ => shares.fold(1.0 - unknown, f64::min),
     };
-    Judged { kind, agreement }
+    let stands_first = |i: usize| stand.first().is_none_or(|first| first[i]);
+    let on_first =
+        evidence.resamples.share(|i| stands_first(i) && !evidence.is_unknown(rests[i], lasts[i], has_causes));
+    Judged { kind, agreement, on_first }
 }
 
 /// The share of the resamples that agree on causes of a gap that is too weak for so few.
@@ -194,12 +202,12 @@ pub fn verdict(choice: &Choice<'_>, evidence: &Evidence<'_>) -> Verdict {
     let Evidence { policy, floor_square, .. } = *evidence;
     let [delivered, rest, last] = [&evidence.delivered, &evidence.rest, &evidence.last].map(|s| evidence.mean(s));
     let mut effects = causes(choice, evidence);
-    let Judged { mut kind, mut agreement } = judged(choice, evidence);
+    let Judged { mut kind, mut agreement, on_first } = judged(choice, evidence);
     let (is_open, open) = evidence.open(rest, last);
     let oscillating = evidence.oscillations.iter().map(|o| o.decision(policy)).collect();
     let mut decisions = [choice.decisions.clone(), oscillating, open].concat();
     if is_open && !effects.is_empty() {
-        decisions.push(evidence.naming(rest, last, effects.len()));
+        decisions.push(evidence.naming(rest, last));
     }
     if kind == Kind::None
         && let Some(repeats) = repeats(policy, evidence.differing)
@@ -223,6 +231,13 @@ pub fn verdict(choice: &Choice<'_>, evidence: &Evidence<'_>) -> Verdict {
     let clear = clear(policy, kind, (gap_before_nm, gap_after_nm, floor_square.sqrt()));
     let is_clear = clear.iter().all(|decision| decision.outcome == CLEAR);
     decisions.extend(clear);
+    if kind == Kind::Several && !is_clear {
+        let first = on_first_cause(policy, on_first);
+        if first.outcome == UNNAMED {
+            (kind, agreement) = (Kind::Unknown, 1.0 - on_first);
+        }
+        decisions.push(first);
+    }
     let form = form(kind, is_open);
     let probabilities = probabilities(policy, (kind, is_clear), agreement, &effects);
     Verdict {
@@ -253,6 +268,14 @@ fn clear(policy: &Policy, kind: Kind, (gap_before_nm, gap_after_nm, floor_nm): (
         decision("gap", gap_before_nm, least_nm, gap_before_nm >= least_nm),
         decision("remainder", gap_after_nm, most_nm, gap_after_nm <= most_nm),
     ]
+}
+
+/// Whether enough resamples agree on the first of several causes that are not clear: together they can imitate what none of them is, but then another
+/// cause would often do as well in its place.
+fn on_first_cause(policy: &Policy, on_first: f64) -> Decision {
+    let limit = policy.first_agreement;
+    let outcome = if on_first < limit { UNNAMED } else { "causes named" };
+    Decision { rule: "agreement", subject: FIRST, value: on_first, limit, outcome }
 }
 
 /// Whether repeats differ by noise where they do by `differing` times, RMS, what that beyond the low-pass tells: it need not be white.
@@ -305,7 +328,7 @@ pub fn signature(cause: Cause, how: &str) -> Region {
 
 #[cfg(test)]
 mod tests {
-    use super::{CLEAR, Evidence, Kind, Numbers, Policy, Resamples, clear};
+    use super::{CLEAR, Evidence, Kind, Numbers, Policy, Resamples, UNNAMED, clear, on_first_cause};
     use crate::diagnose::data::tests::bundled;
     use crate::diagnose::floor::{Floor, FloorSource};
 
@@ -316,7 +339,7 @@ mod tests {
         let units = data.folds.units.len();
         let above_floor = |floors: f64| vec![1.0 + floors * floors; units];
         // What is left is too weak to count by itself.
-        let is_unknown = |left: f64, found_again_nm: f64, causes: usize| {
+        let is_unknown = |left: f64, found_again_nm: f64, has_causes: bool| {
             let evidence = Evidence {
                 policy,
                 rows: vec![1.0; units],
@@ -333,12 +356,19 @@ mod tests {
                 oscillations: &[],
                 numbers: Numbers { effective_dof: 0.0, each_square: 0.0 },
             };
-            evidence.is_unknown(evidence.mean(&evidence.rest), evidence.mean(&evidence.last), causes)
+            evidence.is_unknown(evidence.mean(&evidence.rest), evidence.mean(&evidence.last), has_causes)
         };
-        assert!(!is_unknown(0.6, 0.0, 1) && !is_unknown(0.6, 0.9 * policy.first_floors, 0));
-        assert!(is_unknown(0.6, 1.1 * policy.first_floors, 0) && is_unknown(0.6, 1.1 * policy.first_floors, 1));
+        assert!(!is_unknown(0.6, 0.0, true) && !is_unknown(0.6, 0.9 * policy.first_floors, false));
+        assert!(is_unknown(0.6, 1.1 * policy.first_floors, false) && is_unknown(0.6, 1.1 * policy.first_floors, true));
         // Causes that leave little of the gap name it, even if their formulas do not fit.
-        assert!(!is_unknown(0.45, 1.1 * policy.first_floors, 1));
+        assert!(!is_unknown(0.45, 1.1 * policy.first_floors, true));
+    }
+
+    #[test]
+    fn several_causes_need_a_first_one_that_most_resamples_agree_on() {
+        let outcome = |on_first: f64| on_first_cause(&Policy::default(), on_first).outcome;
+        assert_eq!(outcome(0.3), UNNAMED);
+        assert_ne!(outcome(0.9), UNNAMED);
     }
 
     #[test]

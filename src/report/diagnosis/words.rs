@@ -248,8 +248,10 @@ fn unknown(found: &Diagnosis, units: &Units) -> String {
         false => format!("A flexible fit shrinks it by only {shrink}, so it hardly depends on the recorded motion"),
     };
     let lies = if found.places.is_empty() { String::new() } else { format!(" Where it lies: {}.", location(found)) };
-    let why = match verdict.effects.len() > 1 {
-        true => "Several causes together reduce the gap, but they leave so much that it may be none of these",
+    let why = match verdict.is_disputed() {
+        true => {
+            "Several causes together reduce the gap, but the resamples do not agree on the first of them, so it may be none of these"
+        }
         false => "No cause of the library explains the gap",
     };
     format!(
