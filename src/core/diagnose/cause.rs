@@ -88,3 +88,17 @@ pub fn needing(excitation: Excitation) -> Vec<&'static str> {
     }
     found
 }
+
+#[cfg(test)]
+mod tests {
+    use super::Cause;
+
+    #[test]
+    fn a_verdict_names_no_two_forms_of_one_thing_and_no_two_kinds_of_ripple() {
+        let may = |a: &'static str, b: &'static str| Cause::Effect(a).may_stand_beside(Cause::Effect(b));
+        assert!(!may("torque_ripple", "friction_ripple") && !may("friction_ripple", "torque_ripple"));
+        assert!(!may("presliding", "reversal_transition") && !may("warm_up", "warm_up"));
+        assert!(may("torque_ripple", "presliding") && may("friction_ripple", "warm_up"));
+        assert!(Cause::Effect("torque_ripple").may_stand_beside(Cause::Stale("coulomb")));
+    }
+}

@@ -229,7 +229,9 @@ mod tests {
     use crate::diagnose::data::tests::bundled;
     use crate::diagnose::mask::Mask;
     use crate::diagnose::parameter_ref::ParameterRef;
-    use crate::diagnose::perturbation::{Mode, Perturbation};
+    use crate::diagnose::perturbation::{Mode, Perturbation, of_effect};
+    use crate::effects::{Added, find};
+    use crate::model::Model;
 
     #[test]
     fn what_would_pass_its_bound_is_held_there_and_the_others_go_where_they_would_go_without_it() {
@@ -251,5 +253,32 @@ mod tests {
         let [both_nm, alone_nm] = [&both, &alone].map(|fit| fit.model.dynamics.gravity_nm);
         assert!((both_nm / alone_nm - 1.0).abs() < 1e-6, "{both_nm} and {alone_nm}");
         assert!((both.score() / alone.score() - 1.0).abs() < 1e-6);
+    }
+
+    #[test]
+    fn a_shape_stays_at_its_limit_while_the_others_go_to_their_best_and_no_step_is_credited_that_was_not_taken() {
+        let (mut data, model) = bundled();
+        let (low, high) = data.extent.position_rad;
+        let with_stop = |stiffness_nm: f64, reach: f64, exponent: f64| {
+            let mut model = model.clone();
+            let position_rad = high - reach * (high - low);
+            let parameters = vec![1.0, stiffness_nm, position_rad, exponent, 0.0];
+            model.effects.push(Added { effect: find("end_stop").unwrap(), parameters });
+            model
+        };
+        // A stop with a softer start than any of the library's.
+        let truth = with_stop(8.0, 0.45, 5.0);
+        data.measured_nm =
+            data.records.predicted_nm(&truth, &data.records.passages(&truth), &data.records.branches(&truth));
+        let mask = Mask::new(&data, data.scored(&model), 1e-3);
+        let base = BaseModel::new(&mask, &model, Vec::new());
+        let start = with_stop(0.5, 0.2, 2.0);
+        let at = start.effects.len() - 1;
+        let fit = base.fit(start.clone(), of_effect(&start, at, &data.extent));
+        let square_of = |model: &Model| BaseModel::new(&mask, model, Vec::new()).alone().held_out_square();
+        let (reached, without) = (square_of(&fit.model), square_of(&model));
+        assert_eq!(fit.model.effects[at].parameters[3], 3.0);
+        assert!(reached < 0.003 * without, "{reached} of {without}");
+        assert!(fit.score() >= 0.999 * reached, "{} where the model leaves {reached}", fit.score());
     }
 }
