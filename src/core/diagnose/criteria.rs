@@ -186,9 +186,9 @@ pub fn rivals(taken: &FittedCause, tried: &[FittedCause], (start, without): (f64
     };
     let is_rival = |other: &&FittedCause| {
         let behind = other.score() - taken.score();
-        // A cause that is behind beyond noise and surely is no rival, however large the gap is beside which that is little.
+        // A cause that is surely behind by what no exact formula leaves is no rival, however large the gap is beside which that is little.
         let is_surely_behind = || {
-            is_beyond_noise(policy, behind, mask.floor_square())
+            behind > policy.form_exact_floor_share * mask.floor_square()
                 && leaves_more(&taken.fit, &other.fit, policy.gain_errors)
                 && !taken.cause.is_alike(other.cause)
         };
