@@ -203,7 +203,7 @@ pub fn try_all<'d>(
     let mut likely: Likely =
         shapes.map(|shape| (shape.effect.about().id, std::mem::take(&mut shape.promising))).collect();
     let mut place = 0..;
-    initialised.retain(|one| place.next() < Some(FITTED) || one.is_shape() || one.is_plain());
+    initialised.retain(|initialised| place.next() < Some(FITTED) || initialised.is_shape());
     let reach = initialised.first().map_or(f64::INFINITY, |best| reach(alone(base), best.cost().min(reached)));
     let groups: Vec<Stale> =
         stale(&base.model, &base.data().extent).into_iter().filter(|group| wanted(Cause::Stale(group.name))).collect();
@@ -260,11 +260,6 @@ impl Initialised {
     /// Whether it has no strength that a start could find at once.
     fn is_shape(&self) -> bool {
         self.starts[0].2.iter().all(|way| !way.is_linear)
-    }
-
-    /// Whether it is a single strength, fitted at once: what is as plain as a parameter out of date is compared with that.
-    fn is_plain(&self) -> bool {
-        self.starts.iter().all(|(_, _, moves)| moves.len() == 1 && moves[0].is_linear)
     }
 
     fn cause(&self) -> (Cause, &'static str) {

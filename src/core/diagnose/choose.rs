@@ -77,9 +77,9 @@ pub fn choose<'d>(mask: &Arc<Mask<'d>>, model: &Model, listener: Listener<'_>) -
     let search = Search::new(first, rest.clone(), listener);
     let start = search.start;
     let plain = search.outcome();
-    let (search, Outcome { opening, steps, last, refused, .. }) = search.or_wider(plain);
+    let (search, Outcome { opening, steps, last, refused }) = search.or_wider(plain);
     // Causes that were not promising enough alone to be fitted count as explaining nothing alone.
-    let scores: Vec<(Cause, f64)> = opening.tried.iter().map(|tried| (tried.cause, tried.score())).collect();
+    let scores: Vec<(Cause, f64)> = opening.iter().map(|tried| (tried.cause, tried.score())).collect();
     let alone = |cause: Cause| scores.iter().filter(|(of, _)| *of == cause).fold(start, |least, (_, x)| least.min(*x));
     let count = steps.len();
     let of_step = |step: Step<'d>| Found {
@@ -101,11 +101,9 @@ pub fn choose<'d>(mask: &Arc<Mask<'d>>, model: &Model, listener: Listener<'_>) -
 /// What a search comes to.
 struct Outcome<'d> {
     /// What was tried first, alone.
-    opening: Round<'d>,
+    opening: Vec<FittedCause<'d>>,
     /// The causes.
     steps: Vec<Step<'d>>,
-    /// Whether fewer are left than were chosen.
-    has_room: bool,
     /// Their fit.
     last: Fit<'d>,
     /// What was tried last, without success.
@@ -113,26 +111,9 @@ struct Outcome<'d> {
 }
 
 impl<'d> Search<'d, '_> {
-    /// Causes found one after the other, then each tried again beside the others; once more from there where that left causes out and a gap
-    /// is open: what was an early compromise has made room for another.
+    /// Causes found one after the other, then each tried again beside the others.
     fn outcome(&self) -> Outcome<'d> {
-        let mut outcome = self.settled(self.forward(Forward::nothing(&self.rest)));
-        if outcome.has_room && self.is_open(self.first.data().policy.further_floors, &outcome.last) {
-            let chosen: Vec<Hypothesis> = outcome.steps.iter().filter_map(|step| step.taken.hypothesis()).collect();
-            let (chosen, fit) = self.together(&chosen);
-            let opening = outcome.opening.clone();
-            let again = self.settled(self.forward(Forward { chosen, opening, ..Forward::nothing(&fit) }));
-            if again.steps.len() > outcome.steps.len() && again.last.score() < outcome.last.score() {
-                outcome = again;
-            }
-        }
-        outcome
-    }
-
-    /// The causes that `way` has chosen, each tried again beside the others.
-    fn settled(&self, way: Forward<'d>) -> Outcome<'d> {
-        let Forward { chosen, fit, opening, refused, .. } = way;
-        let count = chosen.len();
+        let Forward { chosen, fit, opening, refused, .. } = self.forward();
         let (steps, last) = match &chosen[..] {
             [] => (Vec::new(), fit),
             [one] => {
@@ -141,7 +122,7 @@ impl<'d> Search<'d, '_> {
             }
             _ => self.settle(chosen),
         };
-        Outcome { opening, has_room: steps.len() < count, steps, last, refused }
+        Outcome { opening: opening.tried, steps, last, refused }
     }
 
     /// What the search comes to where other causes than the best are followed too, if `plain` leaves a gap and the wider search leaves less
@@ -166,9 +147,16 @@ impl<'d> Search<'d, '_> {
         fit.score() - floor_nm.powi(2) > (share * floor_nm).powi(2)
     }
 
-    /// One cause after the other beside what `way` has chosen; also two as a pair, because the best single cause may be a compromise between both.
-    fn forward(&self, mut way: Forward<'d>) -> Forward<'d> {
+    /// One cause after the other; also two as a pair, because the best single cause may be a compromise between both.
+    fn forward(&self) -> Forward<'d> {
         let (floor_nm, policy) = (self.first.mask.floor_nm, &self.first.data().policy);
+        let mut way = Forward {
+            chosen: Vec::new(),
+            fit: self.rest.clone(),
+            opening: Round::default(),
+            refused: Vec::new(),
+            runners_up: Vec::new(),
+        };
         // Even if hardly anything remains at first: the floor is not known so precisely that a weak cause could not show.
         while way.chosen.len() < CAUSES_MAX
             && (way.chosen.is_empty() || way.fit.score() > (policy.further_floors * floor_nm).powi(2))

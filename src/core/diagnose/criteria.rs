@@ -178,7 +178,8 @@ fn sureness((policy, folds): (&Policy, &Folds), before: &[f64], after: &[f64]) -
 
 /// Causes other than `taken` that do as well with no more numbers (one that a spring over a short way is mistaken for may have one
 /// less), as far as noise and the clusters tell, and other forms of it that explain as much within the accuracy of any formula, however many numbers they have; where the joint
-/// confirms it, only those that do as well as far as noise shows. Of a parameter out of date that has none of these, the effect known to be mistaken for it that does better by one number more.
+/// confirms it, only those that do as well as far as noise shows. Of a parameter out of date that has none of these, the effect known to be
+/// mistaken for it that does better by one number more.
 pub fn rivals(taken: &FittedCause, tried: &[FittedCause], (start, without): (f64, f64)) -> Vec<Cause> {
     let (mask, policy) = (&taken.fit.mask, &taken.fit.mask.data.policy);
     let spare = |cause: Cause| {

@@ -46,19 +46,6 @@ pub struct Forward<'d> {
     pub runners_up: Vec<RunnerUp>,
 }
 
-impl<'d> Forward<'d> {
-    /// Nothing chosen, beside `fit`.
-    pub fn nothing(fit: &Fit<'d>) -> Self {
-        Self {
-            chosen: Vec::new(),
-            fit: fit.clone(),
-            opening: Round::default(),
-            refused: Vec::new(),
-            runners_up: Vec::new(),
-        }
-    }
-}
-
 impl<'d, 's> Search<'d, 's> {
     /// Of causes beside `first`, which leaves `rest` alone.
     pub fn new(first: BaseModel<'d>, rest: Fit<'d>, listener: Listener<'s>) -> Self {
