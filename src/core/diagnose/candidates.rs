@@ -273,9 +273,7 @@ impl Initialised {
     fn fit<'d>(self, base: &BaseModel<'d>, reach: f64) -> Option<FittedCause<'d>> {
         let (cause, how) = self.cause();
         let fits = self.starts.into_par_iter().map(|(_, model, moves)| base.fit_to_reach(reach, model, moves));
-        // What the base holds is what it was before.
-        let is_itself = |added: &Added| added.effect.is_itself(&added.parameters, &base.data().extent);
-        let fits: Vec<Fit<'d>> = fits.filter(|fit| fit.model.effects.last().is_some_and(is_itself)).collect();
+        let fits: Vec<Fit<'d>> = fits.filter(|fit| fit.is_sound()).collect();
         let best = fits.iter().min_by(|a, b| a.score().total_cmp(&b.score()))?;
         // A form with more numbers must do better by them.
         let equal = |fit: &&Fit| is_tie(best, fit, best.score());

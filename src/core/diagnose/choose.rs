@@ -180,10 +180,6 @@ impl<'d> Search<'d, '_> {
                     sets.extend(others);
                     runners_up.extend(beside);
                 }
-                // Together with others, an effect may do best where it is no longer what it is called.
-                if sets.iter().any(|(_, fit)| fit.is_sound()) {
-                    sets.retain(|(_, fit)| fit.is_sound());
-                }
                 next = simplest_set(sets, &way.chosen, self.start);
             }
             let Some((chosen, fit)) = next else {

@@ -63,11 +63,6 @@ impl Effect for ElasticSpring {
         at < 3 || p[2] > 0.5
     }
 
-    /// Neither part of its stiffness is negative.
-    fn limits(&self, at: usize, _extent: &Extent) -> (f64, f64) {
-        (if at == 0 || at == 3 { 0.0 } else { f64::NEG_INFINITY }, f64::INFINITY)
-    }
-
     /// A spring that drives the motion, softens, or stiffens the wrong way is not this effect, nor is one that rests far away.
     fn is_itself(&self, p: &[f64], extent: &Extent) -> bool {
         let stiffens = p[2] > 0.5;
