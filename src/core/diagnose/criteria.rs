@@ -21,6 +21,15 @@ pub fn simplest(tried: &[FittedCause], start: f64) -> Option<usize> {
     equals.min_by_key(|(_, t)| simplicity(t)).map(|(at, _)| at)
 }
 
+/// The best of several `forms` of one thing, best first: the simplest of those that do as well as far as noise shows. All that any of them gains is
+/// the same thing, and what sets them apart is small beside it: to be simpler by a number says less than to be nearer.
+pub fn best_form<'t, 'd>(forms: &'t [FittedCause<'d>]) -> Option<&'t FittedCause<'d>> {
+    let best = forms.first()?;
+    let (policy, floor_square) = (&best.fit.mask.data.policy, best.fit.mask.floor_square());
+    let does_as_well = |form: &&FittedCause<'d>| !is_beyond_noise(policy, form.score() - best.score(), floor_square);
+    forms.iter().filter(does_as_well).min_by_key(|form| simplicity(form))
+}
+
 /// The less, the simpler: numbers, and whether it is a makeshift.
 pub fn simplicity(tried: &FittedCause) -> (usize, bool) {
     (tried.count(), is_makeshift((tried.cause, tried.how)))

@@ -6,7 +6,7 @@
 use super::base::BaseModel;
 use super::bootstrap::{Numbers, Resamples};
 use super::folds::FOLDS;
-use super::gram::{Gram, Solution};
+use super::gram::{Gram, Prior, RIDGE, Solution};
 use super::mask::Mask;
 use super::perturbation::Perturbation;
 use super::records::Passages;
@@ -24,10 +24,15 @@ const PREDICTED: f64 = 1e-3;
 const CATCHING_UP: f64 = 2.0;
 /// ... from this step on: the first tells little of a shape.
 const TOLD_BY: usize = 2;
+/// A fit is at its optimum where one more step promises no more than this share of its cost.
+const PROMISED: f64 = 0.01;
 /// Prior deviation of what is held at its bound.
 const HELD: f64 = 1e-9;
-/// Quarterings of a step that makes matters worse.
+/// Quarterings of a step that makes matters worse ...
 const QUARTERINGS: usize = 3;
+/// ... after which steps damped by these shares of each column's own square are tried (Marquardt 1963): where shapes trade with each other the
+/// undamped direction is of no use at any length.
+const DAMPED: [f64; 5] = [RIDGE, 0.01, 0.1, 1.0, 10.0];
 
 /// A hypothesis fitted to the rows that count.
 #[derive(Debug, Clone)]
@@ -135,17 +140,35 @@ impl<'d> BaseModel<'d> {
         for step in 1..=STEPS {
             (columns, is_behind) = (columns_at(&now), false);
             let (gram, mut deviations) = self.gram_beside(&columns, &now.predicted_nm);
-            let solution = self.solve_within_bounds(&gram, &mut deviations, (&now.model, &moves));
-            let (predicted, x) = (self.cost_of(&solution), solution.x.as_slice()[self.moves.len()..].to_vec());
-            let over = x.iter().zip(&moves).map(|(x, way)| x.abs() / way.stride).fold(1.0, f64::max);
-            let shorter = |quarterings: i32| {
+            let solution =
+                self.solve_within_bounds(&gram, (&mut deviations, RIDGE), (&now.model, &moves), |way| way.is_linear);
+            let predicted = self.cost_of(&solution);
+            let stepped = |x: &[f64], share: f64| {
+                let over = x.iter().zip(&moves).map(|(x, way)| x.abs() / way.stride).fold(1.0, f64::max);
                 let mut tried = now.model.clone();
-                let share = 0.25f64.powi(quarterings) / over;
-                moves.iter().zip(&x).for_each(|(way, x)| way.apply(&mut tried, share * x));
+                moves.iter().zip(x).for_each(|(way, x)| way.apply(&mut tried, share / over * x));
                 point(tried)
             };
-            let better = (0..QUARTERINGS as i32).map(shorter).find(|tried| tried.cost < now.cost);
-            let Some(better) = better else {
+            let own_x = |solution: &Solution| solution.x.as_slice()[self.moves.len()..].to_vec();
+            let free_x = own_x(&solution);
+            let shorter = |quarterings: i32| stepped(&free_x, 0.25f64.powi(quarterings));
+            let held = |ridge: f64| {
+                let held = (&mut deviations.clone()[..], ridge);
+                stepped(&own_x(&self.solve_within_bounds(&gram, held, (&now.model, &moves), |_| true)), 1.0)
+            };
+            let is_better = |tried: &Point| tried.cost < now.cost;
+            let gains = |best: &Option<Point>| best.as_ref().is_some_and(|to| now.cost - to.cost > GAIN_MIN * now.cost);
+            let is_near = now.cost - predicted <= PROMISED * now.cost;
+            let mut best = (0..QUARTERINGS as i32).map(shorter).find(is_better);
+            // A promise that is not kept leads beyond a limit, or along a valley that is curved.
+            for ridge in DAMPED {
+                if is_near || gains(&best) {
+                    break;
+                }
+                let least = best.as_ref().map_or(now.cost, |to| to.cost);
+                best = Some(held(ridge)).filter(|to| to.cost < least).or(best);
+            }
+            let Some(better) = best else {
                 converged = true;
                 break;
             };
@@ -167,18 +190,20 @@ impl<'d> BaseModel<'d> {
         self.fit_at(now.model, moves, &now.predicted_nm, &columns, converged)
     }
 
-    /// The best coefficients of `gram`, whose columns have these prior `deviations`; what of the linear `moves` is at its bound in `model` and
-    /// would pass it is held there, and its deviation set accordingly.
+    /// The best coefficients of `gram`, whose columns have these prior `deviations` and this [`Prior::ridge`]; what of the `moves` may be held, is at
+    /// its bound in `model` and would pass it is held there, and its deviation set accordingly.
     fn solve_within_bounds(
         &self,
         gram: &Gram,
-        deviations: &mut [f64],
+        (deviations, ridge): (&mut [f64], f64),
         (model, moves): (&Model, &[Perturbation]),
+        may_be_held: impl Fn(&Perturbation) -> bool,
     ) -> Solution {
         loop {
-            let solution = gram.solve(self.mask.prior(deviations));
+            let solution = gram.solve(Prior { ridge, ..self.mask.prior(deviations) });
             let own = self.moves.len();
-            let is_stopped = |at: &usize| moves[*at].is_stopped(model, solution.x[own + at]);
+            let is_stopped =
+                |at: &usize| may_be_held(&moves[*at]) && moves[*at].is_stopped(model, solution.x[own + at]);
             let stopped: Vec<usize> =
                 (0..moves.len()).filter(|at| deviations[own + at] > HELD).filter(is_stopped).collect();
             if stopped.is_empty() {
@@ -202,11 +227,28 @@ impl<'d> BaseModel<'d> {
         for (deviation, way) in deviations.iter_mut().skip(self.moves.len()).zip(&moves) {
             *deviation = way.stride;
         }
-        let solution = self.solve_within_bounds(&gram, &mut deviations, (&model, &moves));
-        let held_out = gram.held_out(&self.mask.data.folds, self.mask.prior(&deviations));
+        let reached = self.cost_beside(&[], predicted_nm).0;
+        let is_kept = |solution: &Solution| reached - self.cost_of(solution) <= PROMISED * reached;
+        // At its limit a shape is still a number that other units would have set otherwise, unless too much is promised beyond.
+        let mut free = deviations.clone();
+        let beyond = self.solve_within_bounds(&gram, (&mut free, RIDGE), (&model, &moves), |way| way.is_linear);
+        let solution = match is_kept(&beyond) {
+            true => {
+                deviations = free;
+                beyond
+            }
+            false => self.solve_within_bounds(&gram, (&mut deviations, RIDGE), (&model, &moves), |_| true),
+        };
+        let mut held_out = gram.held_out(&self.mask.data.folds, self.mask.prior(&deviations));
+        // What one more step of the causes promises counts for nothing where none kept it.
+        let is_there = is_kept(&solution);
+        if !is_there {
+            let promised = self.cost_of(&solution).max(f64::MIN_POSITIVE);
+            held_out.iter_mut().for_each(|square| *square *= reached / promised);
+        }
         let base_x = solution.x.rows(0, self.moves.len()).iter().copied().collect();
         let (mask, prior_penalty) = (self.mask.clone(), solution.prior_penalty);
-        Fit { mask, model, moves, prior_penalty, held_out, base_x, converged, gram, deviations }
+        Fit { mask, model, moves, prior_penalty, held_out, base_x, converged: converged && is_there, gram, deviations }
     }
 }
 
@@ -216,7 +258,9 @@ mod tests {
     use crate::diagnose::data::tests::bundled;
     use crate::diagnose::mask::Mask;
     use crate::diagnose::parameter_ref::ParameterRef;
-    use crate::diagnose::perturbation::{Mode, Perturbation};
+    use crate::diagnose::perturbation::{Mode, Perturbation, of_effect};
+    use crate::effects::{Added, find};
+    use crate::model::Model;
 
     #[test]
     fn what_would_pass_its_bound_is_held_there_and_the_others_go_where_they_would_go_without_it() {
@@ -238,5 +282,32 @@ mod tests {
         let [both_nm, alone_nm] = [&both, &alone].map(|fit| fit.model.dynamics.gravity_nm);
         assert!((both_nm / alone_nm - 1.0).abs() < 1e-6, "{both_nm} and {alone_nm}");
         assert!((both.score() / alone.score() - 1.0).abs() < 1e-6);
+    }
+
+    #[test]
+    fn a_shape_stays_at_its_limit_while_the_others_go_to_their_best_and_no_step_is_credited_that_was_not_taken() {
+        let (mut data, model) = bundled();
+        let (low, high) = data.extent.position_rad;
+        let with_stop = |stiffness_nm: f64, reach: f64, exponent: f64| {
+            let mut model = model.clone();
+            let position_rad = high - reach * (high - low);
+            let parameters = vec![1.0, stiffness_nm, position_rad, exponent, 0.0];
+            model.effects.push(Added { effect: find("end_stop").unwrap(), parameters });
+            model
+        };
+        // A stop with a softer start than any of the library's.
+        let truth = with_stop(8.0, 0.45, 5.0);
+        data.measured_nm =
+            data.records.predicted_nm(&truth, &data.records.passages(&truth), &data.records.branches(&truth));
+        let mask = Mask::new(&data, data.scored(&model), 1e-3);
+        let base = BaseModel::new(&mask, &model, Vec::new());
+        let start = with_stop(0.5, 0.2, 2.0);
+        let at = start.effects.len() - 1;
+        let fit = base.fit(start.clone(), of_effect(&start, at, &data.extent));
+        let square_of = |model: &Model| BaseModel::new(&mask, model, Vec::new()).alone().held_out_square();
+        let (reached, without) = (square_of(&fit.model), square_of(&model));
+        assert_eq!(fit.model.effects[at].parameters[3], 3.0);
+        assert!(reached < 0.003 * without, "{reached} of {without}");
+        assert!(fit.score() >= 0.99 * reached, "{} where the model leaves {reached}", fit.score());
     }
 }

@@ -5,8 +5,8 @@ use super::folds::{FOLDS, Folds};
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 
-/// Ridge as a share of a column's own square: bounds the coefficients of dependent columns, without a visible effect on any other fit.
-const RIDGE: f64 = 1e-7;
+/// [`Prior::ridge`] of a fit: bounds the coefficients of dependent columns, without a visible effect on any other.
+pub const RIDGE: f64 = 1e-7;
 /// Rounds in which the noise and the weight of the priors settle.
 const ROUNDS: usize = 3;
 /// Priors also act as limits: the sum of squares of the moves stays within its expectation plus this many standard deviations. Otherwise a
@@ -36,6 +36,8 @@ pub struct Prior<'a> {
     pub floor_square: f64,
     /// Rows per independent sample.
     pub rows_per_independent: f64,
+    /// What holds every coefficient besides, as a share of its column's own square.
+    pub ridge: f64,
 }
 
 /// Coefficients found.
@@ -97,7 +99,7 @@ impl Gram {
         let scaled = DMatrix::from_fn(self.columns, self.columns, |a, b| sum[(a, b)] / (square(a) * square(b)).sqrt());
         let mut held = scaled.clone();
         (0..self.columns)
-            .for_each(|a| held[(a, a)] += RIDGE + noise_square / (prior.deviations[a].powi(2) * square(a)));
+            .for_each(|a| held[(a, a)] += prior.ridge + noise_square / (prior.deviations[a].powi(2) * square(a)));
         let all = vec![1.0; self.columns];
         held.cholesky().map_or(all, |cholesky| cholesky.solve(&scaled).diagonal().iter().copied().collect())
     }
@@ -166,8 +168,11 @@ pub fn solve(sum: &DMatrix<f64>, rows: usize, prior: Prior<'_>) -> Solution {
         let noise_square = per_row(found.square).max(prior.floor_square).max(f64::MIN_POSITIVE);
         let weight = noise_square * prior.rows_per_independent;
         let normal = DMatrix::from_fn(n, n, |a, b| {
-            let own =
-                if a == b { RIDGE + firmness[a] * weight / (prior.deviations[a] * scales[a]).powi(2) } else { 0.0 };
+            let own = if a == b {
+                prior.ridge + firmness[a] * weight / (prior.deviations[a] * scales[a]).powi(2)
+            } else {
+                0.0
+            };
             sum[(a, b)] / (scales[a] * scales[b]) + own
         });
         let right = DVector::from_fn(n, |a, _| sum[(a, n)] / scales[a]);

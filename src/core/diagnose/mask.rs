@@ -4,7 +4,7 @@
 //! another.
 
 use super::data::DataSet;
-use super::gram::Prior;
+use super::gram::{Prior, RIDGE};
 use std::ops::Range;
 use std::sync::Arc;
 
@@ -65,6 +65,7 @@ impl<'d> Mask<'d> {
             rows: &self.unit_rows,
             floor_square: self.floor_square(),
             rows_per_independent: self.data.records.rows_per_independent,
+            ridge: RIDGE,
         }
     }
 

@@ -60,13 +60,12 @@ impl Perturbation {
         }
     }
 
-    /// Whether it is linear, and all that it turns is at its bound in `model` where `x` would lead beyond. (What is at the end of a shape may
-    /// still come back: its columns change.)
+    /// Whether all that it turns is at its bound in `model` where `x` would lead beyond.
     pub fn is_stopped(&self, model: &Model, x: f64) -> bool {
         let mut moved = model.clone();
         self.apply(&mut moved, x);
         let is_still = |parameter: ParameterRef| parameter.value(&moved) == parameter.value(model);
-        self.is_linear && x != 0.0 && self.parameters().all(is_still)
+        x != 0.0 && self.parameters().all(is_still)
     }
 
     /// `model` as a function of `ways`, at most [`crate::numerics::dual::VARIABLES`] of them: the variables of its numbers.

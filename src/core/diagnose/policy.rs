@@ -85,16 +85,12 @@ pub struct Policy {
     pub news_factor: f64,
     /// Floors, RMS: where the residual of the base is below this, causes are named only if most of the resamples agree.
     pub weak_floors: f64,
-    /// Share of the resamples: so many must agree on the first of several causes that are not clear (`clear_floors`, `clear_share`): together they may
-    /// imitate what none of them is.
-    pub first_agreement: f64,
     /// Floors, RMS: a verdict that names causes is clear only if the gap is at least this large.
     pub clear_floors: f64,
     /// Share of the gap, RMS: a verdict that names causes is clear only if they leave no more than this.
     pub clear_share: f64,
-    /// Weight: resamples that disagree count with this where causes are named, or several disputed (`first_agreement`). Most of them prefer a rival
-    /// for the same part of the gap, and blind verdicts on which few agreed were not right that much more seldom (agreement below 0.8: 35 of 53,
-    /// else 451 of 515).
+    /// Weight: resamples that disagree count with this where causes are named. Most of them prefer a rival for the same part of the gap, and blind
+    /// verdicts on which few agreed were not right that much more seldom (agreement below 0.8: 35 of 53, else 451 of 515).
     pub disagreement_weight: f64,
     /// Multiple of the usual level of the residual: a contact event reaches this.
     pub contact_peak: f64,
@@ -201,7 +197,6 @@ impl Default for Policy {
             unnamed_share: 0.45,
             news_factor: 1.25,
             weak_floors: 0.6,
-            first_agreement: 0.7,
             clear_floors: 1.0,
             clear_share: 0.1,
             disagreement_weight: 0.2,
@@ -247,7 +242,7 @@ pub struct Threshold {
 }
 
 /// All thresholds, in the order of the fields.
-pub const ENTRIES: [Threshold; 60] = [
+pub const ENTRIES: [Threshold; 59] = [
     Threshold { name: "first_floors", field: |policy| &mut policy.first_floors },
     Threshold { name: "further_floors", field: |policy| &mut policy.further_floors },
     Threshold { name: "first_gap_share", field: |policy| &mut policy.first_gap_share },
@@ -275,7 +270,6 @@ pub const ENTRIES: [Threshold; 60] = [
     Threshold { name: "unnamed_share", field: |policy| &mut policy.unnamed_share },
     Threshold { name: "news_factor", field: |policy| &mut policy.news_factor },
     Threshold { name: "weak_floors", field: |policy| &mut policy.weak_floors },
-    Threshold { name: "first_agreement", field: |policy| &mut policy.first_agreement },
     Threshold { name: "clear_floors", field: |policy| &mut policy.clear_floors },
     Threshold { name: "clear_share", field: |policy| &mut policy.clear_share },
     Threshold { name: "disagreement_weight", field: |policy| &mut policy.disagreement_weight },

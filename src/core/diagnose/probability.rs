@@ -46,9 +46,8 @@ pub fn probabilities(
     effects: &[Cause],
 ) -> Vec<(Answer, f64)> {
     let Outcomes { right, none, outside, other } = kind.outcomes(is_clear);
-    // A gap is unknown too where resamples do not agree on the first of several causes, which are not clear then.
     let weight = match kind {
-        Kind::None | Kind::Unknown if is_clear => 1.0,
+        Kind::None | Kind::Unknown => 1.0,
         _ => policy.disagreement_weight,
     };
     let said = (1.0 - weight * (1.0 - agreement)).max(0.0) * (right + 1.0) / (right + none + outside + other + 2.0);

@@ -3,7 +3,7 @@
 use super::base::BaseModel;
 use super::candidates::{Cause, FittedCause, Hypothesis, reach};
 use super::compare::{is_tie, leaves_more};
-use super::criteria::{Share, distinctness, simplest, simplicity};
+use super::criteria::{Share, best_form, distinctness, simplest, simplicity};
 use super::fit::Fit;
 use super::progress::{Phase, Progress};
 use super::search::Search;
@@ -83,8 +83,7 @@ impl<'d> Search<'d, '_> {
             return (step, chosen.to_vec());
         };
         let (sets, fits) = self.forms(chosen, at, &step.tried, taken);
-        let stands = fits.iter().find(|form| form.is(&step.taken)).or(fits.iter().find(|form| form.is(taken)));
-        let form = stands.and_then(|stands| self.preferred(&fits, stands, &step.without)).unwrap_or(taken);
+        let form = best_form(&fits).unwrap_or(taken);
         let taken = step.tried.iter().find(|tried| tried.is(form)).unwrap_or(form).clone();
         let stand = sets.into_iter().find(|set| (set[at].cause, set[at].how) == (taken.cause, taken.how));
         let stand = stand.unwrap_or_else(|| {

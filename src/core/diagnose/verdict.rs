@@ -16,8 +16,6 @@ use crate::model::groups::LOAD_COEFFICIENT;
 const CLEAR: &str = "clear";
 /// What it says of causes that the gap is not put down to.
 const UNNAMED: &str = "causes do not name the gap";
-/// The subject of the rule about the first of several causes.
-const FIRST: &str = "first cause";
 /// What the rule says of repeats that noise would not make differ so much.
 const NOT_NOISE: &str = "no noise";
 /// Most of the resamples: so many must agree on the causes of a weak gap.
@@ -49,11 +47,6 @@ pub struct Verdict {
 }
 
 impl Verdict {
-    /// Whether the gap is unknown because too few resamples agree on the first of several causes.
-    pub fn is_disputed(&self) -> bool {
-        self.decisions.iter().any(|decision| decision.subject == FIRST && decision.outcome == UNNAMED)
-    }
-
     /// What repeats of one motion differ by over what noise would give, where that is the whole verdict: no gap is named or placed.
     pub fn differing(&self) -> Option<f64> {
         let decides = |decision: &&Decision| decision.rule == "repeats" && decision.outcome == NOT_NOISE;
@@ -149,17 +142,8 @@ fn causes(choice: &Choice<'_>, evidence: &Evidence<'_>) -> Vec<Cause> {
     choice.found.iter().map(|found| found.cause).chain(contact).collect()
 }
 
-/// What the causes amount to.
-struct Judged {
-    kind: Kind,
-    /// Share of the resamples that come to the same.
-    agreement: f64,
-    /// Share of the resamples in which the first cause, the one that explains most alone, does best in its place and all together name the gap.
-    on_first: f64,
-}
-
-/// What the causes of `choice` amount to.
-fn judged(choice: &Choice<'_>, evidence: &Evidence<'_>) -> Judged {
+/// What the causes of `choice` amount to, and the share of the resamples that come to the same.
+fn judged(choice: &Choice<'_>, evidence: &Evidence<'_>) -> (Kind, f64) {
     let has_causes = !causes(choice, evidence).is_empty();
     let is_unknown = evidence.is_unknown(evidence.mean(&evidence.rest), evidence.mean(&evidence.last), has_causes);
     let kind = match (&choice.found[..], evidence.contact) {
@@ -174,22 +158,21 @@ fn judged(choice: &Choice<'_>, evidence: &Evidence<'_>) -> Judged {
     let [rests, lasts] =
         [&evidence.rest, &evidence.last].map(|squares| evidence.resamples.mean_squares(squares, &evidence.rows));
     let unknown = evidence.resamples.share(|i| evidence.is_unknown(rests[i], lasts[i], has_causes));
-    let stand: Vec<Vec<bool>> = choice.found.iter().map(|found| stands(found, evidence)).collect();
-    let shares = stand.iter().map(|stands| evidence.resamples.share(|i| stands[i]));
+    let shares = choice.found.iter().map(|found| {
+        let stands = stands(found, evidence);
+        evidence.resamples.share(|i| stands[i])
+    });
     let agreement = match kind {
         Kind::Unknown => unknown,
         Kind::None => 1.0 - unknown,
         _ => shares.fold(1.0 - unknown, f64::min),
     };
-    let stands_first = |i: usize| stand.first().is_none_or(|first| first[i]);
-    let on_first =
-        evidence.resamples.share(|i| stands_first(i) && !evidence.is_unknown(rests[i], lasts[i], has_causes));
-    Judged { kind, agreement, on_first }
+    (kind, agreement)
 }
 
 /// The share of the resamples that agree on causes of a gap that is too weak for so few.
 pub fn too_weak(choice: &Choice<'_>, evidence: &Evidence<'_>) -> Option<f64> {
-    let Judged { kind, agreement, .. } = judged(choice, evidence);
+    let (kind, agreement) = judged(choice, evidence);
     let is_named = !matches!(kind, Kind::None | Kind::Unknown);
     let weak_floors = evidence.policy.weak_floors;
     let is_weak =
@@ -202,7 +185,7 @@ pub fn verdict(choice: &Choice<'_>, evidence: &Evidence<'_>) -> Verdict {
     let Evidence { policy, floor_square, .. } = *evidence;
     let [delivered, rest, last] = [&evidence.delivered, &evidence.rest, &evidence.last].map(|s| evidence.mean(s));
     let mut effects = causes(choice, evidence);
-    let Judged { mut kind, mut agreement, on_first } = judged(choice, evidence);
+    let (mut kind, mut agreement) = judged(choice, evidence);
     let (is_open, open) = evidence.open(rest, last);
     let oscillating = evidence.oscillations.iter().map(|o| o.decision(policy)).collect();
     let mut decisions = [choice.decisions.clone(), oscillating, open].concat();
@@ -231,13 +214,6 @@ pub fn verdict(choice: &Choice<'_>, evidence: &Evidence<'_>) -> Verdict {
     let clear = clear(policy, kind, (gap_before_nm, gap_after_nm, floor_square.sqrt()));
     let is_clear = clear.iter().all(|decision| decision.outcome == CLEAR);
     decisions.extend(clear);
-    if kind == Kind::Several && !is_clear {
-        let first = on_first_cause(policy, on_first);
-        if first.outcome == UNNAMED {
-            (kind, agreement) = (Kind::Unknown, 1.0 - on_first);
-        }
-        decisions.push(first);
-    }
     let form = form(kind, is_open);
     let probabilities = probabilities(policy, (kind, is_clear), agreement, &effects);
     Verdict {
@@ -268,14 +244,6 @@ fn clear(policy: &Policy, kind: Kind, (gap_before_nm, gap_after_nm, floor_nm): (
         decision("gap", gap_before_nm, least_nm, gap_before_nm >= least_nm),
         decision("remainder", gap_after_nm, most_nm, gap_after_nm <= most_nm),
     ]
-}
-
-/// Whether enough resamples agree on the first of several causes that are not clear: together they can imitate what none of them is, but then another
-/// cause would often do as well in its place.
-fn on_first_cause(policy: &Policy, on_first: f64) -> Decision {
-    let limit = policy.first_agreement;
-    let outcome = if on_first < limit { UNNAMED } else { "causes named" };
-    Decision { rule: "agreement", subject: FIRST, value: on_first, limit, outcome }
 }
 
 /// Whether repeats differ by noise where they do by `differing` times, RMS, what that beyond the low-pass tells: it need not be white.
@@ -328,7 +296,7 @@ pub fn signature(cause: Cause, how: &str) -> Region {
 
 #[cfg(test)]
 mod tests {
-    use super::{CLEAR, Evidence, Kind, Numbers, Policy, Resamples, UNNAMED, clear, on_first_cause};
+    use super::{CLEAR, Evidence, Kind, Numbers, Policy, Resamples, clear};
     use crate::diagnose::data::tests::bundled;
     use crate::diagnose::floor::{Floor, FloorSource};
 
@@ -362,13 +330,6 @@ mod tests {
         assert!(is_unknown(0.6, 1.1 * policy.first_floors, false) && is_unknown(0.6, 1.1 * policy.first_floors, true));
         // Causes that leave little of the gap name it, even if their formulas do not fit.
         assert!(!is_unknown(0.45, 1.1 * policy.first_floors, true));
-    }
-
-    #[test]
-    fn several_causes_need_a_first_one_that_most_resamples_agree_on() {
-        let outcome = |on_first: f64| on_first_cause(&Policy::default(), on_first).outcome;
-        assert_eq!(outcome(0.3), UNNAMED);
-        assert_ne!(outcome(0.9), UNNAMED);
     }
 
     #[test]

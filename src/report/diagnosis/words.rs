@@ -248,14 +248,8 @@ fn unknown(found: &Diagnosis, units: &Units) -> String {
         false => format!("A flexible fit shrinks it by only {shrink}, so it hardly depends on the recorded motion"),
     };
     let lies = if found.places.is_empty() { String::new() } else { format!(" Where it lies: {}.", location(found)) };
-    let why = match verdict.is_disputed() {
-        true => {
-            "Several causes together reduce the gap, but the resamples do not agree on the first of them, so it may be none of these"
-        }
-        false => "No cause of the library explains the gap",
-    };
     format!(
-        "{why}: of {} (RMS above the noise floor, which is at most {}), {} remain at best.{} \
+        "No cause of the library explains the gap: of {} (RMS above the noise floor, which is at most {}), {} remain at best.{} \
          {nature}.{lies}",
         units.torque(verdict.gap_before_nm),
         units.torque(gap.floor.upper_nm()),

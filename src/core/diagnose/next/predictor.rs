@@ -8,7 +8,7 @@
 use super::super::base::BaseModel;
 use super::super::candidates::FittedCause;
 use super::super::folds::Folds;
-use super::super::gram::{Gram, Prior};
+use super::super::gram::{Gram, Prior, RIDGE};
 use super::super::perturbation::Perturbation;
 use crate::dynamics::Chain;
 use crate::effects::constant_load;
@@ -127,6 +127,7 @@ impl Predictor<'_> {
             deviations: &b.deviations,
             floor_square: self.floor_nm * self.floor_nm,
             rows_per_independent: self.rows_per_independent(),
+            ridge: RIDGE,
         };
         (gram.solve(prior).square / rows as f64).max(0.0).sqrt()
     }
