@@ -6,17 +6,13 @@ use crate::numerics::scalar::Scalar;
 /// Loads by which a cable hardens that are tried, as shares of the reading's range.
 const HARDENS: [f64; 3] = [0.04, 0.15, 0.6];
 
-/// Shares of the friction in the pull that stretches the cable that are tried: none where it all rubs at the winch, all where it rubs at the joint,
-/// half where it is spread along the sheath.
-const WITH_FRICTION: [f64; 3] = [0.0, 0.5, 1.0];
-
 static ABOUT: About = About {
     id: "cable_elasticity",
     family: Family::Physics,
     acts_on: ActsOn::Load,
     means: "stretch of the cable takes the joint off the measured angle, the more the more it bears",
-    formula: "q_joint = q - compliance_rad_nm tau; gravity is taken there; tau = the load and the share with_friction of what friction \
-              adds to it, from load to y r2/r1; if it hardens, its stiffness grows by itself with each hardens_nm: ln(1 + |tau|/hardens_nm) hardens_nm sgn(tau) instead of tau",
+    formula: "q_joint = q - compliance_rad_nm tau; gravity is taken there; tau = the load, or y r2/r1 where with_friction; if it \
+              hardens, its stiffness grows by itself with each hardens_nm: ln(1 + |tau|/hardens_nm) hardens_nm sgn(tau) instead of tau",
     source: "two-mass models; Spong 1987; stiffness that grows with the load: Feyrer, Wire Ropes, 2015",
     signature: Region::Load,
     trades_with: &["gravity_phase", "elastic_spring", "gravity"],
@@ -54,7 +50,7 @@ impl Effect for CableElasticity {
             let hardens = HARDENS.into_iter().map(move |share| vec![with_friction, 0.0, 1.0, share * span_nm]);
             std::iter::once(vec![with_friction, 0.0, 0.0, 1.0]).chain(hardens)
         };
-        WITH_FRICTION.into_iter().flat_map(of).collect()
+        of(0.0).chain(of(1.0)).collect()
     }
 
     fn uses(&self, p: &[f64], at: usize) -> bool {
@@ -74,7 +70,7 @@ impl Effect for CableElasticity {
 
 impl<S: Scalar> Hooks<S> for CableElasticity {
     fn position_lag_rad(&self, p: &[S], load_nm: S, pull_nm: S) -> S {
-        let tau_nm = load_nm + p[0] * (pull_nm - load_nm);
+        let tau_nm = if p[0].value() > 0.5 { pull_nm } else { load_nm };
         if p[2].value() <= 0.5 {
             return p[1] * tau_nm;
         }
