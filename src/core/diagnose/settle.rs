@@ -169,9 +169,9 @@ impl<'d> Search<'d, '_> {
 /// gains nothing. Where its own fit is no longer what it is called and none of `tried` is, the best of `tried` stands in its place.
 pub fn place<'d>(own: FittedCause<'d>, mut tried: Vec<FittedCause<'d>>, without: Fit<'d>) -> Step<'d> {
     let is_own = |t: &FittedCause| t.is(&own);
-    let is_sound = own.fit.is_sound();
-    let better = |t: &&FittedCause| !is_sound || t.score() <= own.score();
-    let taken = match tried.iter().find(|t| is_own(t)).filter(better).or(tried.first().filter(|_| !is_sound)) {
+    let is_itself = own.is_itself();
+    let better = |t: &&FittedCause| !is_itself || t.score() <= own.score();
+    let taken = match tried.iter().find(|t| is_own(t)).filter(better).or(tried.first().filter(|_| !is_itself)) {
         Some(better) => better.clone(),
         None => {
             tried.retain(|t| !is_own(t));
