@@ -187,3 +187,28 @@ pub fn place<'d>(own: FittedCause<'d>, mut tried: Vec<FittedCause<'d>>, without:
 pub fn all_but(chosen: &[Hypothesis], at: usize) -> Vec<Hypothesis> {
     chosen.iter().enumerate().filter(|(i, _)| *i != at).map(|(_, hypothesis)| hypothesis.clone()).collect()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::place;
+    use crate::diagnose::base::BaseModel;
+    use crate::diagnose::candidates::{Cause, try_one};
+    use crate::diagnose::data::tests::bundled;
+    use crate::diagnose::mask::Mask;
+    use crate::effects::linear_spring;
+
+    #[test]
+    fn a_cause_keeps_its_place_where_what_stands_beside_it_is_no_longer_what_it_is_called() {
+        let (data, model) = bundled();
+        let mask = Mask::new(&data, data.scored(&model), 1e-3);
+        let sound = BaseModel::new(&mask, &model, Vec::new());
+        let mut own = try_one(&sound, Cause::Effect("load_dependent_friction"), &Vec::new()).unwrap();
+        let other = try_one(&sound, Cause::Stale("inertia"), &Vec::new()).unwrap();
+        assert!(own.score() < other.score());
+        // A spring that drives the motion.
+        own.fit.model.effects.insert(0, linear_spring(-1.0, 0.0));
+        assert!(!own.fit.is_sound() && own.is_itself());
+        let step = place(own.clone(), vec![other], sound.alone());
+        assert!(step.taken.is(&own));
+    }
+}
