@@ -202,8 +202,8 @@ mod tests {
         let (data, model) = bundled();
         let mask = Mask::new(&data, data.scored(&model), 1e-3);
         let sound = BaseModel::new(&mask, &model, Vec::new());
-        let mut own = try_one(&sound, Cause::Effect("load_dependent_friction"), &Vec::new()).unwrap();
-        let other = try_one(&sound, Cause::Stale("inertia"), &Vec::new()).unwrap();
+        let mut own = try_one(&sound, Cause::Effect("presliding"), &Vec::new()).unwrap();
+        let other = try_one(&sound, Cause::Effect("sensor_bias"), &Vec::new()).unwrap();
         assert!(own.score() < other.score());
         // A spring that drives the motion.
         own.fit.model.effects.insert(0, linear_spring(-1.0, 0.0));
