@@ -30,8 +30,8 @@ const PROMISED: f64 = 0.01;
 const HELD: f64 = 1e-9;
 /// Quarterings of a step that makes matters worse ...
 const QUARTERINGS: usize = 3;
-/// ... after which steps damped by these shares of each column's own square are tried (Marquardt 1963): where shapes trade with each other the
-/// undamped direction is of no use at any length.
+/// ... after which steps with shapes held at their limits are tried, first as they are, then damped by these shares of each column's own square
+/// (Marquardt 1963): where shapes trade with each other the undamped direction is of no use at any length.
 const DAMPED: [f64; 5] = [RIDGE, 0.01, 0.1, 1.0, 10.0];
 
 /// A hypothesis fitted to the rows that count.
@@ -139,36 +139,8 @@ impl<'d> BaseModel<'d> {
         let (mut converged, mut columns, mut is_behind) = (false, Vec::new(), false);
         for step in 1..=STEPS {
             (columns, is_behind) = (columns_at(&now), false);
-            let (gram, mut deviations) = self.gram_beside(&columns, &now.predicted_nm);
-            let solution =
-                self.solve_within_bounds(&gram, (&mut deviations, RIDGE), (&now.model, &moves), |way| way.is_linear);
-            let predicted = self.cost_of(&solution);
-            let stepped = |x: &[f64], share: f64| {
-                let over = x.iter().zip(&moves).map(|(x, way)| x.abs() / way.stride).fold(1.0, f64::max);
-                let mut tried = now.model.clone();
-                moves.iter().zip(x).for_each(|(way, x)| way.apply(&mut tried, share / over * x));
-                point(tried)
-            };
-            let own_x = |solution: &Solution| solution.x.as_slice()[self.moves.len()..].to_vec();
-            let free_x = own_x(&solution);
-            let shorter = |quarterings: i32| stepped(&free_x, 0.25f64.powi(quarterings));
-            let held = |ridge: f64| {
-                let held = (&mut deviations.clone()[..], ridge);
-                stepped(&own_x(&self.solve_within_bounds(&gram, held, (&now.model, &moves), |_| true)), 1.0)
-            };
-            let is_better = |tried: &Point| tried.cost < now.cost;
-            let gains = |best: &Option<Point>| best.as_ref().is_some_and(|to| now.cost - to.cost > GAIN_MIN * now.cost);
-            let is_near = now.cost - predicted <= PROMISED * now.cost;
-            let mut best = (0..QUARTERINGS as i32).map(shorter).find(is_better);
-            // A promise that is not kept leads beyond a limit, or along a valley that is curved.
-            for ridge in DAMPED {
-                if is_near || gains(&best) {
-                    break;
-                }
-                let least = best.as_ref().map_or(now.cost, |to| to.cost);
-                best = Some(held(ridge)).filter(|to| to.cost < least).or(best);
-            }
-            let Some(better) = best else {
+            let (better, promised) = self.step_from(&now, &columns, &moves, point);
+            let Some(better) = better else {
                 converged = true;
                 break;
             };
@@ -179,7 +151,7 @@ impl<'d> BaseModel<'d> {
             if step >= TOLD_BY && now.cost - catching_up > reach {
                 break;
             }
-            if gain < GAIN_MIN || (is_linear && (now.cost - predicted).abs() < PREDICTED * now.cost) {
+            if gain < GAIN_MIN || (is_linear && (now.cost - promised).abs() < PREDICTED * now.cost) {
                 converged = true;
                 break;
             }
@@ -188,6 +160,44 @@ impl<'d> BaseModel<'d> {
             columns = columns_at(&now);
         }
         self.fit_at(now.model, moves, &now.predicted_nm, &columns, converged)
+    }
+
+    /// The `point` that one step of `moves`, whose `columns` are at hand, leads to from `now`, and the cost that the full step promises; none where no
+    /// step gains.
+    fn step_from(
+        &self,
+        now: &Point,
+        columns: &[Vec<f64>],
+        moves: &[Perturbation],
+        point: impl Fn(Model) -> Point,
+    ) -> (Option<Point>, f64) {
+        let (gram, mut deviations) = self.gram_beside(columns, &now.predicted_nm);
+        let full = self.solve_within_bounds(&gram, (&mut deviations, RIDGE), (&now.model, moves), |way| way.is_linear);
+        let promised = self.cost_of(&full);
+        let led_by = |solution: &Solution, share: f64| {
+            let x = &solution.x.as_slice()[self.moves.len()..];
+            let over = x.iter().zip(moves).map(|(x, way)| x.abs() / way.stride).fold(1.0, f64::max);
+            let mut tried = now.model.clone();
+            moves.iter().zip(x).for_each(|(way, x)| way.apply(&mut tried, share / over * x));
+            point(tried)
+        };
+        let shorter = |quarterings: i32| led_by(&full, 0.25f64.powi(quarterings));
+        let held = |ridge: f64| {
+            let bounds = (&mut deviations.clone()[..], ridge);
+            led_by(&self.solve_within_bounds(&gram, bounds, (&now.model, moves), |_| true), 1.0)
+        };
+        let gains = |best: &Option<Point>| best.as_ref().is_some_and(|to| now.cost - to.cost > GAIN_MIN * now.cost);
+        let is_near = now.cost - promised <= PROMISED * now.cost;
+        let mut best = (0..QUARTERINGS as i32).map(shorter).find(|tried| tried.cost < now.cost);
+        // A promise that is not kept leads beyond a limit, or along a valley that is curved.
+        for ridge in DAMPED {
+            if is_near || gains(&best) {
+                break;
+            }
+            let least = best.as_ref().map_or(now.cost, |to| to.cost);
+            best = Some(held(ridge)).filter(|to| to.cost < least).or(best);
+        }
+        (best, promised)
     }
 
     /// The best coefficients of `gram`, whose columns have these prior `deviations` and this [`Prior::ridge`]; what of the `moves` may be held, is at
