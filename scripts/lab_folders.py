@@ -143,8 +143,8 @@ def mcap(lab):
             out.append(record(5, message))
         out += [record(15, struct.pack("<I", 0)), record(2, struct.pack("<QQI", 0, 0, 0)), b"\x89MCAP0\r\n"]
         (lab.folder / f"{name}.mcap").write_bytes(b"".join(out))
-    questions = RADII | ALWAYS | ZERO | {"columns.torque"}
-    return {"time": "s", "position": "rad", "torque": "N m"}, questions, TURNS + ["--torque-unit=Nm"]
+    questions = RADII | ALWAYS | ZERO | {"columns.position", "columns.torque"}
+    return {"time": "s", "position": "rad", "torque": "N m"}, questions, TURNS + ["--position-unit=rad", "--torque-unit=Nm"]
 
 
 def pandas_parquet(lab):

@@ -308,6 +308,15 @@ fn a_reference_serves_the_diagnosis_alone() {
     assert_eq!(plain["joint/3"]["rmse_nm"], with["joint/3"]["rmse_nm"]);
     assert_eq!((with["joint/3"]["against"].as_str(), with["joint/1"]["against"].as_str()), ("joint/1", "itself"));
     assert!(with["joint/3"]["causes"].contains("coulomb"), "{:?}", with["joint/3"]);
+    let mut other = truth();
+    other.joint.winch_radius_m *= 1.5;
+    fs::remove_dir_all(fleet.path().join("joint/1")).unwrap();
+    record_in(&fleet.path().join("joint/1"), &other, &Plan { cosines: 1, ..small(1) });
+    let (_, status) = batch(&file, told.path(), &["--diagnose"]);
+    let with = table(told.path());
+    assert_eq!((status, with["joint/3"]["status"].as_str()), (0, "done"));
+    assert_eq!(plain["joint/3"]["rmse_nm"], with["joint/3"]["rmse_nm"]);
+    assert!(with["joint/3"]["warnings"].contains("not diagnosed: against joint/1"), "{:?}", with["joint/3"]);
     fs::write(fleet.path().join("joint/1/campaign.toml"), "format = \"campaign/1\"\n").unwrap();
     // Which joint it is of can no longer be read: the list says so.
     let list = fs::read_to_string(&file).unwrap().replacen("date =", "joint = \"elbow\"\ndate =", 1);

@@ -32,6 +32,18 @@ fn path(folder: &TempDir, name: &str) -> (PathBuf, String) {
 }
 
 #[test]
+fn a_model_is_named_by_its_file_or_its_folder() {
+    let (out, truth) = (TempDir::new().unwrap(), "data/elbow/truth");
+    let (_, simulated) = path(&out, "simulated");
+    let simulate = ["simulate", "--model", truth, "-o", &simulated, "--speeds", "1", "--rate-hz", "50", "--quiet"];
+    for done in [tautline(&simulate), tautline(&["compare", truth, "data/elbow/truth/model.json"])] {
+        assert_eq!(done.status.code(), Some(0), "{done:?}");
+    }
+    let compare = tautline(&["compare", &simulated, truth]);
+    assert!(refused(&compare).contains(&simulated), "a folder without a model");
+}
+
+#[test]
 fn identify_writes_all_its_files() {
     let (campaign, out) = (campaign(), TempDir::new().unwrap());
     let (folder, name) = path(&out, "result");

@@ -295,10 +295,12 @@ fn columns_without_names_are_found_or_named() {
     };
     assert_eq!((of(&found, "time"), of(&found, "position")), ("column_1".into(), "column_2".into()), "{found:#}");
     assert_eq!((of(&found, "velocity"), of(&found, "torque")), ("column_3".into(), "column_4".into()), "{found:#}");
-    let named =
-        ["--column=position=column_2", "--column=velocity=column_3", "--column=torque=column_4", "--torque-unit=Nm"];
+    let named = ["--column=position=column_2", "--column=velocity=column_3", "--column=torque=column_4"];
+    let units = ["--torque-unit=Nm", "--position-unit=rad"];
+    let in_rad = init(folder.path(), &out.path().join("in_rad"), &[&ANSWERS[..], &named, &units[..1]].concat());
+    assert_eq!(keys(&in_rad), ["columns.position"], "of a small range in deg and a large one in rad no data tell");
     let campaign = out.path().join("campaign");
-    let found = init(folder.path(), &campaign, &[&ANSWERS[..], &named].concat());
+    let found = init(folder.path(), &campaign, &[&ANSWERS[..], &named, &units].concat());
     assert_eq!((keys(&found), of(&found, "velocity")), (Vec::new(), "column_3".into()), "{found:#}");
     assert_protocols(&found);
     assert_leads_to_identify(&campaign);

@@ -12,6 +12,17 @@ const CURVES: [Combination; 4] = [
     Combination::Power { n: 0.6 },
 ];
 
+#[test]
+fn a_model_knows_which_checks_it_failed() {
+    let mut json = truth().to_json();
+    let check =
+        |name: &str, passes: bool| serde_json::json!({ "check": name, "passes": passes, "value": 3.0, "limit": 1.0 });
+    json["checks"] = serde_json::json!([check("clearance", true), check("curve_describes", false)]);
+    let model = Model::parse(Path::new("model.json"), &json.to_string()).unwrap();
+    assert_eq!(model.failed_checks, ["curve_describes"]);
+    assert!(truth().failed_checks.is_empty());
+}
+
 /// What a filter leaves at rest is rounding: its sign must not throw friction from branch to branch.
 #[test]
 fn at_rest_friction_that_jumps_stays_where_it_was() {

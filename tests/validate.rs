@@ -193,6 +193,10 @@ fn a_folder_shows_each_trial_as_it_was_understood() {
     }
     let found: serde_json::Value =
         serde_json::from_slice(&std::fs::read(out.join("validation.json")).unwrap()).unwrap();
+    for rate_hz in found["understood"]["rate_hz"].as_array().unwrap() {
+        let planned_hz = crate::campaigns::plan().rate_hz;
+        assert!((rate_hz.as_f64().unwrap() / planned_hz - 1.0).abs() < 1e-6, "{rate_hz} of {planned_hz}");
+    }
     let speeds = found["understood"]["speeds"].as_array().unwrap();
     assert_eq!(speeds.len(), 8);
     for speed in speeds {

@@ -80,7 +80,7 @@ def judge(answer, diagnosis, trouble, seconds):
     row = {
         "case": answer["case"], "kind": answer["kind"], "effects": answer["effects"], "variants": answer["variants"], "strength": strength(answer),
         "indistinguishable": answer["indistinguishable"], "seconds": seconds, "trouble": trouble, "right": False, "verdict": "failed", "named": [],
-        "clear": None, "where": None, "where_right": None, "shrink_true": answer.get("shrink_true_form"), "shrink": None, "held": None, "confidence": None,
+        "clear": None, "distinct": None, "where": None, "where_right": None, "shrink_true": answer.get("shrink_true_form"), "shrink": None, "held": None, "confidence": None,
     }
     if diagnosis is None:
         return row
@@ -88,6 +88,7 @@ def judge(answer, diagnosis, trouble, seconds):
     effects = verdict.get("effects") or []
     clear = {d["outcome"] for d in diagnosis.get("decisions", []) if d["rule"] == "clear"}
     row["clear"] = max(clear, default=None)  # "not clear" where either decision is
+    row["distinct"] = all(d["outcome"] == "distinct" for d in diagnosis.get("decisions", []) if d["rule"] == "distinct")
     row.update(verdict=verdict["kind"], named=effects, confidence=verdict.get("confidence"), right=bool(right(answer, verdict["kind"], effects)))
     where = diagnosis.get("where") or []
     row["where"] = where[0]["region"] if where else None
@@ -135,7 +136,8 @@ def by_verdict(rows):
     """What was said: how often, how often rightly, and what was true instead. `diagnose` weights its probabilities by such counts."""
     said = collections.defaultdict(list)
     for r in rows:
-        said[f"{r['verdict']}, {r['clear']}" if r["clear"] else r["verdict"]].append(r)
+        standing = f", {r['clear']}, {'distinct' if r['distinct'] else 'replaceable'}" if r["clear"] else ""
+        said[r["verdict"] + standing].append(r)
 
     def counts(group):
         wrong = collections.Counter(r["kind"] for r in group if not r["right"])
@@ -280,9 +282,9 @@ def table(s):
         f"{p['from']:.2f} to {p['to']:.2f}      {p['verdicts']:9}       {p['said']:.3f}     {percent(p['right'])}  {'#' * round(20 * p['right'])}"
         for p in c["points"]
     ]
-    lines += ["", "verdict said             right of verdicts   wrong: nothing missing, outside the library, other causes"]
+    lines += ["", "verdict said                     right of verdicts   wrong: nothing missing, outside the library, other causes"]
     lines += [
-        f"{verdict:24} {v['right']:5} of {v['cases']:3}               {v['none']:5} {v['outside']:5} {v['other']:5}"
+        f"{verdict:32} {v['right']:5} of {v['cases']:3}               {v['none']:5} {v['outside']:5} {v['other']:5}"
         for verdict, v in s["by_verdict"].items()
     ]
     lines += ["", "floors net   " + "".join(f"{low:>9g} up" for low in STRENGTHS[:-1]) + "   (right of cases)"]

@@ -65,11 +65,16 @@ fn work(entry: &Entry, settings: &Settings, mut record: Record) -> Result<Record
     let model = given.unwrap_or(found.model);
     judged(&timed(&campaign, &model)?, &model, &mut record)?;
     if settings.diagnose {
-        match reference(entry, &model, settings) {
-            Ok((model, against)) => diagnosed(&timed(&campaign, &model)?, &model, against, &mut record)?,
-            // A fault of another campaign is no fault of this one.
-            Err(problems) => record.warnings.push(format!("not diagnosed: its reference: {}", reason(&problems))),
-        }
+        // A fault of another campaign, or a model that does not suit this one, takes nothing from what was identified.
+        let not_diagnosed = match reference(entry, &model, settings) {
+            Err(problems) => Some(format!("its reference: {}", reason(&problems))),
+            Ok((model, against)) => {
+                let of = format!("against {against}");
+                let done = timed(&campaign, &model).and_then(|timed| diagnosed(&timed, &model, against, &mut record));
+                done.err().map(|problems| format!("{of}: {}", reason(&problems)))
+            }
+        };
+        record.warnings.extend(not_diagnosed.map(|why| format!("not diagnosed: {why}")));
     }
     if let Some((name, _)) = record.figures.iter().find(|(name, figure)| figure.is_infinite() && !may_be_open(name)) {
         let what = format!("`{name}` is not a number, because of a numerical overflow");

@@ -157,7 +157,7 @@ fn tell_all(arguments: &Arguments, all: &Batch, store: &Store, tally: &Tally, ta
     let written = arguments.fleet();
     let output = interrupt::output(&written, true, FLEET)?;
     arguments.what.iter().filter(|what| what.is_file()).for_each(|what| output.made_from("list", what));
-    let named = arguments.what.first().and_then(|path| path.file_stem());
+    let named = if let [one] = &arguments.what[..] { one.file_stem() } else { None };
     let name = named.map_or_else(|| "fleet".to_string(), |name| name.to_string_lossy().into_owned());
     write_fleet(&fleet, &name, &output, arguments.png)?;
     let to_json = || {

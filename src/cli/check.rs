@@ -35,7 +35,7 @@ pub struct Arguments {
     #[arg(long)]
     update: bool,
     /// With --update: judge this model instead of identifying one
-    #[arg(long, requires = "update")]
+    #[arg(long, requires = "update", value_parser = model_file())]
     model: Option<PathBuf>,
     #[command(flatten)]
     form: FormArguments,
@@ -106,7 +106,7 @@ pub fn run(arguments: &Arguments, talk: &Talk) -> Result<ExitCode> {
 fn update(arguments: &Arguments, talk: &Talk) -> Result<ExitCode> {
     // What is no baseline is never replaced.
     let old = if arguments.baseline.exists() { Some(Baseline::read(&arguments.baseline)?) } else { None };
-    let given = arguments.model.as_ref().map(|model| Model::read(&model_file(model))).transpose()?;
+    let given = arguments.model.as_ref().map(|model| Model::read(model)).transpose()?;
     let settings = arguments.settings();
     let (recipe, model) = match (&given, &old) {
         (Some(_), _) => (Recipe::Judge, given.clone()),

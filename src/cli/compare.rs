@@ -1,7 +1,7 @@
 //! `tautline compare`.
 
 use super::interrupt;
-use super::judged::model_name;
+use super::judged::{model_file, model_name};
 use super::outcome::Talk;
 use crate::compare::compare;
 use crate::model::Model;
@@ -14,13 +14,15 @@ use std::process::ExitCode;
 
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Examples:
-  tautline compare before/model.json after/model.json
+  tautline compare before after
   tautline compare before/model.json after/model.json -o compared --png
   tautline compare before/model.json after/model.json --json | jq '.parameters[] | select(.verdict == \"changed\")'")]
 pub struct Arguments {
-    /// The earlier model.json
+    /// The earlier model: a model.json, or the folder that holds it
+    #[arg(value_parser = model_file())]
     before: PathBuf,
-    /// The later model.json
+    /// The later model
+    #[arg(value_parser = model_file())]
     after: PathBuf,
     /// Folder to write: comparison.json, report.html, plots/
     #[arg(short, long)]

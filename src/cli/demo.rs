@@ -21,7 +21,7 @@ const STEPS: [(&str, &str); 6] = [
     ),
     ("Its model is identified from the sweeps.", "identify DEMO/recorded -o DEMO/identified"),
     (
-        "The model is evaluated on the cosines, which are held-out data.",
+        "The model is evaluated on all of it. (The sweeps gave its friction, the cosines how it changes over at reversals.)",
         "evaluate DEMO/recorded --model DEMO/identified -o DEMO/judged",
     ),
     (

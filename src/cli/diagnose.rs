@@ -46,7 +46,7 @@ pub fn run(arguments: &Arguments, talk: &Talk) -> Result<ExitCode> {
     let policy = arguments.policy.as_deref().map(Policy::read).transpose()?.unwrap_or_default();
     let output = interrupt::output(&arguments.output, arguments.force, "diagnose")?;
     output.made_from("campaign file", &campaign.file);
-    output.made_from("model file", &arguments.judged.model_file());
+    output.made_from("model file", &arguments.judged.model);
     if let Some(file) = &arguments.policy {
         output.made_from("policy file", file);
     }
@@ -60,7 +60,7 @@ pub fn run(arguments: &Arguments, talk: &Talk) -> Result<ExitCode> {
         stages.say();
     }
     let found = found?;
-    let (name, model_name) = (campaign_name(&campaign), model_name(&arguments.judged.model_file()));
+    let (name, model_name) = (campaign_name(&campaign), model_name(&arguments.judged.model));
     write_diagnosis(&found, &name, &model_name, &output, arguments.png)?;
     talk.finish(
         output,

@@ -43,16 +43,15 @@ pub fn run(arguments: &Arguments, talk: &Talk) -> Result<ExitCode> {
         return Problem::error("command line", format!("--fail-above is {limit}"), "expected an RMSE in N m").alone();
     }
     let (campaign, model) = arguments.judged.read()?;
-    let settings =
-        Settings { sweeps: arguments.sweeps, recorded_curves: recorded_curves(&arguments.judged.model_file())? };
+    let settings = Settings { sweeps: arguments.sweeps, recorded_curves: recorded_curves(&arguments.judged.model)? };
     let output = interrupt::output(&arguments.output, arguments.force, "evaluate")?;
     output.made_from("campaign file", &campaign.file);
-    output.made_from("model file", &arguments.judged.model_file());
+    output.made_from("model file", &arguments.judged.model);
     let bar = progress::bar(talk, "judging", campaign.trials.len());
     let found = evaluate::run(&campaign, &model, &settings, &|| progress::step(&bar, "drawing"));
     bar.finish_and_clear();
     let found = found?;
-    let (name, model_name) = (campaign_name(&campaign), model_name(&arguments.judged.model_file()));
+    let (name, model_name) = (campaign_name(&campaign), model_name(&arguments.judged.model));
     write_evaluation(&found, &name, &model_name, &output, arguments.png)?;
     let rmse_nm = found.overall().all.rmse_nm;
     let failed = arguments.fail_above.is_some_and(|limit| rmse_nm > limit);

@@ -19,7 +19,8 @@ use std::process::ExitCode;
   tautline export out -o exported --only c,rust --rate-hz 2000
   tautline export out -o exported --only latex --force")]
 pub struct Arguments {
-    /// The model: a model.json, or the folder that `identify` wrote
+    /// The model: a model.json, or the folder that holds it
+    #[arg(value_parser = model_file())]
     model: PathBuf,
     /// Folder to write: NAME_model.h, NAME_model.rs, mujoco.xml, urdf_dynamics.xml, parameters.csv, .tex, .md
     #[arg(short, long)]
@@ -79,9 +80,8 @@ impl Arguments {
 
 pub fn run(arguments: &Arguments, talk: &Talk) -> Result<ExitCode> {
     arguments.check()?;
-    let file = model_file(&arguments.model);
-    let model = Model::read(&file)?;
-    let (name, source) = (plain_name(&model), model_name(&file));
+    let model = Model::read(&arguments.model)?;
+    let (name, source) = (plain_name(&model), model_name(&arguments.model));
     let settings = Settings { rate_hz: arguments.rate_hz, source: source.clone() };
     let like = Likeness::of(&model, (arguments.slowest_rad_s, arguments.fastest_rad_s));
     let code = |language: Language| controller(&model, language, &settings);

@@ -2,6 +2,7 @@
 
 use super::identify::{CurveArguments, FormArguments, ZeroArguments};
 use super::interrupt;
+use super::judged::model_file;
 use super::outcome::Talk;
 use super::progress;
 use crate::identify::combination::fit_combination;
@@ -54,8 +55,8 @@ enum Step {
     Combination {
         #[command(flatten)]
         common: Common,
-        /// The model that `fit friction` wrote
-        #[arg(long)]
+        /// The model that `fit friction` wrote: its model.json, or the folder that holds it
+        #[arg(long, value_parser = model_file())]
         model: PathBuf,
         #[command(flatten)]
         curve: CurveArguments,

@@ -88,12 +88,12 @@ pub fn run(arguments: &Arguments, talk: &Talk) -> Result<ExitCode> {
     let tables = csv_names(&campaign, touched)?;
     let output = interrupt::output(folder, arguments.force, "interaction")?;
     output.made_from("campaign file", &campaign.file);
-    output.made_from("model file", &arguments.judged.model_file());
+    output.made_from("model file", &arguments.judged.model);
     let bar = progress::bar(talk, "extracting", campaign.trials.len());
     let found = interaction::run(&campaign, &model, settings, &|| progress::step(&bar, "drawing"));
     bar.finish_and_clear();
     let found = found?;
-    let (name, model_name) = (campaign_name(&campaign), model_name(&arguments.judged.model_file()));
+    let (name, model_name) = (campaign_name(&campaign), model_name(&arguments.judged.model));
     write_interaction(&found, &tables, &name, &model_name, &output, arguments.png)?;
     talk.finish(output, || to_json(&found, &name, &model_name), |out| write_summary(out, &found, &name, folder))?;
     Ok(ExitCode::SUCCESS)

@@ -4,6 +4,7 @@ use crate::log::Campaign;
 use crate::model::Model;
 use crate::prepare::read_campaign;
 use crate::problem::{Result, visible};
+use clap::builder::{PathBufValueParser, TypedValueParser};
 use std::path::{Path, PathBuf};
 
 /// A campaign and a model of its joint.
@@ -11,28 +12,25 @@ use std::path::{Path, PathBuf};
 pub struct Judged {
     /// Folder with a campaign.toml and its logs
     pub campaign: PathBuf,
-    /// The model: a model.json, or the folder that `identify` wrote
-    #[arg(long)]
+    /// The model: a model.json, or the folder that holds it
+    #[arg(long, value_parser = model_file())]
     pub model: PathBuf,
 }
 
 impl Judged {
-    /// The model's file; of a folder that `identify` wrote, its model.json.
-    pub fn model_file(&self) -> PathBuf {
-        model_file(&self.model)
-    }
-
     /// Both, read.
     pub fn read(&self) -> Result<(Campaign, Model)> {
-        let model = Model::read(&self.model_file())?;
+        let model = Model::read(&self.model)?;
         Ok((campaign_for(&model, &self.campaign)?, model))
     }
 }
 
-/// The model that `named` names: its file, or the model.json in a folder.
-pub fn model_file(named: &Path) -> PathBuf {
-    let inside = named.join("model.json");
-    if inside.is_file() { inside } else { named.to_path_buf() }
+/// Takes an argument that names a model: its file, or the model.json in the folder that it names.
+pub fn model_file() -> impl TypedValueParser<Value = PathBuf> {
+    PathBufValueParser::new().map(|named| {
+        let inside = named.join("model.json");
+        if inside.is_file() { inside } else { named }
+    })
 }
 
 /// The campaign in `path`, with its clock where `model` goes by it.

@@ -51,7 +51,7 @@ pub fn run(arguments: &Arguments, talk: &Talk) -> Result<ExitCode> {
     warnings.extend(found.concat());
     let told = json!({
         "format": "prediction/1", "files": names, "warnings": warnings,
-        "provenance": { "tautline": env!("CARGO_PKG_VERSION"), "campaign": campaign_name(&campaign), "model": model_name(&arguments.judged.model_file()) },
+        "provenance": { "tautline": env!("CARGO_PKG_VERSION"), "campaign": campaign_name(&campaign), "model": model_name(&arguments.judged.model) },
     });
     output.write("prediction.json", json_text(&told))?;
     talk.finish(

@@ -335,7 +335,10 @@ impl Chooser<'_> {
         let fits = |unit: &Unit| SAME.contains(&times(unit));
         let key = Quantity::Velocity.name();
         match self.all[at].label.unit {
-            Some(unit) if fits(&unit) => self.take(at, key, unit, WHY, None),
+            Some(unit) if fits(&unit) => {
+                self.unit_is_found(kind, position);
+                self.take(at, key, unit, WHY, None);
+            }
             Some(unit) if self.is_told(position) => {
                 let times = times(&unit);
                 self.leave_out(
@@ -348,6 +351,7 @@ impl Chooser<'_> {
                 let is_its = |of_position: &&Unit| SAME.contains(&(slope * unit.factor() / of_position.factor()));
                 match Quantity::Position.units(kind).iter().find(is_its) {
                     Some(found) => {
+                        self.unit_is_found(kind, position);
                         self.chosen[position].measure = (*found).into();
                         let name = &self.all[at].series.name;
                         self.chosen[position].why = format!("unit such that `{name}` is its derivative");
@@ -361,6 +365,12 @@ impl Chooser<'_> {
                 None => self.leave_out(at, NO_UNIT),
             },
         }
+    }
+
+    /// Takes back the question of the unit of the chosen `position`, which its velocity's tells.
+    fn unit_is_found(&mut self, kind: JointKind, position: usize) {
+        let of_unit = self.of_position().and_then(|values| position_unit(kind, values).2);
+        self.chosen[position].question.take_if(|question| of_unit.as_ref() == Some(question));
     }
 
     /// Leaves column `at` out, with a note of `why`.

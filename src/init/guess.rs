@@ -10,8 +10,6 @@ const EVEN_SHARE: f64 = 0.8;
 const PERIOD_S: std::ops::Range<f64> = 2e-5..0.05;
 /// An angle beyond this was not recorded in rad.
 const RADIAN_MOST: f64 = 7.0;
-/// Angles within this could be either.
-const RADIAN_LEAST: f64 = 0.35;
 /// Turns within which a joint moves.
 const TURNS_MOST: f64 = 2.0;
 
@@ -57,10 +55,10 @@ pub fn position_unit(kind: JointKind, values: &[f64]) -> (Unit, String, Option<S
             (Unit::Degree, spans, Some(asks))
         }
         () if most > RADIAN_MOST => (Unit::Degree, spans, None),
-        () if high - low < RADIAN_LEAST => {
-            (Unit::Radian, spans, Some("unit, rad or deg? It moves too little to tell".to_string()))
+        () => {
+            let asks = format!("unit, rad or deg? In rad it moves over {:.0} deg", (high - low).to_degrees());
+            (Unit::Radian, spans, Some(asks))
         }
-        () => (Unit::Radian, spans, None),
     }
 }
 

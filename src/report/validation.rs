@@ -34,7 +34,7 @@ fn scaled(pair: (f64, f64), factor: f64) -> (f64, f64) {
 }
 
 fn rates_hz(understood: &Understood) -> (f64, f64) {
-    let rates = || understood.trials.iter().map(UnderstoodTrial::rate_hz);
+    let rates = || understood.trials.iter().map(|trial| trial.rate_hz);
     (rates().fold(f64::INFINITY, f64::min), rates().fold(0.0, f64::max))
 }
 
@@ -83,7 +83,7 @@ pub fn to_json(understood: &Understood) -> Value {
     let mut told = json!({
         "trials": understood.trials.len(),
         "rows": understood.trials.iter().map(|trial| trial.rows).sum::<usize>(),
-        "duration_s": understood.trials.iter().map(|trial| trial.duration_s).sum::<f64>(),
+        "duration_s": understood.trials.iter().map(UnderstoodTrial::duration_s).sum::<f64>(),
         "rate_hz": [slowest_hz, fastest_hz], "torque_nm": pair(TORQUE, 1.0), "r1_over_r2": understood.ratio,
         "noise_nm": most(understood, |trial| trial.noise_nm), "speeds": speeds,
     });
@@ -99,7 +99,7 @@ pub fn to_json(understood: &Understood) -> Value {
 pub fn write_summary(out: &mut impl Write, understood: &Understood) -> io::Result<()> {
     let (angle, speed, factor) = plain(understood);
     let torque = Units::of(&understood.joint).torque;
-    let seconds: f64 = understood.trials.iter().map(|trial| trial.duration_s).sum();
+    let seconds: f64 = understood.trials.iter().map(UnderstoodTrial::duration_s).sum();
     let rows: usize = understood.trials.iter().map(|trial| trial.rows).sum();
     let (slowest_hz, fastest_hz) = rates_hz(understood);
     let trials = understood.trials.len();
@@ -212,8 +212,8 @@ fn table(understood: &Understood) -> Table {
             trial.protocol.name().to_string(),
             declared,
             significant(factor * trial.speed_rad_s, 3),
-            significant(trial.duration_s, 4),
-            significant(trial.rate_hz(), 4),
+            significant(trial.duration_s(), 4),
+            significant(trial.rate_hz, 4),
         ]
     };
     let heads =

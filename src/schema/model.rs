@@ -44,8 +44,25 @@ pub struct Model {
     pub provenance: Option<Value>,
     /// For people: on which declared constants it rests.
     pub rests_on: Option<Value>,
-    /// For people: checks of the data.
-    pub checks: Option<Value>,
+    /// Checks of the data; `diagnose` tells of those that failed.
+    pub checks: Option<Vec<Check>>,
+}
+
+/// A check of the data.
+#[derive(Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Check {
+    /// Its name.
+    pub check: String,
+    /// Whether the model passes it.
+    pub passes: bool,
+    /// What was found, dimensionless.
+    pub value: Option<f64>,
+    /// The most that passes.
+    pub limit: Option<f64>,
+    /// How the dotted names begin of the parameters that rest on it.
+    #[serde(default)]
+    pub concerns: Vec<String>,
 }
 
 /// The format's name.

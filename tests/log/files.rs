@@ -122,7 +122,8 @@ fn each_fault_is_named_with_row_column_and_cure() {
     };
     let cases: Vec<(String, Option<u64>, Option<&str>, &str)> = vec![
         (String::new(), None, None, "is empty"),
-        ("t,pos,trq\n".to_string(), None, None, "has 0 samples; a low-pass of order 4 needs more than 15"),
+        ("t,pos,trq\n".to_string(), None, None, "holds no row of numbers"),
+        ("# rig 3\n# by jo\nt;pos;trq\n".to_string(), None, None, "holds no row of numbers"),
         (without(17, 1001), None, None, "has 15 samples"),
         (without(300, 1001), None, Some("t"), "record for 0.400 s or longer"),
         (field(7, 2, "abc"), Some(7), Some("trq"), "holds `abc`"),

@@ -81,8 +81,8 @@ struct Common {
     /// How many times each motion is to be recorded [default: 3, or what the motion says]
     #[arg(long, value_parser = clap::value_parser!(u32).range(1..=1000))]
     repeats: Option<u32>,
-    /// A model of the joint, which tells the torque
-    #[arg(long)]
+    /// A model of the joint, which tells the torque: a model.json, or the folder that holds it
+    #[arg(long, value_parser = model_file())]
     model: Option<PathBuf>,
     #[command(flatten)]
     of_arm: ArmArguments,
@@ -147,15 +147,14 @@ impl LimitArguments {
 
 impl Common {
     fn known(&self) -> Result<Option<Known>> {
-        let Some(named) = &self.model else {
+        let Some(file) = &self.model else {
             return match &self.of_arm.urdf {
                 Some(urdf) => Problem::error(urdf, "serves a model, and there is none", "add --model").alone(),
                 None => Ok(None),
             };
         };
-        let file = model_file(named);
-        let model = Model::read(&file)?;
-        let chain = self.of_arm.chain(&model, &file)?;
+        let model = Model::read(file)?;
+        let chain = self.of_arm.chain(&model, file)?;
         Ok(Some(Known { model, chain }))
     }
 }

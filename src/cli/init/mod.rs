@@ -268,11 +268,8 @@ fn answer_by_data(arguments: &Arguments, survey: &Survey, answers: &mut Answers)
 fn ask(arguments: &Arguments, survey: Survey, mut answers: Answers, left_out: &[String]) -> Result<(Survey, Draft)> {
     let mut survey = survey;
     let has_drive = arguments.drive.is_some() || answers.drive != Drive::Cable;
-    if let Some(text) =
-        (!has_drive).then(|| prompt("what drives the joint: cable, gear, direct or screw?", "cable")).flatten()
-    {
-        let known = [Drive::Gear, Drive::Direct, Drive::Screw].into_iter().find(|drive| drive.name() == text);
-        answers.drive = known.unwrap_or_default();
+    if !has_drive {
+        answers.drive = ask_drive();
     }
     let mut asked: Vec<String> = Vec::new();
     let mut draft = init::draft(&survey, &answers);
@@ -302,6 +299,19 @@ fn ask(arguments: &Arguments, survey: Survey, mut answers: Answers, left_out: &[
         draft = init::draft(&survey, &answers);
     }
     Ok((survey, draft))
+}
+
+/// Asks what drives the joint until the answer is one of these; without an answer it is a cable.
+fn ask_drive() -> Drive {
+    loop {
+        match prompt("what drives the joint: cable, gear, direct or screw?", "cable").unwrap_or_default().as_str() {
+            "" => return Drive::Cable,
+            text => match Drive::ALL.into_iter().find(|drive| drive.name() == text) {
+                Some(drive) => return drive,
+                None => drop(writeln!(anstream::stderr(), "expected cable, gear, direct or screw")),
+            },
+        }
+    }
 }
 
 /// What is typed after a question; nothing at the end of the input.

@@ -1,6 +1,7 @@
 //! What `tautline simulate` takes, and the plan that it amounts to.
 
 use super::super::arm::ArmArguments;
+use super::super::judged::model_file;
 use super::motor::Motor;
 use crate::log::Signal;
 use crate::problem::{Problem, Problems, Result};
@@ -23,8 +24,8 @@ const OTHERS: i64 = 64;
   tautline simulate --model out/model.json -o closed --closed-loop --torque-limit-nm 1.5
   tautline simulate --model out/model.json -o arm --urdf arm.urdf --joint elbow --multi-joint 3")]
 pub struct Arguments {
-    /// The model: a model.json
-    #[arg(long)]
+    /// The model: a model.json, or the folder that holds it
+    #[arg(long, value_parser = model_file())]
     pub model: PathBuf,
     /// Folder to write: campaign.toml and one log per trial
     #[arg(short, long)]

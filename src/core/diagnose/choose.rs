@@ -7,6 +7,7 @@ use super::criteria::{Decision, Requirement, Share, rivals, seconds, simplest, s
 use super::fit::Fit;
 use super::mask::Mask;
 use super::perturbation::within_confidence;
+use super::policy::Policy;
 use super::progress::{Listener, Phase, Progress};
 use super::runners_up::RunnerUp;
 use super::search::{Forward, Search};
@@ -68,6 +69,13 @@ pub struct Found<'d> {
     pub rivals: Vec<Cause>,
     /// Causes that it is known to be mistaken for, and that do as well with more numbers.
     pub seconds: Vec<Cause>,
+}
+
+impl Found<'_> {
+    /// Whether no other cause explains nearly as much in its place.
+    pub fn is_distinct(&self, policy: &Policy) -> bool {
+        self.distinctness >= policy.distinct_share
+    }
 }
 
 /// Searches for the causes of the residual of `model`.
@@ -210,12 +218,12 @@ impl<'d> Search<'d, '_> {
 
     /// What each cause that was found reaches, and in what the best of those refused fall short.
     fn decisions(&self, found: &[Found<'d>], last: &Fit<'d>, refused: &[FittedCause<'d>]) -> Vec<Decision> {
-        let limit = self.first.data().policy.distinct_share;
-        let named = found.iter().flat_map(|Found { cause, distinctness, met, .. }| {
-            let outcome = if *distinctness >= limit { "distinct" } else { "others explain nearly as much" };
-            let subject = cause.name();
-            let beside = Decision { rule: "distinct", subject, value: *distinctness, limit, outcome };
-            met.iter().map(move |met| met.decision(subject, "named")).chain([beside])
+        let policy = &self.first.data().policy;
+        let named = found.iter().flat_map(|found| {
+            let outcome = if found.is_distinct(policy) { "distinct" } else { "others explain nearly as much" };
+            let (subject, value, limit) = (found.cause.name(), found.distinctness, policy.distinct_share);
+            let beside = Decision { rule: "distinct", subject, value, limit, outcome };
+            found.met.iter().map(move |met| met.decision(subject, "named")).chain([beside])
         });
         let in_vain = refused.iter().take(REFUSED_TOLD).flat_map(|tried| {
             let share = if found.is_empty() { Share::First } else { Share::at_best(tried.cause) };

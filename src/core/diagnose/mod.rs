@@ -212,6 +212,17 @@ const UNFORESEEN: &str = "what is left exceeds the torque's noise beyond the low
                           finds it again on held-out data: it counts as noise; whether it comes again with the motion, only repeats of one \
                           motion would tell";
 
+/// Warning where `model` was not found to describe the recordings that it was identified from.
+fn failed(model: &Model) -> Option<String> {
+    (!model.failed_checks.is_empty()).then(|| {
+        format!(
+            "the model failed checks of its identification ({}; its report tells more): what the gap shows there may be as old as the model, and no \
+             change of the joint",
+            model.failed_checks.join(", ")
+        )
+    })
+}
+
 /// Warning where the residual oscillates.
 fn oscillates(oscillations: &[Oscillation]) -> Option<String> {
     let share: f64 = oscillations.iter().map(|oscillation| oscillation.share).sum();
@@ -247,6 +258,7 @@ pub fn run_by(campaign: &Campaign, model: &Model, policy: &Policy, listener: Lis
         return Problem::error(&campaign.file, what, "record longer motion in each direction").alone();
     }
     warnings.extend(data.records.all.iter().flat_map(|record| record.warnings.iter().cloned()));
+    warnings.extend(failed(&model));
     if data.again().is_none() {
         warnings.push(ENCODER_UNKNOWN.to_string());
     }

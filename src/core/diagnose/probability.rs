@@ -18,34 +18,46 @@ struct Outcomes {
     other: f64,
 }
 
+/// By what verdicts that name causes were right more often.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Standing {
+    /// The causes close a gap that stands out of the floor.
+    pub is_clear: bool,
+    /// No other cause explains nearly as much in the place of one of them.
+    pub is_distinct: bool,
+}
+
 impl Kind {
     /// What became of verdicts of this kind on simulated joints whose answers were withheld: counts that `scripts/blind/score.py` prints
-    /// ("verdict said") for 240 cases of each generator, drawn fresh (seeds 8001 and 9001 of `formula`, 8002 and 9002 of `physical`, 8003 and 9003
-    /// of `laboratory`); of an effect and of several causes, by whether they were clear.
-    fn outcomes(self, is_clear: bool) -> Outcomes {
-        let (right, none, outside, other) = match (self, is_clear) {
-            (Self::None, _) => (85.0, 0.0, 5.0, 15.0),
-            (Self::Stale, _) => (75.0, 0.0, 2.0, 6.0),
-            (Self::Effect, true) => (231.0, 0.0, 2.0, 7.0),
-            (Self::Effect, false) => (47.0, 0.0, 1.0, 11.0),
-            (Self::Several, true) => (57.0, 0.0, 2.0, 16.0),
-            (Self::Several, false) => (5.0, 0.0, 4.0, 7.0),
-            (Self::Ambiguous, _) => (58.0, 0.0, 3.0, 9.0),
-            (Self::Unknown, _) => (56.0, 0.0, 0.0, 16.0),
+    /// ("verdict said") for 240 cases of each generator, drawn fresh (seeds 24001 and 25001 of `formula`, 24002 and 25002 of `physical`, 24003 and
+    /// 25003 of `laboratory`); of an effect and of several causes, by their standing.
+    fn outcomes(self, Standing { is_clear, is_distinct }: Standing) -> Outcomes {
+        let (right, none, outside, other) = match (self, is_clear, is_distinct) {
+            (Self::None, ..) => (84.0, 0.0, 4.0, 12.0),
+            (Self::Stale, ..) => (75.0, 0.0, 2.0, 1.0),
+            (Self::Effect, true, true) => (150.0, 0.0, 1.0, 2.0),
+            (Self::Effect, true, false) => (109.0, 0.0, 0.0, 4.0),
+            (Self::Effect, false, _) => (46.0, 0.0, 4.0, 5.0),
+            (Self::Several, true, true) => (15.0, 0.0, 0.0, 2.0),
+            (Self::Several, true, false) => (44.0, 0.0, 0.0, 9.0),
+            (Self::Several, false, true) => (4.0, 0.0, 1.0, 3.0),
+            (Self::Several, false, false) => (2.0, 0.0, 5.0, 5.0),
+            (Self::Ambiguous, ..) => (52.0, 0.0, 0.0, 11.0),
+            (Self::Unknown, ..) => (59.0, 0.0, 0.0, 9.0),
         };
         Outcomes { right, none, outside, other }
     }
 }
 
-/// The answers with their probabilities, after a verdict of `kind`; `is_clear` says whether it is. What is left for others is shared out as verdicts
+/// The answers with their probabilities, after a verdict of `kind` that has this `standing`. What is left for others is shared out as verdicts
 /// of this kind turned out when they were wrong; Laplace's rule adds one to each count.
 pub fn probabilities(
     policy: &Policy,
-    (kind, is_clear): (Kind, bool),
+    (kind, standing): (Kind, Standing),
     agreement: f64,
     effects: &[Cause],
 ) -> Vec<(Answer, f64)> {
-    let Outcomes { right, none, outside, other } = kind.outcomes(is_clear);
+    let Outcomes { right, none, outside, other } = kind.outcomes(standing);
     let weight = match kind {
         Kind::None | Kind::Unknown => 1.0,
         _ => policy.disagreement_weight,
@@ -84,7 +96,7 @@ pub fn said(probabilities: &[(Answer, f64)], kind: Kind) -> f64 {
 
 #[cfg(test)]
 mod tests {
-    use super::{Policy, probabilities, said};
+    use super::{Policy, Standing, probabilities, said};
     use crate::diagnose::{Cause, Kind};
 
     #[test]
@@ -98,7 +110,8 @@ mod tests {
         };
         for kind in [Kind::None, Kind::Effect, Kind::Several, Kind::Stale, Kind::Ambiguous, Kind::Unknown] {
             let confidence = |agreement: f64, is_clear: bool| {
-                let all = probabilities(&Policy::default(), (kind, is_clear), agreement, of(kind));
+                let standing = Standing { is_clear, is_distinct: is_clear };
+                let all = probabilities(&Policy::default(), (kind, standing), agreement, of(kind));
                 assert!((all.iter().map(|(_, p)| p).sum::<f64>() - 1.0).abs() < 1e-12, "{kind:?}");
                 assert!(all.iter().all(|(_, p)| (0.0..=1.0).contains(p)), "{kind:?}");
                 said(&all, kind)

@@ -7,7 +7,7 @@ use super::choose::{Choice, Found};
 use super::criteria::Decision;
 use super::oscillation::Oscillation;
 use super::policy::Policy;
-use super::probability::{probabilities, said};
+use super::probability::{Standing, probabilities, said};
 use super::stale::{DOWN_ONLY, UP_ONLY};
 use crate::effects::Region;
 use crate::model::groups::LOAD_COEFFICIENT;
@@ -212,10 +212,13 @@ pub fn verdict(choice: &Choice<'_>, evidence: &Evidence<'_>) -> Verdict {
     let gap_before_nm = above(delivered, floor_square);
     let gap_after_nm = above(last, floor_square).max(evidence.numbers.square().sqrt());
     let clear = clear(policy, kind, (gap_before_nm, gap_after_nm, floor_square.sqrt()));
-    let is_clear = clear.iter().all(|decision| decision.outcome == CLEAR);
+    let standing = Standing {
+        is_clear: clear.iter().all(|decision| decision.outcome == CLEAR),
+        is_distinct: choice.found.iter().all(|found| found.is_distinct(policy)),
+    };
     decisions.extend(clear);
     let form = form(kind, is_open);
-    let probabilities = probabilities(policy, (kind, is_clear), agreement, &effects);
+    let probabilities = probabilities(policy, (kind, standing), agreement, &effects);
     Verdict {
         kind,
         effects,

@@ -195,6 +195,7 @@ pub fn blank_model(campaign: &Campaign) -> Model {
         confidence: BTreeMap::new(),
         functions: Functions::default(),
         own_rmse_nm: None,
+        failed_checks: Vec::new(),
     }
 }
 

@@ -26,6 +26,8 @@ pub struct Reading {
     pub prepared: Prepared,
     /// Rows of its log.
     pub rows: usize,
+    /// Rows of its log per second, Hz.
+    pub rate_hz: f64,
     /// How time goes with the regressor along each leg.
     pub times: Vec<LegTime>,
     /// What tells its recording from others.
@@ -142,6 +144,7 @@ fn reading(campaign: &Campaign, mut trial: Trial, show: bool) -> Reading {
         noise_nm: noise_nm(&trial),
         prepared: Prepared::new(series, campaign.signal.lowpass_order, campaign.signal.lowpass_hz),
         rows: trial.log.time_s.len(),
+        rate_hz: trial.log.rate_hz,
         times: leg_times(&trial, gravity_nm, kind),
         fingerprint: std::mem::take(&mut trial.log.fingerprint),
         demotes: trial.log.findings.iter().any(|finding| finding.consequence == Consequence::Demote),

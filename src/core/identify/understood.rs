@@ -33,8 +33,8 @@ pub struct UnderstoodTrial {
     pub protocol: Protocol,
     /// Rows of its log.
     pub rows: usize,
-    /// How long it lasts, s.
-    pub duration_s: f64,
+    /// Rows of its log per second, Hz.
+    pub rate_hz: f64,
     /// The speed of a sweep as found: the median where it moves steadily, rad/s.
     pub speed_rad_s: f64,
     /// What a step of the encoder is, where it matters, rad.
@@ -72,7 +72,6 @@ impl Understood {
 impl UnderstoodTrial {
     fn of(reading: &Reading) -> Self {
         let series = &reading.prepared.series;
-        let (first, last) = (series.time_s.first().copied(), series.time_s.last().copied());
         let speeds_rad_s = reading.speeds_rad_s();
         let fastest = speeds_rad_s.iter().fold(0.0, |most: f64, v| most.max(v.abs()));
         let mut steady: Vec<f64> = speeds_rad_s.iter().map(|v| v.abs()).filter(|v| *v > AT_SPEED * fastest).collect();
@@ -80,7 +79,7 @@ impl UnderstoodTrial {
             file: reading.entry.file.clone(),
             protocol: reading.entry.protocol,
             rows: reading.rows,
-            duration_s: last.unwrap_or(0.0) - first.unwrap_or(0.0),
+            rate_hz: reading.rate_hz,
             speed_rad_s: if steady.is_empty() { 0.0 } else { quantile(&mut steady, 0.5) },
             step_rad: series.step_rad,
             noise_nm: reading.noise_nm,
@@ -88,8 +87,8 @@ impl UnderstoodTrial {
         }
     }
 
-    /// Samples per second of its log, Hz.
-    pub fn rate_hz(&self) -> f64 {
-        (self.rows as f64 - 1.0) / self.duration_s.max(f64::MIN_POSITIVE)
+    /// How long it lasts, s.
+    pub fn duration_s(&self) -> f64 {
+        (self.rows as f64 - 1.0) / self.rate_hz
     }
 }

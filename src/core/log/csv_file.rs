@@ -101,6 +101,10 @@ impl Table {
         if !records.next(file, &mut record)? {
             return Problem::error(file, "is empty", "record it again, or delete its trial").alone();
         }
+        // Where its columns are wrong, or written in another way, is told row by row.
+        if !dialect.has_numbers && length <= SAMPLE_BYTES as u64 {
+            return Problem::error(file, "holds no row of numbers", "record it again, or delete its trial").alone();
+        }
         check_width(file, record.len())?;
         let names: Vec<String> = record.iter().map(name).collect();
         let mut units = Vec::new();

@@ -35,6 +35,8 @@ pub(super) struct Dialect {
     pub has_units: bool,
     /// Rows of words between the units and the numbers: types, comments.
     pub passed_rows: usize,
+    /// Whether any row holds numbers.
+    pub has_numbers: bool,
 }
 
 impl Dialect {
@@ -49,6 +51,7 @@ impl Dialect {
             has_header: true,
             has_units: false,
             passed_rows: 0,
+            has_numbers: false,
         };
         let text = plain.decoded(sample);
         let lines = whole_lines(&text, sample.len() >= SAMPLE_BYTES);
@@ -93,6 +96,10 @@ impl Dialect {
         let is_wide = |at: &usize| rows[*at].len() == width;
         let usual = median((0..rows.len()).filter(is_wide).map(|at| numbers[at]).filter(|n| *n > 0).collect());
         let Some(first) = (0..rows.len()).filter(is_wide).find(|at| numbers[*at] >= usual) else { return (dialect, 0) };
+        // A log has two quantities at least; one number stands in a comment, too.
+        if usual < 2 {
+            return (dialect, 0);
+        }
         let is_named = |at: &usize| rows[*at].iter().any(|cell| !cell.is_empty()) && !is_units(&rows[*at]);
         let above = || (0..first).filter(is_wide).filter(is_named);
         let of_words = || above().rev().filter(|at| numbers[*at] == 0);
@@ -103,7 +110,7 @@ impl Dialect {
         let is_row = |cells: &&Vec<String>| cells.iter().any(|cell| !cell.is_empty());
         let passed_rows = over_units.map_or(0, |at| rows[(at + 2).min(first)..first].iter().filter(is_row).count());
         let skip_rows = header.or((0..=first).filter(is_wide).find(|at| numbers[*at] > 0)).unwrap_or(0);
-        (Self { skip_rows, has_header: header.is_some(), has_units, passed_rows, ..dialect }, count)
+        (Self { skip_rows, has_header: header.is_some(), has_units, passed_rows, has_numbers: true, ..dialect }, count)
     }
 
     fn is_plain(&self) -> bool {

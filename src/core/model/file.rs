@@ -13,7 +13,7 @@ use std::path::Path;
 /// The format's name and version.
 const FORMAT: &str = "model/1";
 
-/// Keys that an identification adds for people to read; nothing but the RMSE in `fit` is computed from them.
+/// Keys that an identification adds for people to read; of them only the RMSE in `fit` and what failed in `checks` are read.
 pub const EXTRA_KEYS: [&str; 9] =
     ["fit", "forms", "combinations", "refinement", "free_motion", "warnings", "provenance", "rests_on", "checks"];
 
@@ -61,6 +61,12 @@ impl Model {
         let own_rmse_nm = root.may("fit").section(|fit| {
             fit.with_more().may("whole").section(|whole| whole.with_more().may("rmse_nm").not_negative())
         });
+        let checks = root.may("checks").sections(|check| {
+            let check = check.with_more();
+            let (name, passes) = (check.need("check").text(), check.need("passes").flag());
+            Some((name?, passes?))
+        });
+        let failed = |(name, passes): (String, bool)| (!passes).then_some(name);
         let (dynamics, chain) = dynamics?;
         Some(Self {
             joint: joint?,
@@ -72,6 +78,7 @@ impl Model {
             confidence,
             functions,
             own_rmse_nm,
+            failed_checks: checks.unwrap_or_default().into_iter().filter_map(failed).collect(),
         })
     }
 

@@ -30,7 +30,8 @@ pub enum Drive {
 }
 
 impl Drive {
-    const ALL: [Self; 4] = [Self::Cable, Self::Gear, Self::Direct, Self::Screw];
+    /// All of them.
+    pub const ALL: [Self; 4] = [Self::Cable, Self::Gear, Self::Direct, Self::Screw];
 
     /// The name used in files.
     pub fn name(self) -> &'static str {

@@ -50,6 +50,8 @@ pub struct Model<S = f64> {
     pub functions: Functions,
     /// RMSE over the recordings that it was identified from, N m; nothing where that is not known.
     pub own_rmse_nm: Option<f64>,
+    /// Names of the checks that it failed when it was identified.
+    pub failed_checks: Vec<String>,
 }
 
 impl Model {
@@ -94,6 +96,7 @@ impl Model {
             confidence: BTreeMap::new(),
             functions: Functions::default(),
             own_rmse_nm: None,
+            failed_checks: Vec::new(),
         }
     }
 }

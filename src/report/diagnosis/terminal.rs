@@ -101,6 +101,10 @@ fn candidates(out: &mut impl Write, found: &Diagnosis) -> io::Result<()> {
         return Ok(());
     }
     heading(out, "Candidate causes, ranked: how far the gap shrinks [95 % interval]; of several, the part of each")?;
+    if let Some(share) = added(None, found) {
+        let adds = format!("adds {}", percent(share));
+        writeln!(out, "  {:<24} {adds:>18}  of the model, moved within their confidence", "own parameters")?;
+    }
     let together = taken(found).count() > 1;
     for candidate in found.candidates.iter().take(CANDIDATES) {
         let role = Role::of(candidate, found);

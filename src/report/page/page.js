@@ -196,7 +196,7 @@
       const svg = make("svg", { width, role: "img", tabindex: 0, "aria-label": this.data.title + ". Arrow keys move along it, plus and minus zoom, Escape resets.", class: "drawing" });
       let top = 4;
       for (const row of this.data.rows) {
-        const side = width / row.panels.length >= NARROW ? row.panels.length : 1;
+        const side = width / row.panels.length >= NARROW ? row.panels.length : 1, alone = side === 1 && row.panels.length > 1;
         for (let at = 0; at < row.panels.length; at += side) {
           const panels = row.panels.slice(at, at + side), height = this.tall(row, width);
           const margins = panels.map((panel, i) => this.margins(width, side, at + i));
@@ -209,11 +209,11 @@
           panels.forEach((panel, i) => {
             const left = from + margins[i][0], right = left + across;
             from = right + margins[i][1];
-            const frame = { panel, left, top, right, bottom: top + height, alone: side === 1 && row.panels.length > 1 };
+            const frame = { panel, left, top, right, bottom: top + height, alone };
             if (panel.title) titles[i].forEach((line, k) => make("text", { x: left, y: top - 8 - 15 * (titles[i].length - 1 - k), class: "head" }, svg, line));
             this.frame(svg, frame);
           });
-          const ticked = panels.some((panel) => !panel.x.hidden), labelled = Math.max(...this.frames.slice(-panels.length).map((frame) => frame.lines));
+          const ticked = alone || panels.some((panel) => !panel.x.hidden), labelled = Math.max(...this.frames.slice(-panels.length).map((frame) => frame.lines));
           top += height + (ticked ? 22 : 6) + (labelled ? 5 + 15 * labelled : 0);
         }
       }
@@ -350,7 +350,7 @@
       } else if (series.kind === "texts") {
         const anchor = { Left: "start", Middle: "middle", Right: "end", Below: "middle", Upwards: "middle" }[series.anchor];
         for (const [[x, y], text] of series.texts) {
-          const room = series.anchor === "Left" ? frame.right - px(x) + 60 : 400;
+          const room = series.anchor === "Left" ? this.width - px(x) - 2 : 400;
           wrapped(text, room).forEach((line, i) => make("text", { x: px(x), y: py(y) + 4 + 13 * i, "text-anchor": anchor, fill: paint(series.color) }, svg, line));
         }
       } else this.cells(parent, svg, frame, series);

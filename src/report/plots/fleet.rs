@@ -5,6 +5,7 @@
 
 use crate::batch::{Fleet, Joint, Life, Part, day};
 use crate::model::{Direction, Term};
+use crate::numerics::statistics::quantile;
 use crate::report::chart::{Axis, Figure, Mark, Panel, Point, Stroke, palette, span};
 use crate::report::number::significant;
 use crate::report::wording::{Units, moving};
@@ -162,9 +163,11 @@ impl<'a> History<'a> {
         };
         let all: Vec<_> = shown.lives.iter().map(|(direction, life)| (*direction, *life, points(life))).collect();
         let every = || all.iter().flat_map(|(.., points)| points);
-        // Intervals that are open say nothing of where the values are.
+        // An interval that is open, or much wider than the others, says nothing of where the values are.
         let (low, high) = span(every().map(|point| point.1));
-        let room = 2.0 * (high - low);
+        let mut halves: Vec<f64> = every().map(|(_, y, low, ..)| y - low).filter(|half| half.is_finite()).collect();
+        let usual = if halves.is_empty() { 0.0 } else { quantile(&mut halves, 0.5) };
+        let room = (2.0 * (high - low)).max(2.0 * usual);
         let ends = every().flat_map(|(_, y, low, high, _)| [*y, *low, *high]);
         let label = if shown.unit.is_empty() { "change".to_string() } else { format!("change ({})", shown.unit) };
         let y = Axis::around(label, ends.filter(|y| (low - room..=high + room).contains(y)), 0.1);

@@ -27,7 +27,7 @@ pub(super) fn figure(found: &Diagnosis) -> Option<Figure> {
     for (row, at) in places.iter().enumerate() {
         let level = -(row as f64) - 0.5;
         panel.bar("", (0.0, 100.0 * at.share_of_gap.clamp(0.0, 1.0)), (level + 0.05, level + 0.4), palette::BLUE);
-        let details = format!("{} of the samples, RMS {}", percent(at.share_of_samples), units.torque(at.rmse_nm));
+        let details = format!("{} of samples, RMS {}", percent(at.share_of_samples), units.torque(at.rmse_nm));
         panel.texts(vec![((0.8, level - 0.18), details)], Anchor::Left, palette::GREY);
         panel.beside.push((level + 0.22, percent(at.share_of_gap)));
     }
