@@ -40,7 +40,7 @@ fn a_model_is_named_by_its_file_or_its_folder() {
         assert_eq!(done.status.code(), Some(0), "{done:?}");
     }
     let compare = tautline(&["compare", &simulated, truth]);
-    assert!(refused(&compare).contains(&simulated), "a folder without a model");
+    assert!(refused(&compare).contains(&format!("{simulated}: is a folder without a model.json")), "{compare:?}");
 }
 
 #[test]

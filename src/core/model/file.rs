@@ -6,7 +6,7 @@ use super::{
 use crate::document::{Document, Section};
 use crate::dynamics::{Dynamics, JointKind, Payload};
 use crate::effects::{Added, LIBRARY, Parameter, Role};
-use crate::problem::Result;
+use crate::problem::{Problem, Result};
 use serde_json::{Map, Value, json};
 use std::path::Path;
 
@@ -22,6 +22,10 @@ impl Model {
     ///
     /// Errors: the file, an unknown key or effect, a missing or impossible parameter.
     pub fn read(file: &Path) -> Result<Self> {
+        if file.is_dir() {
+            let cure = "name the model's file, or the folder that `identify` wrote";
+            return Problem::error(file, "is a folder without a model.json", cure).alone();
+        }
         Document::open(file)?.read(Self::from_section)
     }
 
