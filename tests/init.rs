@@ -307,6 +307,26 @@ fn columns_without_names_are_found_or_named() {
 }
 
 #[test]
+fn a_velocity_tells_the_unit_of_a_position_that_has_none() {
+    for (unit, factor) in [("rad", 1.0), ("deg", 1_f64.to_degrees())] {
+        let folder = logs(|name, rows| {
+            let mut text = "time_s,position,velocity_rad_s,torque_nm\n".to_string();
+            for (at, [t, q, y]) in rows.iter().enumerate() {
+                let (before, after) = (rows[at.saturating_sub(1)][1], rows[(at + 1).min(rows.len() - 1)][1]);
+                let speed = (after - before).to_radians() * 50.0;
+                // In deg it stays within 7, too.
+                let (position, speed) = (0.05 * factor * q.to_radians(), 0.05 * speed);
+                writeln!(text, "{t:.3},{position:.9},{speed:.9},{y:.6}").unwrap();
+            }
+            (format!("{name}.csv"), text.into_bytes())
+        });
+        let out = TempDir::new().unwrap();
+        let found = init(folder.path(), &out.path().join("campaign"), &ANSWERS);
+        assert_eq!((keys(&found), &found["columns"][1]["unit"]), (Vec::new(), &unit.into()), "{found:#}");
+    }
+}
+
+#[test]
 fn a_motors_position_and_rows_without_a_reading_are_asked_and_told() {
     let folder = logs(|name, rows| {
         let mut text = "time_s,motor_angle_rad,torque_mNm\n".to_string();

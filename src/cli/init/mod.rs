@@ -308,7 +308,9 @@ fn ask_drive() -> Drive {
             "" => return Drive::Cable,
             text => match Drive::ALL.into_iter().find(|drive| drive.name() == text) {
                 Some(drive) => return drive,
-                None => drop(writeln!(anstream::stderr(), "expected cable, gear, direct or screw")),
+                None => {
+                    let _ = writeln!(anstream::stderr(), "expected cable, gear, direct or screw");
+                }
             },
         }
     }

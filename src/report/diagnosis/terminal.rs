@@ -101,11 +101,12 @@ fn candidates(out: &mut impl Write, found: &Diagnosis) -> io::Result<()> {
         return Ok(());
     }
     heading(out, "Candidate causes, ranked: how far the gap shrinks [95 % interval]; of several, the part of each")?;
-    if let Some(share) = added(None, found) {
+    let together = taken(found).count() > 1;
+    // Of a single cause the shrink as a whole is told, in which they have their part.
+    if let Some(share) = added(None, found).filter(|_| together) {
         let adds = format!("adds {}", percent(share));
         writeln!(out, "  {:<24} {adds:>18}  of the model, moved within their confidence", "own parameters")?;
     }
-    let together = taken(found).count() > 1;
     for candidate in found.candidates.iter().take(CANDIDATES) {
         let role = Role::of(candidate, found);
         let (bold, plain) =
